@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from yarclang.cell.description import Names, read_cell
-from yarclang.certify import judgement
+from yarclang.certify import whole_text
 from yarclang.certify.bodies.clearance import find_clearances
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.torque import find_torques
@@ -158,10 +158,10 @@ def two_seconds(robot: Robot, cell: object) -> list[float]:
             seen.append(best(lambda: find_clearances(layout, placed, arm)))
             return {}, []
 
-        judgement.find_clearances = timed
+        whole_text.find_clearances = timed
         compile_module(module, Request(robot))
         times += seen
-    judgement.find_clearances = find_clearances
+    whole_text.find_clearances = find_clearances
     return times
 
 
@@ -185,9 +185,9 @@ def grazing(robot: Robot, gap: float) -> float:
         seen.append(best(lambda: find_clearances(layout, placed, arm)))
         return {}, []
 
-    judgement.find_clearances = timed
+    whole_text.find_clearances = timed
     compile_module(module, Request(robot))
-    judgement.find_clearances = find_clearances
+    whole_text.find_clearances = find_clearances
     return seen[0]
 
 
@@ -206,9 +206,9 @@ def torques_of_palletising(robot: Robot) -> float:
         spent.append(best(lambda: find_torques(layout, heavy, handled)))
         return {}, []
 
-    judgement.find_torques = timed
+    whole_text.find_torques = timed
     compile_module(opened.value.module, opened.value.request)
-    judgement.find_torques = find_torques
+    whole_text.find_torques = find_torques
     return spent[0]
 
 
@@ -229,11 +229,11 @@ def palletising(cell: object) -> tuple[float, float, float]:
         spent.append((time.perf_counter() - begun) * 1e3)
         return found
 
-    judgement.find_clearances = lambda *_: ({}, [])
+    whole_text.find_clearances = lambda *_: ({}, [])
     without = best(compiled)
-    judgement.find_clearances = checked
+    whole_text.find_clearances = checked
     within = best(compiled)
-    judgement.find_clearances = find_clearances
+    whole_text.find_clearances = find_clearances
     return without, within, min(spent)
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from yarclang.cell.description import Names, read_cell
-from yarclang.certify import judgement
+from yarclang.certify import whole_text
 from yarclang.certify.bodies.zones import find_zones
 from yarclang.diagnostics import Result
 from yarclang.pipeline.inputs import Options, open_program
@@ -82,9 +82,9 @@ def main() -> None:
         assert planned.value is not None, planned.diagnostics
         plan = best(lambda placed=placed: plan_checked(placed, opened.request))
         whole = best(lambda planned=planned: certified(planned.value, opened.request))
-        judgement.find_zones = lambda *_: ({}, [])
+        whole_text.find_zones = lambda *_: ({}, [])
         without = best(lambda planned=planned: certified(planned.value, opened.request))
-        judgement.find_zones = find_zones
+        whole_text.find_zones = find_zones
         print(f"{name:25}  {plan:7.0f}  {whole:10.0f}  {whole - without:14.0f}")
 
 

@@ -148,7 +148,7 @@ def test_a_random_chain(tally, joints, seed, tmp_path_factory):
     assert (made_of_it is None) == bool(said)
     tally.count("compiled", made_of_it is not None)
     # a random chain may hit itself, and a line may lead through a singularity or to a limit; nothing else may come of it
-    said = [one for one in said if not one.startswith("Y0902")]
+    said = [one for one in said if not one.startswith(("Y0902", "Y0925"))]
     assert all(one[:3] in {"Y05", "Y06", "Y07", "Y08"} for one in said), said
     if len(joints) < 6:
         assert said == []

@@ -1,6 +1,7 @@
-"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads, sockets, start-up."""
+"""Rules of the house that import-linter doesn't hold: names of folders and modules, clocks, threads, sockets, start-up, circles, files that are named in texts."""
 
 import ast
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,12 +16,13 @@ DOORS = ("cli", "lsp", "repl")
 SOCKETS = {
     "client.py": {"socket", "tempfile", "threading"},
     "coordinator/attached.py": {"asyncio"},
-    "coordinator/coordinator.py": {"asyncio", "datetime"},
+    "coordinator/coordinator.py": {"asyncio"},
     "coordinator/engine.py": {"asyncio"},
     "coordinator/held.py": {"asyncio"},
     "coordinator/live/serving.py": {"asyncio", "secrets"},
     "coordinator/opened.py": {"secrets"},
     "coordinator/serving.py": {"asyncio"},
+    "coordinator/shared.py": {"asyncio", "datetime"},
     "coordinator/subscription.py": {"asyncio"},
     "files.py": {"tempfile"},
     "pendant/accounts/accounts.py": {"asyncio", "secrets", "time"},
@@ -211,3 +213,126 @@ def test_a_door_opens_without_the_libraries_that_take_long(door: str, libraries:
     loaded = {name.partition(".")[0] for name in run.stdout.split()}
     assert "yarclang" in loaded
     assert loaded - sys.stdlib_module_names - {"yarclang"} == libraries
+
+
+NAMED = re.compile(r"`([a-z._][\w.-]*(?:/[\w.-]+)*/?)`")
+"""A file or folder in backticks. PMAC commands such as `J/` begin with a capital letter."""
+
+
+def lost(text: str, *rooms: Path) -> list[str]:
+    """Return the files and folders that a text names and that aren't there.
+
+    A name is looked for from the top, from the package, from `rooms`, and from folders that are named before it.
+    """
+    places, missing = [ROOT, PACKAGE, *rooms], []
+    for name in NAMED.findall(text):
+        if name.endswith(("/", ".py", ".lark")):
+            found = [place / name for place in places if (place / name).exists()]
+            folders = [one if one.is_dir() else one.parent for one in found]
+            places += [folder for folder in folders if folder not in places]
+            missing += [] if found else [name]
+    return missing
+
+
+def pieces(page: str) -> list[str]:
+    """Return the pieces of a page within which names follow each other: rows of tables, and paragraphs; sections in CONTRIBUTING.md."""
+    text = (ROOT / page).read_text()
+    if page == "CONTRIBUTING.md":
+        return text.split("\n## ")
+    return [
+        piece
+        for paragraph in text.split("\n\n")
+        for piece in (paragraph.splitlines() if paragraph.startswith("|") else [paragraph])
+    ]
+
+
+@pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_files_that_are_named_are_there(page: str):
+    assert [(name, piece[:60]) for piece in pieces(page) for name in lost(piece)] == []
+    assert sum(len(NAMED.findall(piece)) for piece in pieces(page)) > 30
+
+
+def test_rooms_of_the_package_that_pages_name_are_there():
+    rooms = {"yarclang", *(path.name for path in PACKAGE.iterdir() if path.is_dir())}
+    named = [
+        (page.name, name)
+        for page in sorted((ROOT / "docs").glob("*.md"))
+        for name in NAMED.findall(page.read_text())
+        if name.partition("/")[0] in rooms and name.endswith(("/", ".py"))
+    ]
+    assert len(named) > 30
+    assert [(page, name) for page, name in named if lost(f"`{name}`")] == []
+
+
+@pytest.mark.parametrize(
+    "path", sorted(PACKAGE.rglob("__init__.py")), ids=lambda path: str(path.relative_to(ROOT))
+)
+def test_what_a_room_says_of_itself_is_there(path: Path):
+    assert lost(ast.get_docstring(ast.parse(path.read_text())) or "", path.parent) == []
+
+
+def test_names_of_files_that_are_gone_are_seen():
+    assert lost("| `certify/` | proves (`judge.py`); `certify/read/layout.py`, `numbers.py`, `rooms/` |") == [
+        "judge.py",
+        "rooms/",
+    ]
+    assert lost("`J/` closes a loop, `yarclang/units.py` has units, `--to` and `robot.toml` are none") == []
+
+
+def imports() -> dict[str, set[str]]:
+    """Return, for each module of the package, the modules that it imports anywhere: in functions and for types too.
+
+    Without the package's own face, which imports the pipeline and gives it its version.
+    """
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in PACKAGE.rglob("*.py")
+    }
+    found: dict[str, set[str]] = {}
+    for name, path in files.items():
+        known = found.setdefault(name, set())
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module:
+                named = [f"{node.module}.{one.name}" for one in node.names]
+                known.update(one if one in files else node.module for one in named)
+            elif isinstance(node, ast.Import):
+                known.update(one.name for one in node.names)
+        known.intersection_update(files)
+    del found[PACKAGE.name]
+    return found
+
+
+def circles(graph: dict[str, set[str]]) -> set[tuple[str, ...]]:
+    """Return the largest sets of modules in which each reaches every other one."""
+    while ends := {name for name in graph if not graph[name] & graph.keys()}:
+        graph = {name: known for name, known in graph.items() if name not in ends}
+
+    def reached(begin: str) -> set[str]:
+        seen, waiting = set(), [begin]
+        while waiting:
+            for one in (graph[waiting.pop()] & graph.keys()) - seen:
+                seen.add(one)
+                waiting.append(one)
+        return seen
+
+    reach = {name: reached(name) for name in graph}
+    return {
+        tuple(sorted({one for one in reach[name] if name in reach[one]}))
+        for name in graph
+        if name in reach[name]
+    }
+
+
+OPEN = {("yarclang.collision.placing", "yarclang.collision.scene")}
+"""Circles that there are: making a scene asks for distances, which are those of a scene."""
+
+
+def test_modules_do_not_import_in_circles():
+    graph = imports()
+    assert sum(map(len, graph.values())) > 3000
+    assert circles(graph) - OPEN == set()
+
+
+def test_circles_are_seen():
+    assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}, "e": {"e"}}) == {("a", "b", "c"), ("e",)}
+    assert circles({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == set()

@@ -122,7 +122,7 @@ def plan(
         cell: see `check`.
     """
     from yarclang.diagnostics import Result, has_errors
-    from yarclang.pipeline.checking import told
+    from yarclang.pipeline.checking import settled_in_folder
     from yarclang.pipeline.guarding import failure
     from yarclang.pipeline.stages import plan_module
 
@@ -135,7 +135,7 @@ def plan(
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
             found, value = (*found, *planned.diagnostics), planned.value
-        found = told(found, source, Path(folder), opened.value)
+        found = settled_in_folder(found, source, Path(folder), opened.value)
     except Exception as error:
         found = (*found, failure(error, source))
     return Result(None if has_errors(found) else value, found)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
+from yarclang.decisions import Register, Value
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -33,6 +34,20 @@ class FrameLink:
     parent: FrameLink | None = None
     source: SourceFile | None = None
     span: Span | None = None
+    told: Array | None = field(default=None, compare=False)
+    """The numbers of `parent_from_frame` as they were written, in SI: x y z and roll pitch yaw (6,) or qx qy qz qw (7,); None for the robot's frames."""
+
+
+@frozen(eq=False)
+class Told:
+    """A pose as it was written, for readers that make the transforms themselves.
+
+    `numbers` are in SI: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,). `base` is the frame that they are seen from, `moving` the frame that is moved.
+    """
+
+    numbers: Array
+    base: FrameLink
+    moving: FrameLink
 
 
 @frozen
@@ -101,6 +116,8 @@ class PoseGoal:
     base_from_moving: Array
     flange_from_moving: Array
     near: Array | None = None
+    told: Told | None = field(default=None, compare=False)
+    """The same as it was written; None for a pose that was computed."""
 
 
 @frozen(eq=False)
@@ -117,6 +134,8 @@ class PoseDelta:
     axes: Array
     axes_on_flange: bool
     flange_from_moving: Array
+    told: Told | None = field(default=None, compare=False)
+    """The same as it was written; None for a change that was computed."""
 
 
 @frozen
@@ -449,16 +468,19 @@ class Hold:
 
 @frozen
 class When:
-    """The steps up to the next Else or EndWhen of the same depth are done if an input has a value."""
+    """The steps up to the next Else or EndWhen of the same depth are done if a condition holds.
+
+    With `again` it is decided with what the WHEN has read in whose second way it stands first: a CASE reads its inputs once.
+    """
 
     origin: Origin
-    input: Signal
-    value: float
+    condition: Value
+    again: bool = False
 
 
 @frozen
 class Else:
-    """The steps from here on are done if the input of the When hasn't that value."""
+    """The steps from here on are done if the condition of the When doesn't hold."""
 
     origin: Origin
 
@@ -468,6 +490,15 @@ class EndWhen:
     """Both ways meet here, at the same joint positions."""
 
     origin: Origin
+
+
+@frozen
+class SetRegister:
+    """A register takes a value when the robot stands."""
+
+    origin: Origin
+    register: str
+    value: Value
 
 
 @frozen
@@ -491,7 +522,7 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen
+Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen | SetRegister
 Step = Motion | Action | Stop | Gap
 
 
@@ -512,3 +543,4 @@ class Program:
     cell: Cell | None = None
     is_cut: bool = False
     cells: Mapping[int, Cell | None] | None = None
+    registers: tuple[Register, ...] = ()

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import simple
 from yarclang.hir import (
     FrameLink,
     Goal,
@@ -23,7 +24,9 @@ from yarclang.hir import (
     PoseGoal,
     Program,
     Reading,
+    Signal,
     Step,
+    When,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
@@ -97,6 +100,8 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
             digest.update(_fed(step, memory))
         else:
             digest.update(_bytes_of(step))
+    if program.registers:
+        _feed(digest.update, program.registers)
     if program.cell is not None:
         # its names are in the steps, as far as they are used
         _feed(digest.update, program.cell.obstacles)
@@ -125,7 +130,16 @@ def _fed(step: Motion, memory: Memory) -> bytes:
 
 def _bytes_of(step: Step) -> bytes:
     fed: list[bytes] = []
-    _feed(fed.append, step)
+    if isinstance(step, When) and not step.again and (compared := simple(step.condition)) is not None:
+        # an input and its value, whatever a condition may be besides
+        one, value = compared
+        step_parts = (step.origin, Signal(one.name, one.variable), value)
+        fed.append(b"When(")
+        for part in step_parts:
+            _feed(fed.append, part)
+        fed.append(b")")
+    else:
+        _feed(fed.append, step)
     return b"".join(fed)
 
 
@@ -157,4 +171,4 @@ def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
     """Return how a dataclass begins, and its fields; None of an Origin, which says no more than its label, and of all other values."""
     if issubclass(kind, Origin) or not is_dataclass(kind):
         return None
-    return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind))
+    return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind) if one.compare)

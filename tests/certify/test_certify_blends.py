@@ -26,8 +26,8 @@ from tests.certify.certify_chains import Chain, Leg, exact_joints, in_joints, of
 from tests.certify.certify_paths import arc_poses, moved, off_path_at, spline_poses, turn
 from yarclang import hir
 from yarclang.certify import certify
+from yarclang.certify.certifying import certify_text
 from yarclang.certify.claims import Claims
-from yarclang.certify.judge import certify_text
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Tolerance
 

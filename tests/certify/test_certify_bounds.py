@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from tests.certify.certify_bench import FLANGE_FROM_TCP, industrial6, natural, railed, sample
 from yarclang.certify.motion.bounds import (
     Cubics,
+    Fuzz,
     arm_fourth,
     catch_up,
     fourth,
@@ -206,7 +207,10 @@ def test_how_far_one_command_reaches_does_not_depend_on_the_others():
         of_lines(start, start + np.linspace(0.0, way, 9)[1:, None] * np.ones(robot.chain.size), 0.02)
         for start, way in ((np.zeros(robot.chain.size), 0.1), (np.full(robot.chain.size, 0.9), 0.5))
     )
-    both = Cubics(*(np.concatenate([getattr(one, name) for one in (own, other)]) for name in "xvajh"))
+    fuzz = Fuzz(
+        *(np.concatenate([getattr(one.fuzz, name) for one in (own, other)]) for name in ("size", "step", "h"))
+    )
+    both = Cubics(*(np.concatenate([getattr(one, name) for one in (own, other)]) for name in "xvajh"), fuzz)
     count = len(own.h)
     alone = arm_bounds(own, np.zeros(count, dtype=np.int64), FLANGE_FROM_TCP[None], robot)
     command = np.repeat([0, 1], [count, len(other.h)])

@@ -8,7 +8,7 @@ from tests.certify.certify_bench import Job, emit, industrial6, origin, program
 from tests.certify.test_certify_blends import Q0, codes, joint_chain, judge
 from yarclang import hir
 from yarclang.certify import certify
-from yarclang.certify.judge import certify_text
+from yarclang.certify.certifying import certify_text
 from yarclang.certify.pmac.read import read
 from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.robot.model import Tolerance

@@ -63,7 +63,7 @@ def coupled():
         ixx08=32,
         hold_time=0.4,
     )
-    return replace(robot, actuation=actuation, controller=controller)
+    return replace(robot, actuation=actuation, controller=controller, written=None)
 
 
 ROBOTS = {one.name: load_robot(one.name).value for one in list_robots()} | {"coupled": coupled()}
@@ -172,6 +172,7 @@ def robots(draw):
     velocity = each(st.floats(1e2, 1e6))
     return replace(
         robot,
+        written=None,
         actuation=replace(robot.actuation, gear=gear, coupling=coupling, offset=offset, velocity=velocity),
         controller=controller,
         limits=limits,
@@ -648,7 +649,7 @@ def test_a_wrong_writer_is_refused(monkeypatch, mutant):
 def test_settings_of_another_controller_are_refused(field, value):
     """The fingerprint alone isn't trusted."""
     robot = ROBOTS["coupled"]
-    other = replace(robot, controller=replace(robot.controller, **{field: value}))
+    other = replace(robot, controller=replace(robot.controller, **{field: value}), written=None)
     assert judged(settings_text(other), robot).value is None
 
 
@@ -657,9 +658,9 @@ def test_what_a_controller_cannot_do_is_refused():
     robot = ROBOTS["INDUSTRIAL6"]
     slow = replace(robot, controller=replace(robot.controller, hold_time=8000.0))
     assert "a hold takes" in judged(settings_text(slow), slow).diagnostics[-1].message
-    fine = replace(robot, actuation=replace(robot.actuation, gear=robot.actuation.gear * 1e5))
+    fine = replace(robot, actuation=replace(robot.actuation, gear=robot.actuation.gear * 1e5), written=None)
     assert "farther than the controller counts" in judged(settings_text(fine), fine).diagnostics[0].message
-    flat = replace(robot, actuation=replace(robot.actuation, coupling=np.ones((6, 6))))
+    flat = replace(robot, actuation=replace(robot.actuation, coupling=np.ones((6, 6))), written=None)
     text = re.sub(r"(?m)^(#\d+->).*", r"\g<1>1X", TEXTS["INDUSTRIAL6"])
     assert "can't be inverted" in the_finding(text, flat).message
 

@@ -22,7 +22,7 @@ from tests.certify.certify_paths import arc_poses, moved
 from tests.certify.test_certify_blends import Q0, START, TIMING, codes, edited, judge, line, line_of
 from yarclang import hir
 from yarclang.certify.blends.tangent import _crossing
-from yarclang.certify.judge import certify_text
+from yarclang.certify.certifying import certify_text
 
 ZERO = hir.Reading(0.0, 0.0)
 WAY = np.array([0.1, 0.02, 0.0])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from programs import codes, compiled
 
+from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
-from yarclang.certify.judge import certify
 from yarclang.certify.motion.speed import KEPT
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader

@@ -8,6 +8,7 @@ import asyncio
 import os
 import tempfile
 from contextlib import contextmanager
+from dataclasses import replace
 from types import SimpleNamespace
 from unittest import mock
 
@@ -19,7 +20,6 @@ from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from yarclang.coordinator import engine as engines
 from yarclang.coordinator.attached import There
 from yarclang.coordinator.live.proof import Judge
 from yarclang.coordinator.live.steering import JointVelocity, Master, Twist
@@ -29,6 +29,7 @@ from yarclang.coordinator.serving import ControlSocket
 from yarclang.pmac.requests import Code
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.actions import Trouble
+from yarclang.runtime.pmac import scripts
 from yarclang.runtime.state import State
 
 NIGHT = "YARCLANG_RANDOM_SESSIONS" in os.environ
@@ -76,29 +77,30 @@ SPEEDS = st.lists(st.floats(-0.6, 0.6), min_size=6, max_size=6)
 def certified_lines():
     """All lines of certified programs that are performed, and all that the judge of live motions admits."""
     known = set()
-    perform, perform_live, admit = engines.perform, engines.perform_live, Judge.admit
+    given, admit = scripts.SCRIPTS, Judge.admit
 
     def performing(operation, job):
         assert job.certificate
         known.update(job.lines)
         for leg in job.legs:
             known.update(leg.job.lines if leg.job else ())
-        return perform(operation, job)
+        return given.perform(operation, job)
 
     def performing_live(operation, live):
         assert not any(line.startswith("X") for line in live.opening)
         known.update(live.opening)
-        return perform_live(operation, live)
+        return given.perform_live(operation, live)
 
     def admitting(self, lines):
         known.update(lines)
         admit(self, lines)
 
-    engines.perform, engines.perform_live, Judge.admit = performing, performing_live, admitting
+    scripts.SCRIPTS = replace(given, perform=performing, perform_live=performing_live)
+    Judge.admit = admitting
     try:
         yield known
     finally:
-        engines.perform, engines.perform_live, Judge.admit = perform, perform_live, admit
+        scripts.SCRIPTS, Judge.admit = given, admit
 
 
 class Sessions(RuleBasedStateMachine):

@@ -8,7 +8,7 @@ import pytest
 from programs import codes
 
 from tests.handling.carrying import PICK, PUT, made
-from yarclang.certify.judge import certify
+from yarclang.certify.certifying import certify
 
 
 def told(found, code):

@@ -253,6 +253,8 @@ def test_a_viewer_who_forges_every_message_moves_nothing(monkeypatch, tmp_path):
                         "read",
                         "declarations",
                         "parts",
+                        "model",
+                        "scene",
                         "stop",
                     ), word
         for kind in wants.KINDS:

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 import yarclang
 import yarclang.lint.engine as lint_engine
 import yarclang.syntax.parse as parse_module
+from yarclang.backend_pmac import writing
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
 from yarclang.internal_errors import internal_error
@@ -50,7 +51,7 @@ PLACES = {
     "parser": (parse_module, "parse_statement"),
     "semantics": (stages, "check"),
     "planning": (stages, "plan"),
-    "emission": (stages, "emit"),
+    "emission": (writing, "emit"),
     "certificate": (stages, "certify"),
     "rules": (checking, "remarks"),
     "rules in the end": (lint_engine, "rules"),

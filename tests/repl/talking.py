@@ -7,7 +7,8 @@ from coordinator.virtual import coordinating
 
 from yarclang.coordinator.attached import Here
 from yarclang.coordinator.messages import orders
-from yarclang.repl.interpreter import PROMPT, Interpreter
+from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import PROMPT
 
 
 class Person:

@@ -6,7 +6,7 @@ from programs import compiled
 
 from tests.runtime.virtual import World
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.certify.judge import certify
+from yarclang.certify.certifying import certify
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.robot.actuation import from_counts
 from yarclang.runtime.notices import Abort, Changed, Hold, Progress, Resume, Stop

@@ -5,13 +5,14 @@ from runtime.virtual import World, well_behaved
 from simulator.machines import robot_machine
 
 from yarclang.runtime.actions import Trouble
+from yarclang.runtime.pmac.link import measure
 from yarclang.runtime.pmac.messages import Ask, Write
 from yarclang.runtime.pmac.performance import connect, measured
 
 
 def link_of(world, robot):
     world.perform(connect(world.operation))
-    link = world.perform(measured(world.operation, robot))
+    link = world.perform(measure(world.operation, len(robot.controller.axes)))
     well_behaved(world)
     return link
 
@@ -104,5 +105,6 @@ def test_a_link_that_breaks(machine):
     robot, controller = machine
     world = World(controller)
     world.spoil = lambda request, reply: b"\x15" if request == Ask("P8180") else reply
+    world.perform(connect(world.operation))
     with pytest.raises(Trouble, match="lost while the link was measured"):
-        link_of(world, robot)
+        world.perform(measured(world.operation, robot))

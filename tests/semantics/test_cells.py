@@ -162,7 +162,7 @@ def test_a_frame_of_the_robot_cannot_be_a_cells(tmp_path):
 
 def test_a_tool_frame_that_the_robot_names_cannot_be_a_cells(tmp_path):
     robot = load_robot("INDUSTRIAL6").value
-    robot = replace(robot, flange_from_frame={**robot.flange_from_frame, "GRIPPER": np.eye(4)})
+    robot = replace(robot, flange_from_frame={**robot.flange_from_frame, "GRIPPER": np.eye(4)}, written=None)
     (tmp_path / "cell.toml").write_text(CELL)
     request = Request(robot, load_cell=cell_loader(tmp_path, robot))
     (found,) = check_program(parse(source('CELL "cell.toml"\nP0010 STOP')).value, request).diagnostics

@@ -28,6 +28,7 @@ Kind = Literal[
     "joints",
     "pose",
     "input",
+    "register",
     "output",
     "sub",
     "module",

@@ -29,6 +29,7 @@ from yarclang.assist.vocabulary import (
 )
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec
+from yarclang.decisions import Register
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
 from yarclang.semantics.names.scope import Input, JointPosition, Pose, Routine
@@ -63,7 +64,11 @@ class _Maker(NameMaker):
             yield from self.numbers()
         elif cursor.is_expression:
             yield from self.numbers()
-            yield from self.functions()
+            if cursor.is_decided:
+                yield from self.known(Register, "register")
+                yield from self.known(Input, "input")
+            else:
+                yield from self.functions()
         elif cursor.is_head:
             yield from self._heads()
         elif cursor.bracket == "[":
@@ -128,6 +133,9 @@ class _Maker(NameMaker):
                 yield from self._arguments()
             case "frames":
                 yield from self.frames()
+            case "values":
+                yield from self.known(Register, "register")
+                yield from self.known(Input, "input")
 
     def _of_command(self, head: str) -> Iterator[Candidate]:
         """Frames, joint positions and options."""
@@ -169,8 +177,12 @@ class _Maker(NameMaker):
         slot = slots[at] if at < len(slots) else None
         if slot is Slot.INPUT:
             yield from self.known(Input, "input")
+            if self.cursor.head == "WHEN":
+                yield from self.known(Register, "register")
         elif slot is Slot.OUTPUT:
             yield from self.known(Output, "output")
+            if self.cursor.head == "SET":
+                yield from self.known(Register, "register")
         elif slot is Slot.STATE:
             for name in sorted(STATES):
                 yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)

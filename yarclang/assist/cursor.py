@@ -9,6 +9,7 @@ from yarclang.assist.sketch import Sketch
 from yarclang.syntax.words import OPTIONS
 
 _CLOSING = {"]": "[", ")": "("}
+_OF_CONDITIONS = {"=", "<>", "<", "<=", ">", ">=", "AND", "OR", "NOT"}
 _VALUES = {"number", "word", "frame", "string"}
 
 
@@ -56,7 +57,13 @@ class Cursor:
             return True
         if self.head == "IF":
             return True
-        return self.head == "LET" and any(one.text == "=" for one in self.before)
+        return self.is_decided or (self.head == "LET" and any(one.text == "=" for one in self.before))
+
+    @property
+    def is_decided(self) -> bool:
+        """Whether an expression stands here whose value is known only when the program runs."""
+        marks = {"WHEN": _OF_CONDITIONS, "SET": {"="}}.get(self.head, set())
+        return any(one.text.upper() in marks for one in self.before)
 
     @property
     def values(self) -> tuple[Lexeme, ...]:

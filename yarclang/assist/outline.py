@@ -12,7 +12,9 @@ from yarclang.source import Span
 from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.lines import code_of
 
-Kind = Literal["frame", "number", "joints", "pose", "input", "output", "sub", "module", "block", "command"]
+Kind = Literal[
+    "frame", "number", "joints", "pose", "register", "input", "output", "sub", "module", "block", "command"
+]
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,10 +25,13 @@ from yarclang.syntax.ast import (
 from yarclang.syntax.expressions import Expression, Name, parts_of
 from yarclang.syntax.words import CONSTANTS, STATES
 
-Kind = Literal["frame", "number", "joints", "pose", "input", "output", "sub", "module", "parameter"]
+Kind = Literal[
+    "frame", "number", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
+]
 
 _BY_WORD: dict[str, Kind] = {
     "LET": "number",
+    "REGISTER": "register",
     "JOINTS": "joints",
     "POSE": "pose",
     "INPUT": "input",

@@ -35,6 +35,7 @@ _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
     "joints": "joints",
+    "register": "variable",
     "pose": "pose",
     "input": "signal",
     "output": "signal",

@@ -29,8 +29,10 @@ def _grid(robot: Robot, tm: float | None) -> Result[Grid]:
 
 
 def _write(plan: MotionPlan, target: str, tolerance: Tolerance, memory: Memory) -> Result[Written]:
-    from yarclang.backend_pmac.writing import write
+    from yarclang.backend_pmac.writing import streamed_only, write
 
+    if target == "prog" and (refused := streamed_only(plan.program)) is not None:
+        return Result(None, (refused,))
     return write(plan, cast("Target", target), tolerance, memory)
 
 

@@ -24,11 +24,13 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
         case "hold":
             return (f'SEND"YARC: {printable(barrier.name) or barrier.label}"', "STOP")
         case "when":
-            return (f"IF({barrier.variable}={_value(barrier)})",)
+            return (f"IF({barrier.condition})",)
         case "else":
             return ("ELSE",)
         case "end":
             return ("ENDIF",)
+        case "set":
+            raise ValueError("registers are kept by whoever streams, never in a program buffer")
 
 
 def _wait(barrier: Barrier, system: int) -> list[str]:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
+from yarclang.decisions import Register
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -29,10 +30,12 @@ class Emitted:
     body: str
     places: Mapping[int, tuple[int, int]]
     barriers: tuple[tuple[int, Barrier], ...]
+    registers: tuple[Register, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
-        """The whole text: header lines and the map of commands and barriers as comments, then what the controller reads."""
-        before = len(header) + len(self.commands) + len(self.barriers) + len(self.opening)
+        """The whole text: header lines and the map of commands, barriers and registers as comments, then what the controller reads."""
+        maps = len(self.commands) + len(self.barriers) + len(self.registers)
+        before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
             place = self.places.get(command.step)
@@ -44,12 +47,14 @@ class Emitted:
             )
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")
+        head += [f"; register {one.name} {one.low} {one.high} {one.first}" for one in self.registers]
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
 def _told(barrier: Barrier) -> str:
     """What the map says of a barrier: kind, step, what is waited for, how long, and its name or text."""
-    condition = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
+    waited = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
+    condition = barrier.condition or waited
     timeout = "-" if barrier.timeout is None else f"{barrier.timeout:.9g}"
     return f"{barrier.kind} {barrier.step} {condition} {timeout} {printable(barrier.name) or '-'}"
 
@@ -74,7 +79,9 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         pieces.append("".join(f"{word}\n" for word in words))
         line += len(words)
     body = "".join(pieces) + "CLOSE\n"
-    return Emitted(program.commands, tuple(_opening(program)), body, places, tuple(barriers))
+    return Emitted(
+        program.commands, tuple(_opening(program)), body, places, tuple(barriers), program.registers
+    )
 
 
 def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand | Barrier) -> tuple[str, ...]:

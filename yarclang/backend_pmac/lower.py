@@ -6,9 +6,24 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from yarclang.backend_pmac.deciding import canonical
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
-from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, Motion, SetOutput, Stop, WaitInput, When
+from yarclang.decisions import AGAIN, called, in_words
+from yarclang.hir import (
+    Array,
+    Dwell,
+    Else,
+    EndWhen,
+    Gap,
+    Hold,
+    Motion,
+    SetOutput,
+    SetRegister,
+    Stop,
+    WaitInput,
+    When,
+)
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.program import (
@@ -67,6 +82,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
             for output in plan.program.outputs
             if output.safe is not None
         ),
+        registers=plan.program.registers,
     )
 
 
@@ -130,7 +146,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                     yield Rest(0.0)
                 rests, written = True, None
                 yield Assignment(output.variable, value)
-            case WaitInput() | Hold() | When() | Else() | EndWhen():
+            case WaitInput() | Hold() | When() | Else() | EndWhen() | SetRegister():
                 if not rests:
                     yield Rest(0.0)
                 yield _barrier(number, step)
@@ -169,13 +185,18 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
     }
 
 
-def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen) -> Barrier:
+def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen | SetRegister) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
         case WaitInput(input=signal, value=value, timeout=timeout):
             return Barrier(number, "wait", signal.variable, value, timeout, signal.name, label)
-        case When(input=signal, value=value):
-            return Barrier(number, "when", signal.variable, value, None, signal.name, label)
+        case When(condition=condition, again=again):
+            told = f"{AGAIN if again else ''}{canonical(condition)}"
+            return Barrier(number, "when", name=called(condition), label=label, condition=told)
+        case SetRegister(register=register, value=value):
+            name = f"{register} = {in_words(value)}"
+            told = f"${register}:={canonical(value)}"
+            return Barrier(number, "set", name=name, label=label, condition=told)
         case Hold(text=text):
             return Barrier(number, "hold", name=text, label=label)
         case Else():

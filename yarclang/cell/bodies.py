@@ -93,7 +93,8 @@ def mounted(
     if frame is None or pose is None or (frame not in ROOTS and frame not in around.frames):
         return None
     under = mount_of(frame, around.frames)
-    return Mount(constant(under.transform @ pose), under.on_flange)
+    told = around.measures.told(table, units)
+    return Mount(constant(under.transform @ pose), under.on_flange, (*(under.told or ()), told))
 
 
 def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:

@@ -17,8 +17,8 @@ from yarclang.toml.places import Path
 from yarclang.transforms import constant
 
 ROOTS: Mapping[str, Mount] = {
-    "B": Mount(constant(np.eye(4)), on_flange=False),
-    "FLANGE": Mount(constant(np.eye(4)), on_flange=True),
+    "B": Mount(constant(np.eye(4)), on_flange=False, told=()),
+    "FLANGE": Mount(constant(np.eye(4)), on_flange=True, told=()),
 }
 """What a cell's frames hang on at last: they come from the robot, whichever it is."""
 
@@ -45,7 +45,7 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
         if parent is not None:
             parents[name.upper()] = parent
             if pose is not None:
-                local[name.upper()] = pose
+                local[name.upper()] = pose, measures.told(table, units)
     for circle in circles(parents):
         message = f"The frames {', '.join(circle)} hang on each other in a circle."
         if len(circle) == 1:
@@ -56,9 +56,9 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
     waiting = dict(local)
     while ready := [name for name in waiting if parents[name] in ROOTS or parents[name] in placed]:
         for name in ready:
-            parent, pose = parents[name], waiting.pop(name)
+            parent, (pose, told) = parents[name], waiting.pop(name)
             under = mount_of(parent, placed)
-            mount = Mount(constant(under.transform @ pose), under.on_flange)
+            mount = Mount(constant(under.transform @ pose), under.on_flange, (*(under.told or ()), told))
             placed[name] = CellFrame(name, parent, pose, mount)
     return placed
 

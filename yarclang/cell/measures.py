@@ -81,6 +81,15 @@ class Measures:
             made[:3, :3] = quaternion_rotation(quaternion)
         return constant(made) if sound else None
 
+    def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
+        """Return the numbers of a place in SI, of which `transform` has found no fault: x y z and roll pitch yaw (6,) or qx qy qz qw (7,)."""
+        known = units or {}
+        length, angle = (known[kind].factor if kind in known else 1.0 for kind in ("length", "angle"))
+        origin = [value * length for value in placed.xyz or (0.0, 0.0, 0.0)]
+        if placed.quat is not None:
+            return constant(np.array([*origin, *placed.quat]))
+        return constant(np.array([*origin, *(value * angle for value in placed.rpy or (0.0, 0.0, 0.0))]))
+
     def sized(self, values: Sequence[object] | None, size: int, path: Path) -> bool:
         """Whether a list has so many entries, if it is there; else a finding."""
         if values is None or len(values) == size:

@@ -30,6 +30,10 @@ class Mount:
 
     transform: Array
     on_flange: bool
+    told: tuple[Array, ...] | None = field(default=None, compare=False)
+    """The places of which `transform` is made, from the root on, each as it was written, in SI: x y z and roll pitch yaw (6,) or qx qy qz qw (7,); None
+    for a place that was computed.
+    """
 
 
 @frozen(eq=False)
@@ -43,6 +47,11 @@ class CellFrame:
     parent: str
     parent_from_frame: Array
     mount: Mount
+
+    @property
+    def told(self) -> Array | None:
+        """The numbers of `parent_from_frame` as they were written, as in `Mount.told`."""
+        return self.mount.told[-1] if self.mount.told else None
 
 
 @frozen(eq=False)
@@ -207,6 +216,8 @@ class ShapeRegion:
 
     base_from_shape: Array
     shape: Box | Sphere | Cylinder | Capsule
+    told: tuple[Array, ...] | None = field(default=None, compare=False)
+    """As in `Mount`."""
 
 
 @frozen(eq=False)
@@ -215,6 +226,9 @@ class HalfSpace:
 
     normal: Array
     offset: float
+    told: tuple[Array, ...] | None = field(default=None, compare=False)
+    """As in `Mount`: of the frame in whose axes the normal is `own_normal`."""
+    own_normal: Array | None = field(default=None, compare=False)
 
     @property
     def base_from_plane(self) -> Array:

@@ -109,7 +109,7 @@ def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) ->
     if table.normal is not None:
         return _half_space(table.normal, (*path, "normal"), mount, measures)
     shape = simple_shape(table, path, units, around)
-    return None if mount is None or shape is None else ShapeRegion(mount.transform, shape)
+    return None if mount is None or shape is None else ShapeRegion(mount.transform, shape, mount.told)
 
 
 def _half_space(
@@ -125,7 +125,7 @@ def _half_space(
     if mount is None:
         return None
     normal = mount.transform[:3, :3] @ (given / norm)
-    return HalfSpace(constant(normal), float(normal @ mount.transform[:3, 3]))
+    return HalfSpace(constant(normal), float(normal @ mount.transform[:3, 3]), mount.told, constant(given))
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:

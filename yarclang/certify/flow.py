@@ -12,6 +12,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.decisions import called, in_words, inputs_of
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -36,6 +37,8 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
     if dict(text.outputs) != meant:
         yield None, "the safe values of the outputs aren't the program's"
+    if text.registers != program.registers:
+        yield None, "the registers, their ranges and first values aren't the program's"
     told = list(_told(text))
     deeds = list(_meant(program, {entry.step for entry in text.entries if entry.first}))
     for place, (step, deed) in enumerate(deeds):
@@ -59,6 +62,7 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
     yield from _not_in_the_middle(text)
     yield from _out_of_order(text)
     yield from _stands_elsewhere(text, start, slack)
+    yield from _decided_unread(text)
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
@@ -76,8 +80,11 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("set", output.variable, value)
             case hir.WaitInput(input=signal, value=value, timeout=timeout):
                 yield number, ("wait", number, signal.variable, value, timeout, _printable(signal.name))
-            case hir.When(input=signal, value=value):
-                yield number, ("when", number, signal.variable, value, None, _printable(signal.name))
+            case hir.When(condition=condition, again=again):
+                yield number, ("when", number, condition, again, _printable(called(condition)))
+            case hir.SetRegister(register=register, value=result):
+                name = _printable(f"{register} = {in_words(result)}")
+                yield number, ("assign", number, register, result, name)
             case hir.Hold(text=text):
                 yield number, ("hold", number, _printable(text))
             case hir.Else():
@@ -107,7 +114,11 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 yield ("dwell", milliseconds)
             case Put(variable=variable, value=value):
                 yield ("set", variable, value)
-            case Barred(kind="wait" | "when", condition=condition):
+            case Barred(kind="when", decided=decided, again=again):
+                yield ("when", item.step, decided, again, item.name)
+            case Barred(kind="set", decided=decided, register=register):
+                yield ("assign", item.step, register, decided, item.name)
+            case Barred(kind="wait", condition=condition):
                 name, _, wanted = condition.partition("=")
                 yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
             case Barred(kind="hold"):
@@ -167,7 +178,11 @@ def _same(found: Deed, deed: Deed) -> bool:
 
 
 def _words(deed: Deed | None) -> str:
-    return "nothing" if deed is None else " ".join(str(part) for part in deed if part is not None)
+    if deed is None:
+        return "nothing"
+    if deed[0] in ("when", "assign"):
+        return f"{deed[0]} {deed[1]} {deed[-1] or '-'}"
+    return " ".join(str(part) for part in deed if part is not None)
 
 
 def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
@@ -188,6 +203,24 @@ def _out_of_order(text: ControllerText) -> Iterator[Fault]:
         if not one < other:  # type: ignore[operator]  # each is the number of a step
             yield None, f"the text carries out command {other} of the map after command {one}"
             return
+
+
+def _decided_unread(text: ControllerText) -> Iterator[Fault]:
+    """A decision by what was read before belongs where the second way of the decision begins that has read it."""
+    read: list[set[str]] = []
+    before: Barred | None = None
+    for item in text.course:
+        if not isinstance(item, Stood):
+            if isinstance(item, Barred) and item.again and item.decided is not None:
+                needed = {one.variable for one in inputs_of(item.decided)}
+                if before is None or before.kind != "else" or not read or not needed <= read[-1]:
+                    yield None, f"line {item.line} decides by what wasn't read before it"
+            before = item if isinstance(item, Barred) else None
+        if isinstance(item, Barred) and item.kind == "when" and item.decided is not None:
+            known = read[-1] if item.again and read else {one.variable for one in inputs_of(item.decided)}
+            read.append(known)
+        elif isinstance(item, Barred) and item.kind == "end" and read:
+            read.pop()
 
 
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang import hir
-from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.certify.kinematics.arm import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
 

@@ -15,8 +15,8 @@ from yarclang import hir
 from yarclang.certify.bodies.clearance import Apart
 from yarclang.certify.certificate import Blended, Deviation, Load, Loads, ToolSpeed
 from yarclang.certify.claims import Claims
-from yarclang.certify.judgement import Judge
 from yarclang.certify.read.layout import Layout, Place
+from yarclang.certify.whole_text import Judge
 from yarclang.frozen import frozen
 from yarclang.identity import flat, key_of
 from yarclang.memory import Forgetful, Memory

@@ -41,15 +41,17 @@ def told_program(
         goal = hir.JointGoal(start)  # where it goes isn't judged
         blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
         steps.append(hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend))
-    return hir.Program(source, start, tuple(steps), cell=cell)
+    return hir.Program(source, start, tuple(steps), cell=cell, registers=content.registers)
 
 
 def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
     """Where ways part and meet; None for all else."""
     signal = hir.Signal("", "")
     match barrier:
-        case Barred(kind="when"):
-            return hir.When(origin, signal, 0.0)
+        case Barred(kind="when", decided=decided, again=again) if decided is not None:
+            return hir.When(origin, decided, again)
+        case Barred(kind="set", decided=decided, register=register) if decided is not None:
+            return hir.SetRegister(origin, register, decided)
         case Barred(kind="else"):
             return hir.Else(origin)
         case Barred(kind="end"):
@@ -85,10 +87,13 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     conditions = [
         f"'{item.condition}' in line {item.line}"
         for item in content.course
-        if isinstance(item, Barred) and item.condition != "-"
+        if isinstance(item, Barred) and item.condition != "-" and item.kind != "set"
     ]
+    counted = [f"line {item.line}" for item in content.course if isinstance(item, Barred) and item.register]
     if conditions:
         missing.append(f"what it waits for ({_listed(conditions)})")
+    if counted:
+        missing.append(f"its registers ({_listed(counted)})")
     outputs = [
         f"{variable}={value:.9g} in " + ("the PLC of safe values" if line is None else f"line {line}")
         for line, variable, value in assignments_of(content)
@@ -99,7 +104,7 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     help_ = "put the program beside this text"
     if cell is None:
         help_ += "; --cell FILE says what is around the robot"
-    level: Severity | None = "warning" if conditions or outputs else None
+    level: Severity | None = "warning" if conditions or counted or outputs else None
     return Diagnostic("Y1193", message, source, help=help_, level=level)
 
 

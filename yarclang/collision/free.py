@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.collision.bodies import Scene
 from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.proof import SLACK
-from yarclang.collision.scene import Scene
 from yarclang.frozen import frozen
 from yarclang.robot.model import Chain
 from yarclang.shapes import Array

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.collision.bodies import Scene
 from yarclang.collision.course import Course
 from yarclang.collision.placing import distances, place, relative
 from yarclang.collision.proof import SLACK, Meeting
-from yarclang.collision.scene import Scene
 from yarclang.frozen import frozen
 from yarclang.shapes import Array
 

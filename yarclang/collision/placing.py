@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.geometry import encloses
-from yarclang.collision.scene import Rows, Scene
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import skew
+from yarclang.robot.placements import placements
 from yarclang.shapes import Array
 
 
@@ -29,27 +29,9 @@ class Placed:
 
 def place(scene: Scene, q: Array) -> Placed:
     """The arm at joint positions `q` (P, n) [rad or m]."""
-    count, size = q.shape
-    # the positions come last while it is calculated: all steps go along whole rows
-    pose = np.zeros((size + 1, 3, 4, count))
-    pose[0, [0, 1, 2], [0, 1, 2]] = 1.0
-    way = np.ascontiguousarray(q.T)
-    sin, versine = np.sin(way), 1.0 - np.cos(way)
-    for joint in range(size):
-        linear, angular = scene.chain.screws[joint, :3], scene.chain.screws[joint, 3:]
-        # exp(screw q) as in `joint_transform`, behind what the joints before do
-        w = skew(angular)
-        turn, shift = pose[joint, :, :3], pose[joint, :, 3]
-        local = np.matmul(np.stack([linear, w @ linear, w @ w @ linear]), turn)
-        np.multiply(local[:, 0], way[joint], out=pose[joint + 1, :, 3])
-        pose[joint + 1, :, 3] += local[:, 1] * versine[joint]
-        pose[joint + 1, :, 3] += local[:, 2] * (way[joint] - sin[joint])
-        pose[joint + 1, :, 3] += shift
-        turned = np.matmul(np.hstack([w, w @ w]).T, turn)
-        np.multiply(turned[:, :3], sin[joint], out=pose[joint + 1, :, :3])
-        turned[:, 3:] *= versine[joint]
-        pose[joint + 1, :, :3] += turned[:, 3:]
-        pose[joint + 1, :, :3] += turn
+    chain, count = scene.chain, len(q)
+    own = chain.kinematics
+    pose = placements(chain.screws, q) if own is None else own.placements(chain, q)
     middle = np.empty((len(scene.bodies), 3, count))
     for body, joint in enumerate(scene.joint):
         if joint == 0:

@@ -10,8 +10,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.placing import Placed, Relative, relative
-from yarclang.collision.scene import Rows, Scene
 from yarclang.shapes import Array
 
 

@@ -14,10 +14,10 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
 from yarclang.collision.placing import Placed, box_gaps, distances, place, relative, sphere_gaps
 from yarclang.collision.planes import least_gap
-from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.travel import accelerations, travel
 from yarclang.frozen import frozen
 from yarclang.progress import go_on

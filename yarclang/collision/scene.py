@@ -2,80 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell, Touch
+from yarclang.collision.bodies import Body, PairRows, Rows, Scene, assembled, together
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
+from yarclang.collision.placing import distances, place, relative
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.frozen import frozen
-from yarclang.robot.model import Chain, Robot
+from yarclang.robot.model import Robot
 from yarclang.shapes import Array, Mesh, Shape
 from yarclang.source import SourceFile
 
-Rows = NDArray[np.int64]
+__all__ = ["TOUCHING", "Body", "Rows", "Scene", "scene_of", "together"]
 
-
-@frozen(eq=False)
-class Body:
-    """Something that has room: a link's shape, an obstacle, or what the robot carries.
-
-    `joint` is how many joints move it, those from the base on. `base_from_body` (4, 4) [m] is where it is with all joints at zero.
-    `margin` [m] is how far other bodies stay away from it. `is_link` says that it is a link's shape, `of_robot` that it is a link's or that of a
-    tool of robot.toml, `of_cell` that it stands in the cell: what the cell says that the robot carries is none of these. `is_part` is True for what grippers take.
-    """
-
-    name: str
-    joint: int
-    base_from_body: Array
-    geometry: Geometry
-    margin: float
-    is_link: bool
-    of_robot: bool
-    of_cell: bool
-    is_part: bool = False
-
-
-@frozen(eq=False)
-class Scene:
-    """The bodies, and for K pairs of them: `first` and `second` (K,), of which `second` is moved by more joints, `margin` (K,) [m], whether
-    one of both stands in the cell (`of_cell`), and whether they may touch as a part is taken or put down (`touching`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their
-    shapes that are too large, and they aren't among the pairs.
-
-    Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
-    `bound` (M,) of its box; `core` (M, 3) and `disc` (M,) of its hull; `cornered` are the bodies whose hull has corners instead.
-    `of_coal` are the shapes themselves, `own_middle` (M, 3) is the middle of the box in the shape's frame, `closed` (M,) are the meshes that enclose a room.
-    """
-
-    chain: Chain
-    bodies: tuple[Body, ...]
-    first: Rows
-    second: Rows
-    margin: Array
-    of_cell: NDArray[np.bool_]
-    touching: NDArray[np.bool_]
-    at_home: frozenset[tuple[str, str]]
-    joint: Rows
-    middle: Array
-    rotation: Array
-    half: Array
-    radius: Array
-    bound: Array
-    core: Array
-    disc: Array
-    cornered: tuple[int, ...]
-    of_coal: tuple[Any, ...]
-    own_middle: Array
-    closed: NDArray[np.bool_]
-
-    def names(self, pair: int) -> tuple[str, str]:
-        """How messages call the two bodies of a pair, the one that moves more first."""
-        return self.bodies[self.second[pair]].name, self.bodies[self.first[pair]].name
+TOUCHING = 2e-5
+"""Links nearer than this [m] touch."""
 
 
 @lru_cache(maxsize=256)
@@ -155,8 +99,6 @@ _MESH = "save it again as a binary STL, and check that it isn't empty"
 @lru_cache(maxsize=32)
 def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
     """Return the pairs of links that touch in the robot's HOME, as `Scene.names` has them."""
-    from yarclang.collision.placing import distances, place, relative
-
     links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
     scene = _scene(robot, links, (), frozenset())
     pairs = np.arange(len(scene.first))
@@ -185,85 +127,8 @@ def _scene(
     limits = np.maximum(margin[first], margin[second])
     least = _least(robot, bodies, pairs, touches) if touches else np.full(len(pairs), np.inf)
     kept = np.flatnonzero(least > -np.inf)
-    rows = _PairRows(first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
-    return _assembled(robot.chain, bodies, rows, at_home)
-
-
-def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
-    """Put several scenes of one robot into one.
-
-    Returns:
-        A scene with the bodies of all, each of them once, and for each scene the pairs that are its own.
-    """
-    if len(scenes) == 1:
-        return scenes[0], (np.arange(len(scenes[0].first)),)
-    bodies: dict[Hashable, tuple[int, Body]] = {}
-    pairs: dict[tuple[int, int, float, bool], int] = {}
-    own: list[Rows] = []
-    for scene in scenes:
-        here = []
-        for body in scene.bodies:
-            key = body.name, body.joint, body.base_from_body.tobytes(), id(body.geometry), body.margin
-            here.append(bodies.setdefault(key, (len(bodies), body))[0])
-        at = np.array(here, dtype=np.int64)
-        columns = at[scene.first], at[scene.second], scene.margin, scene.touching
-        rows = zip(*(column.tolist() for column in columns), strict=True)
-        own.append(np.array([pairs.setdefault(row, len(pairs)) for row in rows], dtype=np.int64))
-    first, second, limits, touching = zip(*pairs, strict=True) if pairs else ((), (), (), ())
-    found = _PairRows(
-        np.array(first, dtype=np.int64),
-        np.array(second, dtype=np.int64),
-        np.array(limits, dtype=np.float64),
-        np.array(touching, dtype=np.bool_),
-    )
-    every = tuple(body for _, body in bodies.values())
-    return _assembled(scenes[0].chain, every, found, scenes[0].at_home), tuple(own)
-
-
-TOUCHING = 2e-5
-"""Links nearer than this [m] touch."""
-
-
-@frozen(eq=False)
-class _PairRows:
-    """K pairs, as `Scene` has them."""
-
-    first: Rows
-    second: Rows
-    margin: Array
-    touching: NDArray[np.bool_]
-
-
-def _assembled(
-    chain: Chain, bodies: tuple[Body, ...], pairs: _PairRows, at_home: frozenset[tuple[str, str]]
-) -> Scene:
-    first, second = pairs.first, pairs.second
-    placed = np.array([body.base_from_body for body in bodies]).reshape(-1, 4, 4)
-    middle = np.array([body.geometry.middle for body in bodies]).reshape(-1, 3)
-    of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
-    rotation, origin = placed[:, :3, :3], placed[:, :3, 3]
-    return Scene(
-        chain,
-        bodies,
-        first,
-        second,
-        pairs.margin,
-        of_cell[first] | of_cell[second],
-        pairs.touching,
-        at_home,
-        np.array([body.joint for body in bodies], dtype=np.int64),
-        origin + (rotation @ middle[:, :, None])[:, :, 0],
-        rotation,
-        np.array([body.geometry.half for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.radius for body in bodies]),
-        np.array([body.geometry.bound for body in bodies]),
-        np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.disc for body in bodies]),
-        tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
-        tuple(body.geometry.of_coal for body in bodies),
-        np.array([body.geometry.middle for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
-    )
+    rows = PairRows(first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
+    return assembled(robot.chain, bodies, rows, at_home)
 
 
 def _least(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from yarclang.coordinator.resting import resting_place
-from yarclang.hir import Else, EndWhen, Hold, Motion, SetOutput, Step, Stop, WaitInput, When
+from yarclang.hir import Else, EndWhen, Hold, Motion, SetOutput, SetRegister, Step, Stop, WaitInput, When
 from yarclang.motion.plan import MotionPlan
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
@@ -96,7 +96,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | Hold | When | Else | EndWhen)
+    return isinstance(step, WaitInput | Hold | When | Else | EndWhen | SetRegister)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

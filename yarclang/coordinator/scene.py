@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import hashlib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, assert_never
+from typing import Any, Literal, assert_never
 
 import numpy as np
 
 from yarclang.cell.model import Cell, HalfSpace, Item, Mount, Obstacle, Parts, ShapeRegion, Zone
+from yarclang.coordinator.around import Around
+from yarclang.coordinator.engine import Engine
+from yarclang.coordinator.kept_parts import KeptParts
+from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.messages import replies
 from yarclang.coordinator.messages.findings import finding_messages
 from yarclang.diagnostics import Diagnostic
@@ -23,9 +27,6 @@ from yarclang.runtime.actions import Trouble
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
-
 MOST_ITEMS = 500
 """Bodies, zones and parts that are told: to write more would keep the event loop from the robot. Those beyond are left out, with a note."""
 _MOST_NOTES = 100
@@ -36,14 +37,22 @@ _DIGITS = 9
 
 
 class Scenes:
-    """Tells what is around a coordinator's robot.
+    """Tells what is around a robot.
 
     Args:
-        coordinator: whose.
+        robot: likewise.
+        engine: tells whether anything is under way.
+        lines: the declarations of the session.
+        around: the cell.
+        kept: where its parts are.
     """
 
-    def __init__(self, coordinator: Coordinator) -> None:
-        self._coordinator = coordinator
+    def __init__(self, robot: Robot, engine: Engine, lines: Lines, around: Around, kept: KeptParts) -> None:
+        self._robot = robot
+        self._engine = engine
+        self._lines = lines
+        self._around = around
+        self._kept = kept
         self._loader: tuple[Path, CellLoader] | None = None
         self._switched: list[Switched] = []
         self._told = self._state()
@@ -54,7 +63,7 @@ class Scenes:
 
     def output_set(self, variable: str, value: float, q: Array | None) -> None:
         """Take note that what is carried out has set an output while the robot was at `q` (n,) [rad or m]."""
-        if q is not None and self._coordinator.under_way and len(self._switched) < _MOST_SWITCHED:
+        if q is not None and self._engine.under_way and len(self._switched) < _MOST_SWITCHED:
             self._switched.append((variable, value, q))
 
     def is_another(self) -> bool:
@@ -63,9 +72,8 @@ class Scenes:
         return before != self._told
 
     def _state(self) -> tuple[Any, ...]:
-        coordinator = self._coordinator
-        cell, _ = coordinator.around.cells
-        return coordinator.lines.revision, cell, coordinator.carrying.kept.all, len(self._switched)
+        cell, _ = self._around.cells
+        return self._lines.revision, cell, self._kept.all, len(self._switched)
 
     def model(self) -> replies.Model:
         """Return the robot. Waits for the disk.
@@ -73,7 +81,7 @@ class Scenes:
         Raises:
             Trouble: its files can't be read any more, or have changed since it is served.
         """
-        return model_described(self._coordinator.robot)
+        return model_described(self._robot)
 
     def scene(self) -> replies.Scene:
         """Return what is around the robot now. Waits for the disk.
@@ -81,18 +89,18 @@ class Scenes:
         Raises:
             Trouble: the robot's files can't be read any more.
         """
-        robot = self._coordinator.robot
+        robot = self._robot
         cell, notes = self._cell()
         if cell is None:
             return _versioned(replies.Scene(version="", cell=None, items=(), notes=notes, doubt=None))
-        known = self._coordinator.carrying.kept.known(cell)
+        known = self._kept.known(cell)
         parts = first_parts(cell) if known is None else known.present.parts
         parts = parts_after(robot, cell, parts, tuple(self._switched))
         return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
 
     def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
         """Return the cell in use as its file is now, else as it was read before."""
-        around = self._coordinator.around
+        around = self._around
         around.look()
         program, session = around.cells
         if program is None:
@@ -101,7 +109,7 @@ class Scenes:
         if session is not None and is_same_file(path, Path(session.source.name)):
             return session, ()
         if self._loader is None or self._loader[0] != path or not self._loader[1].is_current:
-            self._loader = path, cell_loader(path.parent, self._coordinator.robot)
+            self._loader = path, cell_loader(path.parent, self._robot)
         read = self._loader[1].at(path)
         errors = [one.message for one in read.diagnostics if one.is_error]
         if read.value is not None and not errors:

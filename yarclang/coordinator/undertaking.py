@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from yarclang.coordinator.backwards import Passed, passed
 from yarclang.coordinator.history import History
@@ -11,14 +10,12 @@ from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import PartBegan, Paused
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import resting_place
+from yarclang.coordinator.shared import SharedRobot
 from yarclang.coordinator.signals import output_names
 from yarclang.pipeline.parts import steps_of
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
 TO_THE_START = "to the start"
 """What the command of an approach is called."""
@@ -40,7 +37,7 @@ class Undertaking:
         passes: how often the program was begun.
     """
 
-    def __init__(self, loaded: Loaded, coordinator: Coordinator, times: int | None = 1) -> None:
+    def __init__(self, loaded: Loaded, coordinator: SharedRobot, times: int | None = 1) -> None:
         self.loaded = loaded
         self.times = times
         self.on_the_way = False
@@ -49,6 +46,8 @@ class Undertaking:
         self._coordinator = coordinator
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
+        self._registers: dict[str, int] = {}
+        """What the registers held when the last part had ended: the next step or pass goes on with that."""
 
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the way to the start, then the program."""
@@ -117,10 +116,11 @@ class Undertaking:
     async def _perform(self, job: Job, number: int | None) -> Ended:
         """Perform a job: the way to the start, or that of a number."""
         carrying, loaded = self._coordinator.carrying, self.loaded
+        goes_on = self._goes_on(job)
         if number is None:
             ended = await carrying.perform(job, loaded.program)
         elif (plan := loaded.plan or loaded.text_plan) is None:
-            ended = await carrying.perform_text(job, loaded.program, loaded.cell)
+            ended = await carrying.perform_text(goes_on, loaded.program, loaded.cell)
         else:
             is_lead = not loaded.begins_within or job is loaded.program
             span = self._span(number) if loaded.spans else (0, None)
@@ -128,9 +128,17 @@ class Undertaking:
             step = loaded.first_step if is_first else None
             begin, end = steps_of(plan, *span, with_lead=is_lead, step=step)
             what = Performed(plan, begin, end, loaded.program, loaded.assumed)
-            ended = await carrying.perform(job, loaded.program, what)
+            ended = await carrying.perform(goes_on, loaded.program, what)
+        self._registers.update(ended.registers)
         self.moved = self.moved or ended.well or bool(ended.command)
         return ended
+
+    def _goes_on(self, job: Job) -> Job:
+        """Return a job with the registers as the part before it has left them."""
+        if not job.registers or not self._registers:
+            return job
+        held = tuple(replace(one, first=self._registers.get(one.name, one.first)) for one in job.registers)
+        return replace(job, registers=held)
 
     def _note(self, number: int, ended: Ended) -> None:
         """Keep the motions that a job of the program has carried out, wholly or in part."""

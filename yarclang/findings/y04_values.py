@@ -171,4 +171,43 @@ FINDINGS = (
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [1] (deg,s)",
         "P0010 MOVEJ_TIMED 5 0 0 0 0 0 [2]; 9 0 0 0 0 0 [4] (deg,s)",
     ),
+    Finding(
+        "Y0430",
+        "not-at-run-time",
+        "error",
+        "an expression can't be computed while the program runs",
+        "Registers and inputs are numbers without units, and registers are integers. There are + - * %, FLOOR(a / b), comparisons, AND, OR and NOT: each "
+        "result is an integer, or true or false, on every controller. WHEN takes a condition that depends on a register or an input, SET a number.",
+        "REGISTER N 0..9\nP0010 SET N = N / 2",
+        "REGISTER N 0..9\nP0010 SET N = FLOOR(N / 2)",
+    ),
+    Finding(
+        "Y0431",
+        "bad-register",
+        "error",
+        "a register has no sound range, or gets a value outside of it",
+        "A register is an integer in a range that the program names, so that a count that runs away ends the run with its reason instead of going on. It begins with the "
+        "lowest value, or with the one behind the range.",
+        "REGISTER N 9..0",
+        "REGISTER N 0..9\nP0010 SET N = N + 1",
+    ),
+    Finding(
+        "Y0432",
+        "bad-case",
+        "error",
+        "an OF of a CASE can't be chosen",
+        "Behind OF stand integers and ranges of integers. Each value has one way, and a value that the register never has would be a way that nobody takes.",
+        "REGISTER N 0..2\nCASE N\n  OF 0 1\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
+        "REGISTER N 0..2\nCASE N\n  OF 0\n    P0010 WAIT [1] (s)\n  OF 1..2\n    P0020 WAIT [2] (s)\nEND",
+    ),
+    Finding(
+        "Y0433",
+        "case-without-way",
+        "error",
+        "a CASE has no way for some values",
+        "A robot that does nothing because nobody thought of a number is hard to find. So either each value of the register has an OF, or ELSE says what is done "
+        "with the others. An input may read any number: its CASE always has an ELSE.",
+        "INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\nEND",
+        'INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\n  ELSE\n    P0020 HOLD "no such job"\nEND',
+    ),
 )

@@ -188,4 +188,12 @@ FINDINGS: tuple[Finding, ...] = (
         "conditions of its waits are those of the program. Its own header names the program's file: a file of that name, or of the "
         "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
     ),
+    Finding(
+        "Y1194",
+        "kinematics-disagree",
+        "error",
+        "the kinematics of the judge and a second reading of the robot disagree",
+        "The judge reads robot.toml and URDF with a reader of its own and computes poses and torques with formulas of its own. At some places of every "
+        "motion it asks Pinocchio as well. Where they disagree, one of them has an error, and nothing is proved. Report it, with the robot's files.",
+    ),
 )

@@ -51,4 +51,11 @@ FINDINGS = (
         "OUTPUT GLUE P100 OFF\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 SET GLUE ON\nP0030 MOVEJ 10 0 0 0 30 0 [5] (deg,s)",
         "OUTPUT GLUE M1 OFF\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 SET GLUE ON\nP0030 MOVEJ 10 0 0 0 30 0 [5] (deg,s)",
     ),
+    Finding(
+        "Y1106",
+        "needs-streaming",
+        "error",
+        "a program buffer can't decide this",
+        "Registers, conditions with AND, OR, NOT and comparisons, and the ways of a CASE are decided by the runtime, which sends leg after leg. A text for a program buffer runs without it.",
+    ),
 )

@@ -186,4 +186,11 @@ FINDINGS: tuple[Finding, ...] = (
         "Way-points of two clients would be one path. A second one waits until the first has gone; its way-points are answered with FAILURE, but a stop of it is carried out. "
         "The state link is for many.",
     ),
+    Finding(
+        "Y1630",
+        "register-out-of-range",
+        "error",
+        "a register would leave its range",
+        "The program says in which range a register stays. A value outside of it, one that is no integer, or a division by zero ends the run where the robot stands, before anything is decided by it.",
+    ),
 )

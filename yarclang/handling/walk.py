@@ -339,5 +339,7 @@ def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handl
 
 def flange_pose(robot: Robot, q: Array) -> Array:
     """Return where the flange stands at a joint position (n,): base_from_flange (4, 4)."""
-    pose: Array = tool_poses(robot.chain, np.array(q, dtype=np.float64)[None], np.eye(4))[0]
+    chain, at = robot.chain, np.array(q, dtype=np.float64)[None]
+    own = chain.kinematics
+    pose: Array = (tool_poses(chain, at, np.eye(4)) if own is None else own.flange(chain, at))[0]
     return pose

@@ -29,7 +29,7 @@ def lint(
         found: what the stages have found already; rules don't speak of commands that have errors.
         silent: codes of the rules that needn't be asked.
     """
-    return told(remarks(products, surroundings, silent), surroundings, found)
+    return findings_of(remarks(products, surroundings, silent), surroundings, found)
 
 
 def remarks(products: Iterable[object], surroundings: Surroundings, silent: Collection[str]) -> Remarks:
@@ -43,8 +43,10 @@ def remarks(products: Iterable[object], surroundings: Surroundings, silent: Coll
     return said
 
 
-def told(said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The findings that become of what rules have to say; else as `lint`."""
+def findings_of(
+    said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]
+) -> tuple[Diagnostic, ...]:
+    """Return the findings that become of what rules have to say; else as `lint`."""
     failed = {
         (one.source.name if one.source else "", line)
         for one in each(found)

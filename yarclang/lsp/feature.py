@@ -4,10 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from yarclang.lsp.server import Server
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,25 +17,3 @@ class Feature:
     methods: dict[str, tuple[Callable[..., Any], Any]]
     listens: Callable[..., None] | None = None
     commands: dict[str, Callable[..., Any]] | None = None
-
-    def register(self, server: Server) -> None:
-        """Make the server answer."""
-        for method, (answer, options) in self.methods.items():
-            server.feature(method, options)(_with_server(server, answer))
-        for name, command in (self.commands or {}).items():
-            server.command(name)(_with_server(server, command))
-        if self.listens is not None:
-            server.listeners.append(self.listens)
-
-
-def _with_server(server: Server, answer: Callable[..., Any]) -> Callable[..., Any]:
-    """A function of the parameters alone. It keeps whether it is to be awaited: the library looks at that."""
-    from inspect import iscoroutinefunction
-
-    async def awaited(*params: Any) -> Any:
-        return await answer(server, *params)
-
-    def called(*params: Any) -> Any:
-        return answer(server, *params)
-
-    return awaited if iscoroutinefunction(answer) else called

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import cached_property
 from importlib import import_module
+from inspect import iscoroutinefunction
 from pathlib import Path
 from pkgutil import iter_modules
 from tempfile import TemporaryDirectory
@@ -96,7 +97,27 @@ class Server(LanguageServer):
         self._folder: TemporaryDirectory[str] | None = None
         self._views: dict[str, tuple[Document, Analysis | None, View]] = {}
         for feature in found_features():
-            feature.register(self)
+            self._register(feature)
+
+    def _register(self, feature: Feature) -> None:
+        """Answer the methods and commands of a feature."""
+        for method, (answer, options) in feature.methods.items():
+            self.feature(method, options)(self._answering(answer))
+        for name, command in (feature.commands or {}).items():
+            self.command(name)(self._answering(command))
+        if feature.listens is not None:
+            self.listeners.append(feature.listens)
+
+    def _answering(self, answer: Callable[..., Any]) -> Callable[..., Any]:
+        """Return an answer as a function of the parameters alone; awaited where the answer is, since pygls looks at that."""
+
+        async def awaited(*params: Any) -> Any:
+            return await answer(self, *params)
+
+        def called(*params: Any) -> Any:
+            return answer(self, *params)
+
+        return awaited if iscoroutinefunction(answer) else called
 
     @property
     def encoding(self) -> str:

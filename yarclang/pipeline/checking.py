@@ -11,8 +11,7 @@ from yarclang.diagnostics import Diagnostic, Result, grouped, has_errors, in_ord
 from yarclang.findings import Severity
 from yarclang.frozen import frozen
 from yarclang.hir import Program
-from yarclang.lint.engine import Remarks, remarks
-from yarclang.lint.engine import told as told_by_rules
+from yarclang.lint.engine import Remarks, findings_of, remarks
 from yarclang.lint.rule import Surroundings
 from yarclang.lint.suppression import has_suppressions, suppress
 from yarclang.memory import Forgetful
@@ -164,7 +163,7 @@ def _unplanned(begun: Begun) -> Checked:
     told = grouped(begun.program.diagnostics, at_least=begun.program.value.is_cut)
     found = (*begun.found, *told)
     diagnostics = settled(
-        (*found, *told_by_rules(begun.said, begun.around, found)), begun.source, begun.project, begun.opened
+        (*found, *findings_of(begun.said, begun.around, found)), begun.source, begun.project, begun.opened
     )
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, begun=begun)
 
@@ -184,7 +183,7 @@ def _planned(begun: Begun) -> Checked:
     tell("looking for what else is worth saying", 0)
     said = {**begun.said, **remarks(products, begun.around, _silent(project))}
     go_on()
-    found = (*found, *told_by_rules(said, begun.around, found))
+    found = (*found, *findings_of(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)
     diagnostics = settled(found, source, project, begun.opened, is_whole=is_whole)
     proved = None if has_errors(diagnostics) else compiled
@@ -196,10 +195,10 @@ def _silent(project: Project) -> set[str]:
     return {code for code, level in project.levels.items() if level == "off"}
 
 
-def told(
+def settled_in_folder(
     diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path, opened: Opened | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Findings of some stages about a program that belongs to a folder, as its comments and its yarc.toml want them told."""
+    """Return findings of some stages about a program that belongs to a folder, as its comments and its yarc.toml want them."""
     return settled(diagnostics, source, find_project(folder).value or Project(folder), opened)
 
 

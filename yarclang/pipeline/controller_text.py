@@ -11,7 +11,7 @@ import numpy as np
 from yarclang.backend import backend_called
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate
-from yarclang.certify.judge import certify, certify_text
+from yarclang.certify.certifying import certify, certify_text
 from yarclang.certify.read.header import header_of
 from yarclang.certify.read.text import Unreadable
 from yarclang.diagnostics import Diagnostic, Result, has_errors

@@ -149,6 +149,7 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "when": f"the way parts at {item.name} ({item.condition})",
         "else": "the other way",
         "end": "the ways meet",
+        "set": item.name,
     }[item.kind]
     place, name, line = entry.index, entry.name, entry.source_line
     return Act(item.kind, place, name, line, what, step=item.step)  # type: ignore[arg-type]

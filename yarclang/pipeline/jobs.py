@@ -71,6 +71,7 @@ def job_of(
         certificate=papers.certificate,
         outputs=content.outputs,
         own=found.own,
+        registers=content.registers,
     )
     dwells = {
         item.line: item.milliseconds * MS
@@ -214,9 +215,21 @@ def _legs(
 
 
 def _barrier(item: Barred, entry: Entry) -> Barrier:
-    variable, _, value = item.condition.partition("=")
+    variable, value = "", 0.0
+    if item.kind == "wait":
+        variable, _, wanted = item.condition.partition("=")
+        value = float(wanted)
     return Barrier(
-        item.kind, variable, float(value or 0.0), item.timeout, item.name, entry.index, entry.source_line
+        item.kind,
+        variable,
+        value,
+        item.timeout,
+        item.name,
+        entry.index,
+        entry.source_line,
+        item.decided,
+        item.again,
+        item.register,
     )
 
 

@@ -27,6 +27,7 @@ from yarclang.hir import (
     Origin,
     Program,
     SetOutput,
+    SetRegister,
     SplineMove,
     Step,
     Timing,
@@ -303,7 +304,7 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
         at: step.origin.label
         for at, step in enumerate(steps)
         if not isinstance(step, Gap)
-        and (at in moves or isinstance(step, WaitInput | SetOutput | Hold | Dwell))
+        and (at in moves or isinstance(step, WaitInput | SetOutput | SetRegister | Hold | Dwell))
     }
     found = matching(labels, place)
     if not found:

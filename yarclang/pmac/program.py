@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.decisions import Register
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -57,15 +58,15 @@ class Stand:
     point: NDArray[np.float64]
 
 
-BarrierKind = Literal["wait", "hold", "when", "else", "end"]
+BarrierKind = Literal["wait", "hold", "when", "else", "end", "set"]
 
 
 @frozen
 class Barrier:
-    """Where the program may not go on by itself: it waits for an input or the operator, or its ways part or meet.
+    """Where the program may not go on by itself: it waits for an input or the operator, its ways part or meet, or a register changes.
 
-    `wait` and `when` compare `variable` with `value`; `name` is the input's, or the operator's text. `timeout` is in s
-    (None: for ever).
+    `wait` compares `variable` with `value`; `name` is the input's, or the operator's text. `timeout` is in s
+    (None: for ever). `condition` is that of a `when`, and what a `set` gives to which register, in canonical form.
     """
 
     step: int
@@ -75,6 +76,7 @@ class Barrier:
     timeout: float | None = None
     name: str = ""
     label: str = ""
+    condition: str = ""
 
 
 @frozen(eq=False)
@@ -113,7 +115,7 @@ class PmacProgram:
     `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
     and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
     what they become when the guard has held the motion. `rapid` says whether a rotary begins with a slow RAPID to the start; without it the motion begins
-    where the motors are commanded to stand.
+    where the motors are commanded to stand. `registers` are those that the runtime keeps.
     """
 
     target: Target
@@ -132,3 +134,4 @@ class PmacProgram:
     commands: tuple[Command, ...]
     safe_outputs: tuple[tuple[str, float], ...] = ()
     rapid: bool = True
+    registers: tuple[Register, ...] = ()

@@ -12,48 +12,48 @@ from yarclang.repl.texts import read_exactly, write_exactly
 from yarclang.source import SourceFile, lines_with_ends
 
 if TYPE_CHECKING:
-    from yarclang.repl.interpreter import Interpreter
+    from yarclang.repl.session import Session
 
 
-async def declare(interpreter: Interpreter, name: str, line: str, *, is_frame: bool) -> bool:
+async def declare(session: Session, name: str, line: str, *, is_frame: bool) -> bool:
     """Declare a name, or change what it means; whether that was done.
 
     Where the loaded file declares it, its line is changed there as well: the person is asked first.
 
     Args:
-        interpreter: of the session.
+        session: the person's session.
         name: in upper case, a frame's without braces.
         line: the whole declaration.
         is_frame: whether it is a frame's name.
     """
-    await interpreter.renew()
-    lines = interpreter.lines.declarations
+    await session.renew()
+    lines = session.lines.declarations
     known = next((at for at, text in enumerate(lines) if _declared(text, name, is_frame)), None)
     if known is None:
-        return await interpreter.carry_out(line)
+        return await session.carry_out(line)
     old = lines[known]
     new = _kept_comment(old, line)
-    interpreter.say(f"- {old.strip()}\n+ {new.strip()}")
-    if not await interpreter.agrees("change it?"):
-        interpreter.say("nothing was changed")
+    session.say(f"- {old.strip()}\n+ {new.strip()}")
+    if not await session.agrees("change it?"):
+        session.say("nothing was changed")
         return False
-    if not await adopt(interpreter, (*lines[:known], new, *lines[known + 1 :])):
+    if not await adopt(session, (*lines[:known], new, *lines[known + 1 :])):
         return False
-    _in_file(interpreter, name, is_frame, line)
+    _in_file(session, name, is_frame, line)
     return True
 
 
-async def adopt(interpreter: Interpreter, declarations: tuple[str, ...]) -> bool:
+async def adopt(session: Session, declarations: tuple[str, ...]) -> bool:
     """Let these declarations hold, in the place of those before; whether they do."""
-    adopted = await interpreter.attached.ask(orders.Adopt(declarations=declarations))
-    interpreter.show(findings_of(adopted.findings))
-    await interpreter.renew()
+    adopted = await session.attached.ask(orders.Adopt(declarations=declarations))
+    session.show(findings_of(adopted.findings))
+    await session.renew()
     return adopted.holds
 
 
-def _in_file(interpreter: Interpreter, name: str, is_frame: bool, line: str) -> None:
+def _in_file(session: Session, name: str, is_frame: bool, line: str) -> None:
     """Change the line of the loaded file that declares it, if there is one."""
-    file = interpreter.file
+    file = session.file
     if file is None:
         return
     text = read_exactly(file.path)
@@ -66,7 +66,7 @@ def _in_file(interpreter: Interpreter, name: str, is_frame: bool, line: str) -> 
     ending = old[len(old.rstrip("\r\n")) :]
     lines[first : first + rows] = [_kept_comment(old.rstrip("\r\n"), line) + ending]
     write_exactly(file.path, "".join(lines))
-    interpreter.say(f"{file.path}:{first + 1} is changed")
+    session.say(f"{file.path}:{first + 1} is changed")
 
 
 def _declared(text: str, name: str, is_frame: bool) -> Symbol | None:

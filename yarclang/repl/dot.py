@@ -8,17 +8,14 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import MappingProxyType
-from typing import TYPE_CHECKING
 
 from yarclang.named import by_name
+from yarclang.repl.session import Session
 
-if TYPE_CHECKING:
-    from yarclang.repl.interpreter import Interpreter
+Run = Callable[[Session, str], Awaitable[None] | None]
+"""Carries a command out: with the session, and what stands behind the command's name."""
 
-Run = Callable[["Interpreter", str], Awaitable[None] | None]
-"""Carries a command out: with the interpreter, and what stands behind the command's name."""
-
-Complete = Callable[["Interpreter", str], Iterable[str]]
+Complete = Callable[[Session, str], Iterable[str]]
 """What may stand behind the command's name, for completion."""
 
 

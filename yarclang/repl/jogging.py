@@ -1,4 +1,4 @@
-"""Jogging by keys that are held: which axis, which way, how fast; and the loop that says so to the robot. Knows no terminal.
+"""Jogging by keys that are held: which axis, which way, how fast. Knows no terminal, and no robot that moves.
 
 A terminal tells when a key is pressed and pressed again, and never when it is let go. So each press moves for `HELD`; a keyboard that
 repeats keeps the robot going. Between two presses the live motion stays open and wants rest.
@@ -6,29 +6,18 @@ repeats keeps the robot going. Between two presses the live motion stays open an
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
-from yarclang.coordinator.messages import orders, wants
-from yarclang.coordinator.messages.events import Finished
+from yarclang.coordinator.messages import wants
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.units import DEG, MM
 
-if TYPE_CHECKING:
-    from yarclang.repl.interpreter import Interpreter
-
 HELD = 0.2
 """A press moves for so long [s]."""
-
-EACH = 0.05
-"""How often it is said what is wanted [s]: less than the robot's watchdog."""
-
-_LOOKED_EACH = 0.005
-"""How often it is looked whether the robot rests [s]."""
 
 _LEAVING = ("enter", "escape", "q", "c-d")
 _FASTER, _SLOWER = ("up", "down")
@@ -132,54 +121,6 @@ class Jogging:
             name = f"{self.moving} {AXES[self.axis.number]} of {frame}"
             shown = f"{speed / MM:.3g} mm/s" if self.axis.number < 3 else f"{speed / DEG:.3g} deg/s"
         return f"jog {name} at {shown}: hold + or -; 1-{min(self.robot.size, 9)} joint, {AXES} axis, t tool/base, up/down speed, Enter ends"
-
-
-async def jog(interpreter: Interpreter, jogging: Jogging) -> None:
-    """Move the robot as keys are held, until the person ends it or something else does.
-
-    A key that is let go is a hold at once: what lies in the controller's buffer doesn't delay it.
-    """
-    loop = asyncio.get_running_loop()
-    robot = interpreter.attached
-    moving = False
-    while not jogging.ended:
-        now = loop.time()
-        if moving and interpreter.ended_live is not None:
-            interpreter.over(interpreter.ended_live)
-            return
-        if not jogging.moves(now):
-            if moving:
-                await _at_rest(interpreter)
-                moving = False
-        elif moving:
-            try:
-                await robot.ask(jogging.want(now))
-            except Trouble:
-                interpreter.over(await _ended(interpreter))
-                return
-        else:
-            interpreter.ended_live = None
-            await robot.ask(orders.Steer(moving=jogging.moving, again=False, title="jog"))
-            try:
-                await robot.ask(jogging.want(now))
-                moving = True
-            except Trouble as trouble:
-                interpreter.refuse(trouble.what + (f"\n  help: {trouble.remedy}" if trouble.remedy else ""))
-        await asyncio.sleep(EACH)
-    if moving:
-        await _at_rest(interpreter)
-
-
-async def _at_rest(interpreter: Interpreter) -> None:
-    interpreter.order(orders.Leave())
-    await _ended(interpreter)
-
-
-async def _ended(interpreter: Interpreter) -> Finished:
-    """How the motion has ended, when it has."""
-    while interpreter.ended_live is None:
-        await asyncio.sleep(_LOOKED_EACH)
-    return interpreter.ended_live
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:

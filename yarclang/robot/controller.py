@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 from yarclang.frozen import frozen
 
 if TYPE_CHECKING:
-    from yarclang.robot.schema import ControllerTable
     from yarclang.toml.file import TomlFile
+    from yarclang.toml.tables import Table
 
 
 @frozen
@@ -76,7 +76,7 @@ class Kind:
     Attributes:
         name: as robot.toml writes it.
         title: for people, with its article.
-        table: returns the form of `[controller]`; it imports pydantic.
+        table: returns the form of `[controller]`, a `ControllerTable` (`robot/schema.py`); it imports pydantic.
         check: says what is wrong with a table of that form, for a robot of so many joints.
         not_coupled: says what to do where the axes of joints whose motors are coupled can't be; empty: they can, or are no axes.
         controller: makes the controller of a table without mistakes, and of the motors' numbers.
@@ -87,7 +87,7 @@ class Kind:
 
     name: str
     title: str
-    table: Callable[[], type[ControllerTable]]
+    table: Callable[[], type[Table]]
     check: Callable[[TomlFile, Any, int], None]
     not_coupled: Callable[[Sequence[str]], str]
     controller: Callable[[Any, Sequence[int]], Controller]

@@ -35,6 +35,7 @@ from yarclang.robot.model import (
     Robot,
     Tolerance,
     Tool,
+    Written,
 )
 from yarclang.robot.urdf import MOVING, Joint, Urdf, read_urdf
 from yarclang.robot.urdf_shapes import check_shapes
@@ -149,7 +150,8 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     dynamics = dynamics_of(urdf, (_given(table.base), moving), chain, tools, said)
     robot = _assemble(folder, table, moving, chain, frames)
     fingerprint = _fingerprint(table, urdf, shapes, allowed, (tools, dynamics))
-    robot = replace(robot, shapes=bodies, allowed=allowed, tools=tools, dynamics=dynamics)
+    written = Written(source.text, urdf.text)
+    robot = replace(robot, shapes=bodies, allowed=allowed, tools=tools, dynamics=dynamics, written=written)
     return Result(replace(robot, fingerprint=fingerprint), in_order(findings))
 
 

@@ -7,9 +7,10 @@ one entry a joint, from the base to the flange.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import field
 from functools import lru_cache
 from pathlib import Path
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,16 +30,45 @@ JointKind = Literal["revolute", "prismatic", "continuous"]
 
 
 @frozen(eq=False)
+class Lines:
+    """The axes of a chain with all joints at zero, in {B}: unit directions `axes` (n, 3), a point on each, `points` (n, 3) [m], and how much
+    a joint turns about its axis and slides along it for each unit of its position, `turn` and `slide` (n,).
+    """
+
+    axes: Array
+    points: Array
+    turn: Array
+    slide: Array
+
+
+class Kinematics(Protocol):
+    """Forward kinematics for `yarclang.collision` and `yarclang.handling`, given with a chain."""
+
+    def placements(self, chain: Chain, q: Array) -> Array:
+        """Return (n + 1, 3, 4, P) for joint positions (P, n): see `yarclang.robot.placements`."""
+
+    def flange(self, chain: Chain, q: Array) -> Array:
+        """Return base_from_flange (P, 4, 4) for joint positions (P, n)."""
+
+    def lines(self, chain: Chain) -> Lines:
+        """Return the axes of a chain."""
+
+    def elbow(self, chain: Chain) -> tuple[int, Array] | None:
+        """Return the joint in which the elbow is, counted from 0, and its point (3,) in {B} with all joints at zero; None if there is none."""
+
+
+@frozen(eq=False)
 class Chain:
     """The serial chain from {B} to {FLANGE}, as a product of exponentials.
 
     `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then
     angular part (a revolute axis w through point c has (-w x c, w); a prismatic one (v, 0)).
-    `base_from_flange` (4, 4) is the flange with all joints at zero.
+    `base_from_flange` (4, 4) is the flange with all joints at zero. `kinematics` moves the chain; None: that of the planner. The judge gives its own.
     """
 
     screws: Array
     base_from_flange: Array
+    kinematics: Kinematics | None = None
 
     @property
     def size(self) -> int:
@@ -159,6 +189,14 @@ class Dynamics:
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
+@frozen
+class Written:
+    """The texts of the files that a robot was read from, for readers that trust no other: robot.toml and URDF."""
+
+    toml: str
+    urdf: str
+
+
 @frozen(eq=False)
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
@@ -168,6 +206,7 @@ class Robot:
     positions, HOME among them. `fingerprint` is the SHA-256 of all that programs depend on. `shapes` are the links' collision
     shapes; `allowed` the pairs of links and tools, each in alphabetical order, that may touch each other. `dynamics` is None for a robot that was made
     without files. `jog_speed` is the largest speed of the tool's origin in live motions [m/s]: ISO 10218-1's reduced speed, unless its file says otherwise.
+    `written` are the texts of its files; None for a robot that was made without files, or changed after it was read.
     """
 
     name: str
@@ -189,6 +228,7 @@ class Robot:
     tools: tuple[Tool, ...] = ()
     dynamics: Dynamics | None = None
     jog_speed: float = REDUCED_SPEED
+    written: Written | None = field(default=None, repr=False)
 
     @property
     def size(self) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import Register, Value
 from yarclang.lasting import NO_TIME, Lasting
 from yarclang.robot.model import Array, Robot
 
@@ -42,8 +43,9 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 class Barrier:
     """What stands between two legs of a program: it waits for an input or the operator, or its ways part or meet.
 
-    `kind` is wait, hold, when, else or end; `variable` is compared with `value`; `name` is the input's, or the operator's
-    text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever).
+    `kind` is wait, hold, when, else, end or set; a wait compares `variable` with `value`; `name` is the input's, or the operator's
+    text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever). `decided` is the condition of a when, decided with what the last when has read if `again`;
+    of a set it is the number that `register` gets.
     """
 
     kind: str
@@ -53,6 +55,9 @@ class Barrier:
     name: str
     label: str
     source_line: int
+    decided: Value | None = None
+    again: bool = False
+    register: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +109,7 @@ class Job:
         dwells: which lines stand still: the row in `lines`, how long [s].
         legs: of a program with barriers, what is streamed one after the other; else empty.
         part: of a leg that is carried out; else None.
+        registers: of a program with barriers, the integers that it keeps while it is carried out.
         own: what else the rooms of its kind of controller need.
     """
 
@@ -132,6 +138,7 @@ class Job:
     lasting: Lasting = NO_TIME
     part: Part | None = None
     own: Any = None
+    registers: tuple[Register, ...] = ()
 
     @property
     def lines_per_second(self) -> float:

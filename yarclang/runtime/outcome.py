@@ -38,7 +38,7 @@ class Ended:
     `what` says why it didn't end well, `remedy` what to do; `joints` (n,) [rad or m] is where the robot is commanded to stand (None: not
     known), `command` what was executed, `done` how far the program was [s], with the ways of a WHEN one after the other. Of a fault, `code` is that of the finding, `concerns` the
     command that it is about, and `where` its place in the source, which whoever knows the source fills in. `ways` says of each WHEN that was passed, in order, if its first way was taken;
-    `barriers` counts what was passed at which legs end, and `at_barrier` is True if the robot stands at the next of them.
+    `barriers` counts what was passed at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers` are their names and what they held.
     """
 
     well: bool
@@ -55,6 +55,7 @@ class Ended:
     ways: tuple[bool, ...] = ()
     barriers: int = 0
     at_barrier: bool = False
+    registers: tuple[tuple[str, int], ...] = ()
 
     @property
     def reached(self) -> float:

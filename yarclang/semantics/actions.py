@@ -1,21 +1,24 @@
-"""Commands that move nothing, as their files say, and the heads of WHEN."""
+"""Commands that move nothing, as their files say, values of registers, and the heads of WHEN."""
 
 from __future__ import annotations
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
+from yarclang.decisions import DecisionError, Register, equals, evaluated, inputs_of, registers_of
 from yarclang.diagnostics import Collector
-from yarclang.hir import Action, Signal, When
+from yarclang.hir import Action, Output, SetRegister, Signal, When
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.meanings import state_value
 from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
-from yarclang.semantics.names.scope import Scope
+from yarclang.semantics.names.scope import KINDS, Scope
 from yarclang.semantics.names.signals import input_named, output_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.values.amounts import AmountError, missing_unit
+from yarclang.semantics.values.deciding import condition_of, number_of
+from yarclang.semantics.values.evaluate import EvaluationError
 from yarclang.semantics.values.units import amount, resolve_units
-from yarclang.subjects import LeftOut
-from yarclang.syntax.ast import Computed, Number, Statement, Text, Value
+from yarclang.subjects import LeftOut, unknown
+from yarclang.syntax.ast import Computed, Number, Statement, Text, Value, Word
 from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
@@ -52,6 +55,13 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     """The head of a WHEN."""
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     values, spec = values_of(statement), word_specs()["WHEN"]
+    if statement.expression is not None:
+        try:
+            condition = condition_of(statement.expression, scope)
+        except EvaluationError as error:
+            findings.add_error(error, statement.span(error.place))
+            return None
+        return When(origin_of(statement, "WHEN", findings), condition)
     if len(values) != len(spec.slots):
         _tell_wanted(statement, spec.name, spec.wants, (spec.example,), findings)
         return None
@@ -59,7 +69,49 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     value = state_value(values[1], scope, statement, findings)
     if signal is None or value is None:
         return None
-    return When(origin_of(statement, "WHEN", findings), signal, value)
+    condition = equals(signal.variable, signal.name, value)
+    return When(origin_of(statement, "WHEN", findings), condition)
+
+
+def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> SetRegister | None:
+    """SET COUNT = COUNT + 1."""
+    before = len(findings.found)
+    refuse_parts(statement, NOT_FOR_BLOCKS, findings)
+    (word,) = values_of(statement)
+    assert isinstance(word, Word)
+    assert statement.expression is not None
+    found, span = scope.name(word.name), statement.span(word.place)
+    if found is None:
+        known = sorted(set(scope.names(Register)))
+        subject = unknown(word.text, known)
+        help_ = subject.question or (
+            f"there are {', '.join(known)}" if known else "declare it: REGISTER N 0..9"
+        )
+        findings.add("Y0210", f"no register is named {word.text}", span, help_, subject=subject)
+    elif not isinstance(found, Register):
+        help_ = f"SET {word.text} ON has no equals sign" if isinstance(found, Output) else ""
+        findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a register", span, help_)
+    try:
+        value = number_of(statement.expression, scope)
+        if not inputs_of(value) and not registers_of(value) and isinstance(found, Register):
+            _check_range(evaluated(value, {}, {}), found, statement, findings)
+    except EvaluationError as error:
+        findings.add_error(error, statement.span(error.place))
+        return None
+    except DecisionError as error:
+        findings.add("Y0410", str(error), statement.span(statement.expression.place))
+        return None
+    if not isinstance(found, Register) or any(one.is_error for one in findings.found[before:]):
+        return None
+    return SetRegister(origin_of(statement, "SET", findings), found.name, value)
+
+
+def _check_range(number: float, register: Register, statement: Statement, findings: Collector) -> None:
+    if number.is_integer() and register.low <= number <= register.high:
+        return
+    assert statement.expression is not None
+    message = f"{register.name} is an integer from {register.low} to {register.high}, and never {number:g}"
+    findings.add("Y0431", message, statement.span(statement.expression.place), "check the value or the range")
 
 
 def _tell_wanted(

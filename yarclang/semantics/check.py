@@ -28,5 +28,13 @@ def check(module: Module, context: Context) -> Result[Program]:
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
     steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)
-    program = Program(module.source, start, steps, outputs, unrolled.cell, unrolled.is_cut)
+    program = Program(
+        module.source,
+        start,
+        steps,
+        outputs,
+        unrolled.cell,
+        unrolled.is_cut,
+        registers=tuple(unrolled.registers),
+    )
     return Result(program, (*findings.found, *unrolled.findings))

@@ -11,9 +11,10 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from yarclang.cell.model import Cell
+from yarclang.decisions import inputs_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Program, SetOutput, WaitInput, When
+from yarclang.hir import Gap, Program, SetOutput, SetRegister, WaitInput, When
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -93,8 +94,11 @@ def known_in(
             continue
         if step.origin.label:
             places.add(step.origin.label)
-        if isinstance(step, (WaitInput, When)):
+        if isinstance(step, WaitInput):
             inputs[step.input.name.upper()] = step.input.variable
+        elif isinstance(step, When | SetRegister):
+            for read in inputs_of(step.condition if isinstance(step, When) else step.value):
+                inputs[read.name.upper()] = read.variable
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable
     return Known(inputs, outputs, frozenset(places), signal=signal)

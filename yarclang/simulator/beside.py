@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
 
 from yarclang.robot.model import Array
-from yarclang.simulator.machine import Machine
+from yarclang.simulator.machine import Companion, Machine
 
 _PORT = 9
 """A port of the machine that no client has."""
@@ -15,7 +14,7 @@ _SYSTEM = 1
 
 
 class Beside:
-    """What the machines around a robot may do with a simulated controller (`yarclang.simulated_cell.controller`).
+    """What the machines around a robot may do with a simulated controller (`yarclang.simulated_cell.playing.SimulatedController`).
 
     Args:
         machine: the controller.
@@ -29,7 +28,7 @@ class Beside:
         """Its time [s]."""
         return self._machine.now
 
-    def join(self, companion: Any) -> None:
+    def join(self, companion: Companion) -> None:
         """Let something go on beside it."""
         self._machine.companions.append(companion)
 

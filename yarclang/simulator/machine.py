@@ -22,9 +22,8 @@ from yarclang.simulator.online.background import Background
 from yarclang.simulator.online.questions import answered, questions
 from yarclang.simulator.programs.buffers import Buffers
 from yarclang.simulator.programs.plcs import Plcs
-from yarclang.simulator.programs.program import Program
-from yarclang.simulator.state.power import Saved, power_up, saved
 from yarclang.simulator.state.registers import Variables
+from yarclang.simulator.state.saved import Saved, restore, saved
 from yarclang.simulator.state.wiring import wire
 
 _MOST_WORDS = 1000
@@ -69,14 +68,13 @@ class Machine:
             for n in range(1, SYSTEMS + 1)
         }
         self._used: tuple[CoordinateSystem, ...] = ()
-        self.programs: dict[int, Program] = {}
+        self.ports: dict[int, Port] = {}
         self.plcs = Plcs(self.variables, self)
-        self.buffers = Buffers(self)
+        self.buffers = Buffers(self.systems, self.plcs, self.ports, self.variables.i)
+        self.programs = self.buffers.programs
         self.background = Background(self)
         self.unknown_words: dict[str, int] = {}
-        self.gathering = False
         self.companions: list[Companion] = []
-        self.ports: dict[int, Port] = {}
         self._messages: dict[int, deque[str]] = {0: deque(maxlen=_MOST_WORDS)}
         self._saved: Saved | None = None
         self.timers = wire(self)
@@ -257,15 +255,33 @@ class Machine:
 
     def reset(self) -> None:
         """What `$$$` does: power-up with what was saved. Time goes on, ports keep nothing."""
-        power_up(self, self._saved)
+        self._power_up(self._saved)
 
     def initialise(self) -> None:
         """What `$$$***` does: everything at its default. What was saved stays saved."""
-        power_up(self, None)
+        self._power_up(None)
 
     def save(self) -> None:
         """SAVE."""
-        self._saved = saved(self)
+        self._saved = saved(self.variables, self.programs, self.plcs, self.systems)
+
+    def _power_up(self, kept: Saved | None) -> None:
+        """Switch off and on, with what SAVE has kept or with defaults."""
+        self.variables.initialise()
+        self.buffers.forget()
+        self.ports.clear()
+        self.background.clear()
+        self.timers.clear()
+        self.under_way.clear()
+        for motor in self.motors.values():
+            motor.clear()
+        for system in self.systems.values():
+            system.clear()
+        if kept is not None:
+            restore(kept, self.variables, self.programs, self.plcs, self.systems, self.motors)
+        self.defined()
+        self.plcs.changed()
+        self.changed(list(self.motors.values()))
 
     # for those who look
 

@@ -1,4 +1,4 @@
-"""A file's statements arranged in blocks: SUB, REPEAT, IF and WHEN, each up to its END."""
+"""A file's statements arranged in blocks: SUB, REPEAT, IF, WHEN and CASE, each up to its END."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class _Arrangement:
         else:
             self.missing += 1  # it was counted as the END of something
             if statement is not None:
-                help_ = "take it away, or write the REPEAT, IF, WHEN or SUB that it ends"
+                help_ = "take it away, or write the REPEAT, IF, WHEN, CASE or SUB that it ends"
                 self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
 
     def _otherwise(self, statement: Statement | None) -> None:
@@ -162,7 +162,7 @@ class _Arrangement:
 
     def _refuse_else(self, statement: Statement) -> None:
         if not self.open:
-            help_ = "ELSE stands between an IF or WHEN and its END"
+            help_ = "ELSE stands between an IF, WHEN or CASE and its END"
             self._refuse("Y0114", "this ELSE belongs to nothing: no block is open", statement, help_)
             return
         block = self.open[-1]
@@ -171,7 +171,9 @@ class _Arrangement:
             message = f"the {block.word} of line {block.line} has an ELSE already{first}"
             help_ = "for a third way write an IF behind the first ELSE, with an END of its own"
         else:
-            message = f"the {block.word} of line {block.line} is open here, and only IF and WHEN have an ELSE"
+            message = (
+                f"the {block.word} of line {block.line} is open here, and only IF, WHEN and CASE have an ELSE"
+            )
             help_ = "take it away, or write the END that is missing above it"
         self._refuse("Y0115", message, statement, help_)
 

@@ -144,7 +144,9 @@ def _items(rows: Rows, children: Any) -> list[Any]:
 
 
 _LEAVES: dict[str | None, Any] = {
-    **dict.fromkeys(["WORD", "OPTION", "VEL", "ACC", "CALL", "SUB", "LET", "IF", "LONE", "NAME"], Word),
+    **dict.fromkeys(
+        ["WORD", "OPTION", "VEL", "ACC", "CALL", "SUB", "LET", "SETS", "IF", "WHENS", "LONE", "NAME"], Word
+    ),
     "STRING": Text,
     "FRAME": FrameName,
     "OTHER": Other,

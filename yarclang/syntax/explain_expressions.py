@@ -76,6 +76,8 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
         return unclosed(stack)
     if kind_of(last) == "IF":
         return Fault("Y0101", "the condition behind IF is missing", "write IF PITCH > 50", place)
+    if kind_of(last) == "WHENS":
+        return Fault("Y0101", "the condition behind WHEN is missing", "write WHEN N < 3", place)
     if kind_of(last) == "ASSIGN":
         return Fault("Y0101", "the value behind `=` is missing", "write LET PITCH = 60 (mm)", place)
     help_ = "write a number, a name, or an expression in brackets"

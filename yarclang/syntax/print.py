@@ -78,7 +78,7 @@ def _rows(module: Module) -> Iterator[_Row | None]:
         word = piece.name.name
         if word == "END":
             depth = max(depth - 1, 0)
-        indent = _INDENT * min(max(depth - (word == "ELSE"), 0), DEEPEST_BLOCK)
+        indent = _INDENT * min(max(depth - (word in ("ELSE", "OF")), 0), DEEPEST_BLOCK)
         for row in _rows_of(piece):
             yield _Row(indent + (row.code or row.comment), row.comment if row.code else "")
         depth += word in BLOCK_HEADS
@@ -102,7 +102,7 @@ def _rows_of(statement: Statement) -> list[_Row]:
     if statement.waypoints:
         parts.append(_waypoints(statement.waypoints))
     if statement.expression:
-        parts += ["="] * bool(statement.waypoints)  # LET's name stands before it
+        parts += ["="] * bool(statement.waypoints)  # the name of LET or SET stands before it
         parts.append(print_expression(statement.expression))
     if statement.time:
         parts.append(_time(statement.time))

@@ -203,14 +203,14 @@ class Reader:
             yield _value("count", "Times", "number", values[-1])
         elif word in word_specs() and values and len(values) == len(word_specs()[word].slots):
             yield from slot_fields(word_specs()[word].slots, values)
-        elif word in ("LET", "IF") and statement.expression is not None:
+        elif statement.expression is not None:
             yield self._expression(statement, word)
 
     def _expression(self, statement: Statement, word: str) -> Placed:
         assert statement.expression is not None
         place = _whole(self._sketch, statement)
         text = self._sketch.source.line(statement.line + place.row)[place.start - 1 : place.end - 1]
-        name, label = ("value", "Value") if word == "LET" else ("condition", "Condition")
+        name, label = ("value", "Value") if word in ("LET", "SET") else ("condition", "Condition")
         return Placed(Field(name, label, "text", text), "value", place)
 
 
@@ -243,12 +243,12 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET or an IF: all of the code after the equals sign or the word."""
+    """Return the place of the expression of a LET, SET, IF or WHEN: all of the code after the equals sign or the word."""
     from yarclang.syntax.lines import code_of
 
     code = code_of(sketch.source.line(statement.line)).rstrip()
     begin = statement.name.place.end - 1
-    if statement.name.name == "LET":
+    if statement.name.name in ("LET", "SET"):
         begin = code.index("=", begin) + 1
     begin += len(code[begin:]) - len(code[begin:].lstrip())
     return Place(0, begin + 1, len(code) + 1)

@@ -11,8 +11,21 @@ import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
+from yarclang.decisions import in_words, simple
 from yarclang.diagnostics import Diagnostic
-from yarclang.hir import Dwell, Gap, Hold, Motion, Origin, SetOutput, Step, TimedMove, WaitInput, When
+from yarclang.hir import (
+    Dwell,
+    Gap,
+    Hold,
+    Motion,
+    Origin,
+    SetOutput,
+    SetRegister,
+    Step,
+    TimedMove,
+    WaitInput,
+    When,
+)
 from yarclang.lint.registry import everything
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.progress import each
@@ -199,8 +212,12 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             return (("waits for", f"{signal.name} = {value:g}, {longest}"),)
         case Hold(text=text):
             return (("waits for", f"the operator{': ' * bool(text)}{text}"),)
-        case When(input=signal, value=value):
-            return (("if", f"{signal.name} = {value:g}; both ways are shown one after the other"),)
+        case When(condition=condition):
+            compared = simple(condition)
+            said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"
+            return (("if", f"{said}; both ways are shown one after the other"),)
+        case SetRegister(register=register, value=number):
+            return (("sets", f"{register} to {in_words(number)}"),)
     return ()
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from yarclang.diagnostics import Result
-from yarclang.pipeline.checking import check_text, told
+from yarclang.pipeline.checking import check_text, settled_in_folder
 from yarclang.pipeline.inputs import Options, open_source
 from yarclang.pipeline.sources import LARGEST_DATA, STANDARD_INPUT, read_source
 from yarclang.pipeline.stages import shown_plan
@@ -65,6 +65,6 @@ def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[
     if checked.compiled is None:
         said = {(one.code, one.made_at[1], one.place) for one in found}
         more = [one for one in met(plan) if (one.code, one.span, one.place) not in said]
-        found = told((*found, *more), source, folder, checked.opened)
+        found = settled_in_folder((*found, *more), source, folder, checked.opened)
     certificate = checked.compiled.certificate if checked.compiled is not None else None
     return Result(stage_of_program(source.name, plan, certificate, found), found)

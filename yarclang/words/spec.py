@@ -58,6 +58,6 @@ class WordSpec:
     once: bool = False
     of_programs: bool = False
     declares: Literal["", "name", "frame"] = ""
-    proposes: Literal["", "robots", "modules", "joints", "frames", "arguments"] = ""
+    proposes: Literal["", "robots", "modules", "joints", "frames", "arguments", "values"] = ""
     slots: tuple[Slot, ...] = ()
     wants: str = ""

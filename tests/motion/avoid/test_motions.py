@@ -92,8 +92,8 @@ def test_it_flows_into_its_neighbours():
 
 
 def test_the_plan_s_way_points_are_claims_that_are_checked():
+    from yarclang.certify.certifying import certify
     from yarclang.certify.claims import Claims
-    from yarclang.certify.judge import certify
     from yarclang.pipeline.stages import claims_of
 
     value, _ = made(f"P0010 MOVEJ_AVOID {GO}")

@@ -134,3 +134,117 @@ def slider9() -> tuple[Chain, Limits]:
     ]
     high = np.r_[0.5, np.full(8, 2.8)]
     return chain_of(joints, flange=(0.02, 0.1, 0), prismatic=(0,)), limits_of(-high, high)
+
+
+def of_dh(rows, *, modified=False) -> Chain:
+    """A chain from Denavit and Hartenberg's a, alpha, d, theta at zero [m, rad], as makers publish them; `modified`: Craig's, where a and alpha come first."""
+    frame, screws = np.eye(4), []
+    for a, alpha, d, theta in rows:
+        across, along = np.eye(4), np.eye(4)
+        across[1:3, 1:3] = [[math.cos(alpha), -math.sin(alpha)], [math.sin(alpha), math.cos(alpha)]]
+        across[0, 3] = a
+        along[:2, :2] = [[math.cos(theta), -math.sin(theta)], [math.sin(theta), math.cos(theta)]]
+        along[2, 3] = d
+        if modified:
+            frame = frame @ across
+        axis, point = frame[:3, 2], frame[:3, 3]
+        screws.append(np.r_[-np.cross(axis, point), axis])
+        frame = frame @ along if modified else frame @ along @ across
+    return Chain(frozen(np.array(screws)), frozen(frame))
+
+
+RIGHT = math.pi / 2
+COBOTS = {
+    "ur5": of_dh(
+        [
+            (0, RIGHT, 0.089159, 0),
+            (-0.425, 0, 0, 0),
+            (-0.39225, 0, 0, 0),
+            (0, RIGHT, 0.10915, 0),
+            (0, -RIGHT, 0.09465, 0),
+            (0, 0, 0.0823, 0),
+        ]
+    ),
+    "crx10": of_dh(
+        [
+            (0, 0, 0, 0),
+            (0, -RIGHT, 0, 0),
+            (0.54, math.pi, 0, 0),
+            (0, -RIGHT, -0.54, 0),
+            (0, RIGHT, 0.15, 0),
+            (0, -RIGHT, -0.16, 0),
+        ],
+        modified=True,
+    ),
+    "hc10": of_dh(
+        [
+            (0, -RIGHT, 0.275, 0),
+            (0.7, math.pi, 0, -RIGHT),
+            (0, -RIGHT, 0, 0),
+            (0, RIGHT, -0.5, 0),
+            (0, -RIGHT, 0.162, 0),
+            (0, math.pi, -0.17, 0),
+        ]
+    ),
+    "crb15000": of_dh(
+        [
+            (0, -RIGHT, 0.265, 0),
+            (0.444, 0, 0, -RIGHT),
+            (0.11, -RIGHT, 0, 0),
+            (0, RIGHT, 0.47, 0),
+            (0.08, -RIGHT, 0, 0),
+            (0, 0, 0.101, math.pi),
+        ]
+    ),
+    "lite6": of_dh(
+        [
+            (0, -RIGHT, 0.2433, 0),
+            (0.2, math.pi, 0, -RIGHT),
+            (0.087, RIGHT, 0, -RIGHT),
+            (0, RIGHT, 0.2276, 0),
+            (0, -RIGHT, 0, 0),
+            (0, 0, 0.0615, 0),
+        ]
+    ),
+    "gen3_lite": of_dh(
+        [
+            (0, RIGHT, 0.2433, 0),
+            (0.28, math.pi, 0.03, RIGHT),
+            (0, RIGHT, 0.02, RIGHT),
+            (0, RIGHT, 0.245, RIGHT),
+            (0, RIGHT, 0.057, 0),
+            (0, 0, 0.235, 0),
+        ]
+    ),
+}
+"""Arms of six joints by their published parameters."""
+
+
+def random6(rng) -> Chain:
+    """Six turns about axes by chance: none is parallel to another, none meet."""
+    axes = rng.normal(size=(6, 3))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    points = np.cumsum(0.3 * rng.normal(size=(6, 3)), axis=0)
+    home = np.eye(4)
+    home[:3, 3] = points[-1] + 0.2 * rng.normal(size=3)
+    return Chain(frozen(np.hstack([-np.cross(axes, points), axes])), frozen(home))
+
+
+def parallel6(rng) -> Chain:
+    """Six turns by chance, axes 2, 3 and 4 parallel in one sense or the other, axes 5 and 6 with a common point."""
+    axes = rng.normal(size=(6, 3))
+    axes[2], axes[3] = (rng.choice([-1.0, 1.0]) * axes[1] for _ in range(2))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    points = np.cumsum(0.3 * rng.normal(size=(6, 3)), axis=0)
+    points[5] = points[4] + 0.2 * axes[5]
+    home = np.eye(4)
+    home[:3, 3] = points[-1] + 0.1
+    return Chain(frozen(np.hstack([-np.cross(axes, points), axes])), frozen(home))
+
+
+def off_nominal(chain: Chain, rng, size: float) -> Chain:
+    """A chain as if it were calibrated: each axis off by about `size` [rad, and m]."""
+    axes = chain.screws[:, 3:] + size * rng.normal(size=(6, 3))
+    points = np.cross(chain.screws[:, 3:], chain.screws[:, :3]) + size * rng.normal(size=(6, 3))
+    axes /= np.linalg.norm(axes, axis=1)[:, None]
+    return Chain(frozen(np.hstack([-np.cross(axes, points), axes])), chain.base_from_flange)

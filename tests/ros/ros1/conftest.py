@@ -17,6 +17,8 @@ from pathlib import Path
 import pytest
 from ros.process import SCRIPT, Told
 
+from yarclang.runtime.transports.lock import SPACE
+
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 PYTHON = "/usr/bin/python3"
@@ -107,6 +109,7 @@ class Stage:
             "ROS_LOG_DIR": str(folder / "ros" / "log"),
             "PYTHONPATH": str(ROOT),
             "XDG_RUNTIME_DIR": str(folder),
+            SPACE: folder.name,  # the robot is served between the tests, too, and must not keep others from theirs
         }
         self.master = self.serve = self.node = self.client = None
 
@@ -186,7 +189,7 @@ class Stage:
         ended(self.master)
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def stage():
     ros_or_skip()
     with tempfile.TemporaryDirectory(prefix="ros1-", ignore_cleanup_errors=True) as name:

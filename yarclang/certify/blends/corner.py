@@ -9,12 +9,12 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.claims import Claims
+from yarclang.certify.kinematics.arm import flange_poses, poses_and_jacobians
 from yarclang.certify.motion.joint import by_kind
 from yarclang.certify.motion.pose import distance
 from yarclang.certify.motion.programmed import goal_pose
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 

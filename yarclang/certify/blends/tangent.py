@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from yarclang.certify.kinematics.arm import poses_and_jacobians, tool_poses
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.programmed import Rows
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
 from yarclang.robot.model import Array, Chain
 
 _LOOKS = 8

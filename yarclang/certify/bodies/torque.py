@@ -96,7 +96,7 @@ def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: 
     """Torques so close together that what lies between hardly counts, where it could count at all."""
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper))
-    peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     bends = torque_bends(robot.chain, dynamics, travel, peaks)
     # a function is above the line between two of its values by d^2 / 8 of its second derivative at most
     whole = bends * (cubics.h[:, None] ** 2 / 8.0)

@@ -17,6 +17,7 @@ from yarclang.certify.blends.corner import (
 )
 from yarclang.certify.blends.flows import covered_by_balls, find_flows, speeds_asked
 from yarclang.certify.certificate import Deviation
+from yarclang.certify.kinematics.arm import flange_poses
 from yarclang.certify.motion.frames import frame_moves, moving_frame
 from yarclang.certify.motion.joint import JointLines, by_kind, frame_off, joint_weights, straight_deviations
 from yarclang.certify.motion.pose import distance
@@ -25,7 +26,6 @@ from yarclang.certify.motion.spline import NaturalSpline, SplineBound, spline_de
 from yarclang.certify.motion.timed import timed_move
 from yarclang.certify.read.layout import Layout, Place, row_chunks
 from yarclang.progress import go_on
-from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Array
 
 Rows = list[tuple[int, Place]]

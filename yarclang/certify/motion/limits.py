@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.certificate import QUANTITIES, Loads, Peaks, Quantity
+from yarclang.certify.kinematics.motors import counts_per_joint
 from yarclang.certify.motion.bounds import Cubics, segment_max
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.frozen import frozen
-from yarclang.robot.actuation import counts_per_joint
 from yarclang.robot.model import Array, Robot
 
 RELATIVE = 1e-9
@@ -65,8 +65,13 @@ def check_limits(
         "position": position,
         "velocity": speed / limits.velocity,
         "acceleration": acceleration / limits.acceleration,
-        "jerk": np.abs(cubics.j) / limits.jerk,
+        "jerk": cubics.jerk_peaks() / limits.jerk,
         "motor_velocity": motors / robot.actuation.velocity,
+    }
+    # a quotient is rounded once
+    shares = {
+        quantity: np.where(share > 0.0, np.nextafter(share, np.inf), 0.0)
+        for quantity, share in shares.items()
     }
     hold = (acceleration + speed / robot.controller.hold_time) / limits.stop_acceleration
     past = np.maximum(upper - limits.upper, limits.lower - lower) / robot.axis_units

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.certify.kinematics.arm import poses_and_jacobians
 from yarclang.certify.motion.bounds import Cubics, arm_fourth, reaches
 from yarclang.certify.motion.programmed import Motion, Rows
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
-from yarclang.robot.kinematics.fk import poses_and_jacobians
 from yarclang.robot.model import Array, Chain, Robot
 
 _AT_ONCE = 8_192
@@ -88,7 +88,7 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
     travel = np.zeros((len(flange_from_moving), size))
     farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
     np.maximum.at(travel, command[begins], farthest * robot.chain.is_prismatic)
-    w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), np.abs(cubics.j)
+    w, a, j = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     origin, rotation = np.empty(len(command)), np.empty(len(command))
     reached = np.concatenate([travel, flange_from_moving.reshape(-1, 16)], axis=1)
     kinds, group = np.unique(reached, axis=0, return_inverse=True)

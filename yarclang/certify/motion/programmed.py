@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang import hir
+from yarclang.certify.kinematics.rotations import cross_matrix
 from yarclang.certify.motion.pose import axis_and_angle
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import skew
 from yarclang.robot.model import Array
 
 Rows = NDArray[np.int64]
@@ -117,7 +117,7 @@ class Turns:
     def between(start: Array, goal: Array) -> Turns:
         """The turns between rotations (C, 3, 3)."""
         axis, theta = axis_and_angle(goal @ start.transpose(0, 2, 1))
-        spin = skew(axis)
+        spin = cross_matrix(axis)
         once = spin @ start
         return Turns(start, axis, theta, once, spin @ once)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Set
 
 from yarclang.certify.read.text import Barred, ControllerText, assignments_of
+from yarclang.decisions import inputs_of
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
@@ -33,8 +34,13 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
         if line is None:
             seen.add(variable)
     for item in text.course:
-        if isinstance(item, Barred) and item.condition != "-":
-            variable = item.condition.partition("=")[0]
+        if not isinstance(item, Barred) or item.condition == "-":
+            continue
+        if item.decided is None:
+            read = [item.condition.partition("=")[0]]
+        else:
+            read = [one.variable for one in inputs_of(item.decided)]
+        for variable in read:
             if reason := _why_not(variable, robot):
                 yield f"line {item.line} waits for {variable}, which {reason}"
 

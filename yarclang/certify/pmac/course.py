@@ -147,7 +147,9 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
         cursor.expect("STOP")
         return
     condition = CONDITION.fullmatch(barrier.condition)
-    if barrier.kind in ("wait", "when") and condition is None:
+    if barrier.kind == "set" or (barrier.kind == "when" and condition is None):
+        cursor.refuse("is decided by whoever streams: no program buffer can do that")
+    if barrier.kind == "wait" and condition is None:
         cursor.refuse("is a barrier of which the map doesn't say for what it waits")
     match barrier.kind, condition:
         case "when", _:

@@ -73,7 +73,15 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
     loaded: tuple[Sent, ...] = tuple(cursor.sent[loads:-1]) if marks is not None else ()
     own = PmacText(marks, guard, arms, setup, loaded)
     return ControllerText(
-        header, preamble.entries, start, course, outputs, cursor.decimals, MS / TM_STEPS_PER_MS, own
+        header,
+        preamble.entries,
+        start,
+        course,
+        outputs,
+        cursor.decimals,
+        MS / TM_STEPS_PER_MS,
+        own,
+        preamble.registers,
     )
 
 

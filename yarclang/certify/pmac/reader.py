@@ -6,6 +6,7 @@ from collections.abc import Iterator, Set
 
 import numpy as np
 
+from yarclang.certify.kinematics.motors import from_counts, joints_per_count
 from yarclang.certify.pmac.assignments import check_assignments
 from yarclang.certify.pmac.guard import check_guard
 from yarclang.certify.pmac.own import Guard, own_of
@@ -14,7 +15,6 @@ from yarclang.certify.read.reader import Fault, Reader, StartPlace
 from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.memory import Memory
 from yarclang.pmac.controller import TurboPmac, turbo_pmac
-from yarclang.robot.actuation import from_counts, joints_per_count
 from yarclang.robot.controller import Controller
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MS

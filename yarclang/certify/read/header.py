@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from sys import intern
 
+from yarclang.certify.read.deciding import read_assignment, read_condition
 from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.text import Barred, Entry, Unreadable
+from yarclang.decisions import AGAIN, LARGEST, LONGEST_NAME, Register, Value, registers_of
 from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
@@ -33,10 +36,14 @@ _ENTRY = re.compile(
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = re.compile(
-    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end) ([0-9]{1,9}) "
-    r"(-|[MPQ][0-9]{1,4}=-?[0-9]{1,9}(?:\.[0-9]{1,9})?) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
+    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set) ([0-9]{1,9}) "
+    r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
-_CONDITIONAL = ("wait", "when")
+_WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,9}(?:\.[0-9]{1,9})?")
+_INTEGER = r"(0|-?[1-9][0-9]{0,9})"
+_REGISTER = re.compile(
+    rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}"
+)
 
 
 @frozen
@@ -46,6 +53,7 @@ class Preamble:
     header: Header
     entries: tuple[Entry, ...]
     barriers: dict[int, Barred]
+    registers: tuple[Register, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -87,9 +95,10 @@ def read_preamble(lines: Lines) -> Preamble:
             )
         still.remove(barrier.step)
         barriers[barrier.line] = barrier
+    registers = _read_registers(lines, barriers)
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers)
+    return Preamble(header, tuple(entries), barriers, registers)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -163,8 +172,47 @@ def _read_barrier(lines: Lines) -> Barred:
     if found is None:
         lines.refuse(f"is no line of the map of barriers: {shown(lines.peek())}")
     line, kind, step, condition, timeout, name = found.groups()
-    if (condition == "-") == (kind in _CONDITIONAL) or (timeout != "-" and kind != "wait"):
-        lines.refuse(f"names a condition or a time that no '{kind}' has: {shown(lines.peek())}")
+    decided, again, register = _decided(lines, kind, condition)
+    if timeout != "-" and kind != "wait":
+        lines.refuse(f"names a time that no '{kind}' has: {shown(lines.peek())}")
     lines.skip()
     seconds = None if timeout == "-" else float(timeout)
-    return Barred(int(line), kind, int(step), condition, seconds, "" if name == "-" else name)
+    name = "" if name == "-" else name
+    return Barred(int(line), kind, int(step), condition, seconds, name, decided, again, register)
+
+
+def _decided(lines: Lines, kind: str, condition: str) -> tuple[Value | None, bool, str]:
+    """Return what a barrier decides by, whether that was read before, and the register that gets it."""
+    if kind == "when":
+        again = condition.startswith(AGAIN)
+        found = read_condition(condition.removeprefix(AGAIN))
+        if found is not None:
+            return found, again, ""
+    elif kind == "set":
+        assigned = read_assignment(condition)
+        if assigned is not None:
+            return assigned[1], False, assigned[0]
+    elif (_WAITED.fullmatch(condition) is not None) if kind == "wait" else condition == "-":
+        return None, False, ""
+    raise Refusal(lines.line, f"names a condition that no '{kind}' has: {shown(lines.peek())}", "Y1151")
+
+
+def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Register, ...]:
+    """The registers that the runtime keeps: each that is used, in its range."""
+    registers: dict[str, Register] = {}
+    while lines.peek().startswith("; register"):
+        found = _REGISTER.fullmatch(lines.peek())
+        if found is None:
+            lines.refuse(f"is no line of the map of registers: {shown(lines.peek())}")
+        name, low, high, first = found[1], int(found[2]), int(found[3]), int(found[4])
+        if name in registers or not -LARGEST <= low <= first <= high <= LARGEST:
+            lines.refuse(f"is no register, or one that is there already: {shown(lines.peek())}")
+        registers[name] = Register(name, low, high, first)
+        lines.skip()
+    for barrier in barriers.values():
+        if barrier.decided is None:
+            continue
+        for name in (*registers_of(barrier.decided), *([barrier.register] if barrier.register else [])):
+            if name not in registers:
+                lines.refuse(f"stands where the map has no register {name}, which line {barrier.line} uses")
+    return tuple(registers.values())

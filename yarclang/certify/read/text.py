@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.decisions import Register, Value
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -105,6 +106,8 @@ class Dwelt:
 class Barred:
     """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
     (`condition`, such as M11=1, or -), how long [s] (None: for ever), and the input's name or the operator's text.
+
+    `decided` is the condition of a `when`, and `again` says that it is decided with what was read before; of a `set` it is the number that `register` gets.
     """
 
     line: int
@@ -113,6 +116,9 @@ class Barred:
     condition: str
     timeout: float | None
     name: str
+    decided: Value | None = None
+    again: bool = False
+    register: str = ""
 
 
 @frozen(eq=False)
@@ -143,6 +149,7 @@ class ControllerText:
         outputs: variables and the values that they take when the guard has held the motion.
         decimals: the most that a move line prints.
         quantum: the step in which the controller keeps segment times [s].
+        registers: integers that the runtime keeps, with their ranges and first values.
         own: what else it says, for the rooms of its kind alone.
     """
 
@@ -154,6 +161,7 @@ class ControllerText:
     decimals: int
     quantum: float
     own: Any = None
+    registers: tuple[Register, ...] = ()
 
     @property
     def target(self) -> str:
@@ -195,6 +203,6 @@ def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:
         case Dwelt(milliseconds=milliseconds):
             return float(milliseconds) * MS
         case Barred(kind=kind):
-            return _MARKS[kind]
+            return _MARKS.get(kind, 0.0)
         case _:
             return 0.0

@@ -47,7 +47,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
-    from yarclang.pipeline.checking import told
+    from yarclang.pipeline.checking import settled_in_folder
     from yarclang.pipeline.inputs import open_program
     from yarclang.pipeline.stages import plan_module
     from yarclang.report.finding import count_text
@@ -59,7 +59,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
         if opened.value is not None:
             planned = plan_module(opened.value.module, opened.value.request)
             folder = Path.cwd() if file == STANDARD else Path(file).parent
-            diagnostics = told(
+            diagnostics = settled_in_folder(
                 (*diagnostics, *planned.diagnostics), opened.value.module.source, folder, opened.value
             )
             plan = planned.value

@@ -48,7 +48,8 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
     from yarclang.coordinator.engine import NotReady
     from yarclang.coordinator.messages import orders
     from yarclang.repl.console import converse
-    from yarclang.repl.interpreter import Interpreter, trouble_text
+    from yarclang.repl.interpreter import Interpreter
+    from yarclang.repl.session import trouble_text
     from yarclang.report.cell import cell_text
     from yarclang.runtime.actions import Trouble
 

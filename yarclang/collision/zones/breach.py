@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.collision.bodies import Scene
 from yarclang.collision.course import Course
-from yarclang.collision.scene import Scene
 from yarclang.collision.zones.workspace import Watch, slack_at, slack_of
 from yarclang.frozen import frozen
 

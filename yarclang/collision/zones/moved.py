@@ -7,12 +7,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
 from yarclang.collision.placing import place
-from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.watched import Item
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.fk import links_of
+from yarclang.robot.kinematics.fk import lines_of
 from yarclang.robot.model import Chain
 from yarclang.shapes import Array
 
@@ -167,20 +167,20 @@ def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Ar
 
     From the item backwards: the point of an axis nearest to the last one chosen; the lengths add up, since what lies between two axes only turns.
     """
-    links = links_of(chain)
+    lines = lines_of(chain)
     way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
     point, length = item.middle, item.bound
     reach = np.zeros(chain.size)
     for joint in reversed(range(item.joint)):
-        length += abs(float(links.slide[joint])) * float(way[joint])
-        if not links.turn[joint]:
+        length += abs(float(lines.slide[joint])) * float(way[joint])
+        if not lines.turn[joint]:
             continue
-        axis, origin = links.frames[joint, :3, 2], links.frames[joint, :3, 3]
+        axis, origin = lines.axes[joint], lines.points[joint]
         nearest = origin + axis * float(axis @ (point - origin))
         length += float(np.linalg.norm(point - nearest))
         reach[joint] = length
         point = nearest
-    return reach, links.turn, np.abs(links.slide)
+    return reach, lines.turn, np.abs(lines.slide)
 
 
 @frozen(eq=False)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import JointWindow
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
 from yarclang.collision.proof import COARSE, KNOWN, SHARE
-from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import depth_inside, least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, joints, rates
 from yarclang.collision.zones.regions import outside

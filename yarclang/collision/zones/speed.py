@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import JointWindow
+from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.course import Course
-from yarclang.collision.scene import Rows, Scene
 from yarclang.collision.zones.gaps import least_outside, roughly_outside
 from yarclang.collision.zones.moved import Ends, Pieces, Posed, Rates, Whole, joints, rates
 from yarclang.collision.zones.regions import outside

@@ -12,7 +12,7 @@ from yarclang.cell.model import Cell, Zone
 from yarclang.collision.scene import Body, Scene, scene_of
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.elbow import elbow_of
-from yarclang.robot.model import Robot
+from yarclang.robot.model import Chain, Robot
 from yarclang.shapes import Array
 from yarclang.transforms import constant
 
@@ -74,13 +74,21 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
             if part == "tool":
                 yield from (item for body, item in bodies if not body.is_link and not body.of_cell)
         case "elbow":
-            elbow = elbow_of(robot.chain)
+            elbow = _elbow(robot.chain)
             if elbow is not None:
-                yield _point("the elbow", elbow.joint, elbow.point)
+                yield _point("the elbow", *elbow)
         case "arm":
             yield from (item for body, item in bodies if body.is_link and body.joint)
         case _:
             yield from (item for body, item in bodies if body.is_link and body.name == part)
+
+
+def _elbow(chain: Chain) -> tuple[int, Array] | None:
+    """Return the joint in which the elbow is, and its point (3,) in {B} with all joints at zero."""
+    if chain.kinematics is not None:
+        return chain.kinematics.elbow(chain)
+    found = elbow_of(chain)
+    return None if found is None else (found.joint, found.point)
 
 
 @lru_cache(maxsize=32)

@@ -6,18 +6,14 @@ What moves the robot, or changes the session, is for its owner: else `NotOwner`.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from yarclang.coordinator.client.files import Files
 from yarclang.coordinator.client.live import LiveMotion
 from yarclang.coordinator.client.motion import Motion
 from yarclang.coordinator.client.parts import Parts
 from yarclang.coordinator.client.session import Session
 from yarclang.coordinator.client.signals import Signals
+from yarclang.coordinator.shared import SharedRobot
 from yarclang.robot.model import Robot
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
 
 
 class Client:
@@ -38,7 +34,7 @@ class Client:
         files: programs in files.
     """
 
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
+    def __init__(self, coordinator: SharedRobot, name: str) -> None:
         self.name = name
         self.robot: Robot = coordinator.robot
         self.session = Session(coordinator, name)

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from yarclang.coordinator.coordinator import Coordinator
+from yarclang.coordinator.shared import SharedRobot
 
 
 class Part:
@@ -16,6 +13,6 @@ class Part:
         name: of the client.
     """
 
-    def __init__(self, coordinator: Coordinator, name: str) -> None:
+    def __init__(self, coordinator: SharedRobot, name: str) -> None:
         self._coordinator = coordinator
         self._name = name

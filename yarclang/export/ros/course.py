@@ -189,6 +189,7 @@ class _Making:
             "when": f"what follows is only for {said}",
             "else": "what follows is for the other case",
             "end": "both cases go on from here",
+            "set": f"set the register {item.name}",
         }[item.kind]
         entry = self._entries[item.step]
         place = " ".join(

@@ -8,13 +8,14 @@ from itertools import groupby
 
 import numpy as np
 
+from yarclang.decisions import inputs_of
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.export.ros.course import Between, Course, course_of
 from yarclang.export.ros.interpolation import Interpolation
 from yarclang.export.ros.proof import deviation
 from yarclang.export.ros.sampling import Points, sampled
 from yarclang.frozen import frozen
-from yarclang.hir import SetOutput, WaitInput, When
+from yarclang.hir import SetOutput, SetRegister, WaitInput, When
 from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled
 from yarclang.progress import tell
@@ -101,8 +102,11 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
     names = {output.signal.variable: output.signal.name for output in compiled.program.outputs}
     for step in compiled.program.steps:
         match step:
-            case SetOutput(output=signal) | WaitInput(input=signal) | When(input=signal):
+            case SetOutput(output=signal) | WaitInput(input=signal):
                 names.setdefault(signal.variable, signal.name)
+            case When(condition=value) | SetRegister(value=value):
+                for read in inputs_of(value):
+                    names.setdefault(read.variable, read.name)
     course = course_of(content, map_lines(compiled.text), robot, names)
     if not course.size:
         message = f"{content.header.source} moves nothing: there is no trajectory in it"

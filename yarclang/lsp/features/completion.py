@@ -22,6 +22,7 @@ _KINDS = {
     "frame": types.CompletionItemKind.Class,
     "number": types.CompletionItemKind.Variable,
     "joints": types.CompletionItemKind.EnumMember,
+    "register": types.CompletionItemKind.Variable,
     "pose": types.CompletionItemKind.EnumMember,
     "input": types.CompletionItemKind.Property,
     "output": types.CompletionItemKind.Property,

@@ -20,6 +20,7 @@ _KINDS = {
     "frame": types.SymbolKind.Class,
     "number": types.SymbolKind.Constant,
     "joints": types.SymbolKind.EnumMember,
+    "register": types.SymbolKind.Variable,
     "pose": types.SymbolKind.EnumMember,
     "input": types.SymbolKind.Property,
     "output": types.SymbolKind.Property,

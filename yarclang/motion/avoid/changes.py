@@ -11,8 +11,7 @@ from yarclang.diagnostics import Edit, Fix
 from yarclang.frozen import frozen
 from yarclang.hir import Array, Origin, PoseGoal
 from yarclang.motion.avoid.room import Room
-from yarclang.robot.kinematics.geometry import wristed_arm
-from yarclang.robot.kinematics.inverse import branches, reached_within
+from yarclang.robot.kinematics.inverse import branches, has_all, reached_within
 from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.search import within
@@ -88,7 +87,7 @@ def _is_free(room: Room | None, q: Array) -> bool:
 def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array]:
     """Return solutions (m, n) [rad or m] within limits of each of some poses (N, 4, 4): without a closed form, those that a short search finds."""
     chain, limits = robot.chain, robot.limits
-    if wristed_arm(chain) is not None:
+    if has_all(chain):
         q, reached = branches(chain, base_from_flange)
     else:
         starts = within(chain, limits, _STARTS)

@@ -19,7 +19,7 @@ from yarclang.motion.paths.line import Line, lines_between, poses_along
 from yarclang.motion.runs import Growing
 from yarclang.robot.kinematics.closed_form import TURN, closed_form, next_to
 from yarclang.robot.kinematics.fk import tool_poses
-from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
+from yarclang.robot.kinematics.geometry import Form, form_of
 from yarclang.robot.kinematics.inverse import REACHED
 from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.kinematics.strands import plain_strands
@@ -59,7 +59,7 @@ class WaysAhead:
         self._ready.clear()
         self._growing.most = MOST_IN_CHAINS if number in self.chained else None
         size = self._growing.size(number)
-        arm = wristed_arm(self.robot.chain)
+        arm = form_of(self.robot.chain)
         if arm is None or size == 1:
             return None
         numbers, steps = self._run(number, size)
@@ -91,7 +91,7 @@ class WaysAhead:
         return numbers, steps
 
     def _followed(
-        self, arm: WristedArm, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
+        self, arm: Form, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
     ) -> list[CartesianPath]:
         """Return the paths of motions to written poses from `stands` (n,) on, up to the first one that isn't plain."""
         goals = [step.goal for step in steps if isinstance(step.goal, PoseGoal)]

@@ -11,7 +11,7 @@ from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouchi
 from yarclang.calibration.writing import frame_line, with_offsets, with_tip
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.repl.texts import read_exactly, write_exactly
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot
@@ -26,16 +26,16 @@ _THEN: dict[type[Touching], str] = {
 }
 
 
-def _calibrate(interpreter: Interpreter, rest: str) -> None:
+def _calibrate(session: Session, rest: str) -> None:
     kind, *words = rest.split() or [""]
-    robot = interpreter.robot
+    robot = session.robot
     match kind.lower():
         case "tcp":
             touching: Touching = TipTouching(robot, _name(words))
         case "frame":
             name = _name(words[:1])
             tip = _name(words[1:]) if words[1:] else "TCP"
-            frame = interpreter.scope().frame(tip)
+            frame = session.scope().frame(tip)
             if frame is None or not frame.on_flange:
                 raise Misused(f"{{{tip}}} isn't a frame on the flange: it can't touch")
             touching = FrameTouching(robot, name, np.asarray(frame.transform))
@@ -43,66 +43,66 @@ def _calibrate(interpreter: Interpreter, rest: str) -> None:
             touching = HomeTouching(robot, _marks(robot, words))
         case _:
             raise Misused(f"what is calibrated is {', '.join(_KINDS)}")
-    interpreter.touching = touching
-    interpreter.say(_told(touching))
+    session.touching = touching
+    session.say(_told(touching))
 
 
-async def _touch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    touching = _going_on(interpreter)
-    touching.touch(await interpreter.stands())
-    interpreter.show(touching.findings)
-    interpreter.say(_told(touching))
+async def _touch(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    touching = _going_on(session)
+    touching.touch(await session.stands())
+    session.show(touching.findings)
+    session.say(_told(touching))
 
 
-def _untouch(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    touching = _going_on(interpreter)
+def _untouch(session: Session, rest: str) -> None:  # noqa: ARG001
+    touching = _going_on(session)
     if not touching.joints:
         raise Misused("nothing was touched yet")
     touching.untouch()
-    interpreter.show(touching.findings)
-    interpreter.say(_told(touching))
+    session.show(touching.findings)
+    session.say(_told(touching))
 
 
-def _cancel(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    _going_on(interpreter)
-    interpreter.touching = None
-    interpreter.say("the calibration is forgotten; nothing was written")
+def _cancel(session: Session, rest: str) -> None:  # noqa: ARG001
+    _going_on(session)
+    session.touching = None
+    session.say("the calibration is forgotten; nothing was written")
 
 
-async def _done(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    touching = _going_on(interpreter)
+async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
+    touching = _going_on(session)
     match touching:
         case TipTouching(value=found) if found is not None:
-            written = await _write_tip(interpreter, touching.name, touching)
+            written = await _write_tip(session, touching.name, touching)
         case FrameTouching(value=found) if found is not None:
             line = frame_line(touching.name, found.base_from_frame, "B")
-            written = await declare(interpreter, touching.name, line, is_frame=True)
+            written = await declare(session, touching.name, line, is_frame=True)
         case HomeTouching(value=found) if found is not None:
-            written = await _write_robot(interpreter, lambda file: with_offsets(file, found.offsets))
+            written = await _write_robot(session, lambda file: with_offsets(file, found.offsets))
         case _:
-            interpreter.refuse(f"there is no result yet\n  {_told(touching)}")
+            session.refuse(f"there is no result yet\n  {_told(touching)}")
             return
     if written:
-        interpreter.touching = None
+        session.touching = None
 
 
-async def _write_tip(interpreter: Interpreter, name: str, touching: TipTouching) -> bool:
+async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool:
     """Into robot.toml where the robot brings a frame of this name, else as a FRAME line."""
     assert touching.value is not None
     tip = touching.value.flange_from_tip
-    robot = interpreter.robot
+    robot = session.robot
     if name in robot.flange_from_frame:
-        return await _write_robot(interpreter, lambda file: with_tip(file, name, tip))
+        return await _write_robot(session, lambda file: with_tip(file, name, tip))
     pose = np.eye(4)
     pose[:3, 3] = tip
-    return await declare(interpreter, name, frame_line(name, pose, "FLANGE"), is_frame=True)
+    return await declare(session, name, frame_line(name, pose, "FLANGE"), is_frame=True)
 
 
-async def _write_robot(interpreter: Interpreter, change: Callable[[SourceFile], str]) -> bool:
-    robot = interpreter.robot
+async def _write_robot(session: Session, change: Callable[[SourceFile], str]) -> bool:
+    robot = session.robot
     path = robot.folder / "robot.toml"
     if any(one.folder == robot.folder for one in list_robots()):
-        interpreter.refuse(
+        session.refuse(
             f"{robot.name} is a robot of the standard library, which isn't changed\n"
             f"  help: copy {robot.folder} beside your program, and start with --robot and its path"
         )
@@ -114,14 +114,14 @@ async def _write_robot(interpreter: Interpreter, change: Callable[[SourceFile], 
         for before, after in zip(old.splitlines(), new.splitlines(), strict=False)
         if before != after
     ]
-    interpreter.say(
+    session.say(
         "\n".join(f"- {before}\n+ {after}" for before, after in changed[:3]) or new[len(old) :].strip()
     )
-    if not await interpreter.agrees(f"write {path}?"):
-        interpreter.say("nothing was written")
+    if not await session.agrees(f"write {path}?"):
+        session.say("nothing was written")
         return False
     write_exactly(path, new)
-    interpreter.say(
+    session.say(
         f"{path} is written. This session goes on with the robot as it was: end it, load `yarc settings` into the controller again, and begin anew"
     )
     return True
@@ -139,10 +139,10 @@ def _told(touching: Touching) -> str:
     )
 
 
-def _going_on(interpreter: Interpreter) -> Touching:
-    if interpreter.touching is None:
+def _going_on(session: Session) -> Touching:
+    if session.touching is None:
         raise Misused("no calibration goes on: .calibrate tcp NAME")
-    return interpreter.touching
+    return session.touching
 
 
 def _name(words: list[str]) -> str:

@@ -5,29 +5,29 @@ from __future__ import annotations
 from itertools import groupby
 
 from yarclang.repl.dot import DotCommand, dot_commands
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.subjects import suggest
 
 _HEAD = "A line of YARC, with or without an index, is planned from where the robot stands, certified, shown, and carried out if you say so."
 
 
-def _help(interpreter: Interpreter, rest: str) -> None:
+def _help(session: Session, rest: str) -> None:
     commands = dot_commands()
     if not rest:
         width = max(len(one.line) for one in commands.values())
         lines = [_HEAD]
         for group, members in groupby(commands.values(), key=lambda one: one.group):
             lines += ["", group, *(f"  {one.line:{width}}  {one.summary}" for one in members)]
-        interpreter.say("\n".join(lines))
+        session.say("\n".join(lines))
         return
     name = rest if rest.startswith(".") else f".{rest}"
     command = commands.get(name.lower())
     if command is None:
-        interpreter.refuse(
+        session.refuse(
             f"there is no command {name}; {suggest(name.lower(), commands).lower() or '.help lists them'}"
         )
     else:
-        interpreter.say("\n".join(filter(None, (f"{command.line}: {command.summary}", command.doc))))
+        session.say("\n".join(filter(None, (f"{command.line}: {command.summary}", command.doc))))
 
 
 COMMANDS = (

@@ -1,25 +1,84 @@
-"""Jogging."""
+"""Jogging: the command, and the loop that says to the robot what is wanted."""
 
 from __future__ import annotations
 
+import asyncio
+
+from yarclang.coordinator.messages import orders
+from yarclang.coordinator.messages.events import Finished
 from yarclang.repl.dot import DotCommand
-from yarclang.repl.interpreter import Interpreter
-from yarclang.repl.jogging import Jogging, axis_of, jog
+from yarclang.repl.jogging import Jogging, axis_of
+from yarclang.repl.session import Session
+from yarclang.runtime.actions import Trouble
+
+EACH = 0.05
+"""How often it is said what is wanted [s]: less than the robot's watchdog."""
+
+_LOOKED_EACH = 0.005
+"""How often it is looked whether the robot rests [s]."""
 
 
-async def _jog(interpreter: Interpreter, rest: str) -> None:
-    robot = interpreter.robot
+async def _jog(session: Session, rest: str) -> None:
+    robot = session.robot
     axis, sign, moving = axis_of(robot, rest.split())
-    if not interpreter.has_keys:
-        interpreter.refuse("a jog is hold-to-run: it needs a terminal with keys")
+    if not session.has_keys:
+        session.refuse("a jog is hold-to-run: it needs a terminal with keys")
         return
-    await interpreter.own()
+    await session.own()
     jogging = Jogging(robot, axis, sign, moving)
-    interpreter.jogging = jogging
+    session.jogging = jogging
     try:
-        await jog(interpreter, jogging)
+        await _moved(session, jogging)
     finally:
-        interpreter.jogging = None
+        session.jogging = None
+
+
+async def _moved(session: Session, jogging: Jogging) -> None:
+    """Move the robot as keys are held, until the person ends it or something else does.
+
+    A key that is let go is a hold at once: what lies in the controller's buffer doesn't delay it.
+    """
+    loop = asyncio.get_running_loop()
+    robot = session.attached
+    moving = False
+    while not jogging.ended:
+        now = loop.time()
+        if moving and session.ended_live is not None:
+            session.over(session.ended_live)
+            return
+        if not jogging.moves(now):
+            if moving:
+                await _at_rest(session)
+                moving = False
+        elif moving:
+            try:
+                await robot.ask(jogging.want(now))
+            except Trouble:
+                session.over(await _ended(session))
+                return
+        else:
+            session.ended_live = None
+            await robot.ask(orders.Steer(moving=jogging.moving, again=False, title="jog"))
+            try:
+                await robot.ask(jogging.want(now))
+                moving = True
+            except Trouble as trouble:
+                session.refuse(trouble.what + (f"\n  help: {trouble.remedy}" if trouble.remedy else ""))
+        await asyncio.sleep(EACH)
+    if moving:
+        await _at_rest(session)
+
+
+async def _at_rest(session: Session) -> None:
+    session.order(orders.Leave())
+    await _ended(session)
+
+
+async def _ended(session: Session) -> Finished:
+    """How the motion has ended, when it has."""
+    while session.ended_live is None:
+        await asyncio.sleep(_LOOKED_EACH)
+    return session.ended_live
 
 
 COMMANDS = (

@@ -9,7 +9,7 @@ from yarclang.coordinator.messages.findings import findings_of
 from yarclang.hir import Output
 from yarclang.repl.answers import joints_text, where_text
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.report.pose_text import pose_text
 from yarclang.semantics.names.scope import Input
 
@@ -17,23 +17,23 @@ _SHOWN = 20
 """Messages that `.log` shows."""
 
 
-async def _where(interpreter: Interpreter, rest: str) -> None:
+async def _where(session: Session, rest: str) -> None:
     frames = [f"{{{word.strip('{}').upper()}}}" for word in rest.split()]
     if len(frames) > 2:
         raise Misused("at most two frames")
     base, moving = (*frames, *("{B}", "{TCP}")[len(frames) :])
-    found = await interpreter.attached.ask(orders.AskPlace(base=base, moving=moving))
-    interpreter.show(findings_of(found.findings))
+    found = await session.attached.ask(orders.AskPlace(base=base, moving=moving))
+    session.show(findings_of(found.findings))
     if found.pose is not None:
-        interpreter.say(where_text(moving, np.array(found.pose), base))
+        session.say(where_text(moving, np.array(found.pose), base))
 
 
-async def _joints(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    interpreter.say(joints_text(interpreter.robot, await interpreter.stands()))
+async def _joints(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    session.say(joints_text(session.robot, await session.stands()))
 
 
-def _frames(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    scope = interpreter.scope()
+def _frames(session: Session, rest: str) -> None:  # noqa: ARG001
+    scope = session.scope()
     rows = []
     for name in scope.frame_names():
         frame = scope.frame(name)
@@ -42,33 +42,33 @@ def _frames(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
         if name != parent:
             rows.append((f"{{{name}}}", f"{pose_text(np.asarray(frame.transform))} in {{{parent}}}"))
     width = max((len(name) for name, _ in rows), default=0)
-    interpreter.say("\n".join(f"{name:{width}}  {text}" for name, text in rows) or "only {B} and {FLANGE}")
+    session.say("\n".join(f"{name:{width}}  {text}" for name, text in rows) or "only {B} and {FLANGE}")
 
 
-async def _io(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    scope = interpreter.scope()
+async def _io(session: Session, rest: str) -> None:  # noqa: ARG001
+    scope = session.scope()
     signals = [(name, "input") for name in sorted(set(scope.names(Input)))]
     signals += [(name, "output") for name in sorted(set(scope.names(Output)))]
     if not signals:
-        interpreter.say("no INPUT and no OUTPUT is declared; for example: INPUT DOOR M11")
+        session.say("no INPUT and no OUTPUT is declared; for example: INPUT DOOR M11")
     for name, kind in signals:
-        value = await interpreter.attached.ask(orders.Read(name=name))
-        interpreter.show(findings_of(value.findings))
+        value = await session.attached.ask(orders.Read(name=name))
+        session.show(findings_of(value.findings))
         if value.value is not None:
-            interpreter.say(f"{name}  {kind}  {value.value:g}")
+            session.say(f"{name}  {kind}  {value.value:g}")
 
 
-async def _log(interpreter: Interpreter, rest: str) -> None:
+async def _log(session: Session, rest: str) -> None:
     if rest and not rest.isdigit():
         raise Misused(f"{rest!r} isn't a number of messages")
-    status = await interpreter.attached.ask(orders.AskStatus())
-    told = list(interpreter.messages)[-int(rest or _SHOWN) :]
+    status = await session.attached.ask(orders.AskStatus())
+    told = list(session.messages)[-int(rest or _SHOWN) :]
     if status.log is None:
         place = "nothing is logged yet"
     else:
         lost = status.log_lost
         place = f"the log is lost: {status.log} {lost}" if lost else f"the log is {status.log}"
-    interpreter.say("\n".join([*told, place]))
+    session.say("\n".join([*told, place]))
 
 
 COMMANDS = (

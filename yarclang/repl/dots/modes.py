@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 from yarclang.repl.dot import DotCommand
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 
 
-def _ask(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    interpreter.asks = True
-    interpreter.say("every motion is asked for")
+def _ask(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    session.asks = True
+    session.say("every motion is asked for")
 
 
-def _go(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.asks = False
-    interpreter.say("motions begin at once, for this session; .ask asks again")
+def _go(session: Session, rest: str) -> None:  # noqa: ARG001
+    session.asks = False
+    session.say("motions begin at once, for this session; .ask asks again")
 
 
-def _quit(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.leave()
+def _quit(session: Session, rest: str) -> None:  # noqa: ARG001
+    session.leave()
 
 
 COMMANDS = (

@@ -4,30 +4,30 @@ from __future__ import annotations
 
 from yarclang.coordinator.messages import orders
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 
 
-def _hold(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    interpreter.order(orders.Hold())
+def _hold(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    session.order(orders.Hold())
 
 
-def _resume(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.order(orders.Resume())
+def _resume(session: Session, rest: str) -> None:  # noqa: ARG001
+    session.order(orders.Resume())
 
 
-def _stop(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.drop()
-    interpreter.order(orders.Stop())
+def _stop(session: Session, rest: str) -> None:  # noqa: ARG001
+    session.drop()
+    session.order(orders.Stop())
 
 
-def _abort(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    interpreter.drop()
-    interpreter.order(orders.Abort())
+def _abort(session: Session, rest: str) -> None:  # noqa: ARG001
+    session.drop()
+    session.order(orders.Abort())
 
 
-def _override(interpreter: Interpreter, rest: str) -> None:
+def _override(session: Session, rest: str) -> None:
     if not rest:
-        interpreter.say(f"override {interpreter.picture.override:g} %")
+        session.say(f"override {session.picture.override:g} %")
         return
     try:
         percent = float(rest.removesuffix("%"))
@@ -35,7 +35,7 @@ def _override(interpreter: Interpreter, rest: str) -> None:
         raise Misused(f"{rest!r} isn't a percentage") from None
     if not 1.0 <= percent <= 100.0:
         raise Misused(f"an override of {percent:g} %: it may be 1 to 100")
-    interpreter.order(orders.Override(percent=percent))
+    session.order(orders.Override(percent=percent))
 
 
 COMMANDS = (

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from yarclang.coordinator.messages import orders
 from yarclang.repl.dot import DotCommand
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 
 
-async def _own(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    await interpreter.own()
-    interpreter.say("the robot is yours")
+async def _own(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    await session.own()
+    session.say("the robot is yours")
 
 
-async def _release(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    released = await interpreter.attached.ask(orders.Release())
-    interpreter.picture.owner = ""
+async def _release(session: Session, rest: str) -> None:  # noqa: ARG001
+    released = await session.attached.ask(orders.Release())
+    session.picture.owner = ""
     if released.log is not None and released.log.problem:
-        interpreter.refuse(f"{released.log.problem}\n  help: {released.log.help}")
-    interpreter.say("nobody owns the robot; the next motion takes it again")
+        session.refuse(f"{released.log.problem}\n  help: {released.log.help}")
+    session.say("nobody owns the robot; the next motion takes it again")
 
 
-async def _clear(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001
-    await interpreter.attached.ask(orders.Clear())
-    interpreter.say("the controller is well")
+async def _clear(session: Session, rest: str) -> None:  # noqa: ARG001
+    await session.attached.ask(orders.Clear())
+    session.say("the controller is well")
 
 
 COMMANDS = (

@@ -9,7 +9,7 @@ import numpy as np
 from yarclang.coordinator.messages import orders, replies
 from yarclang.coordinator.messages.findings import findings_of
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
 
@@ -17,7 +17,7 @@ _PUT = re.compile(r"(?P<part>.+?)\s+\{(?P<frame>[^{}]+)\}(?P<values>.*)")
 _VALUES = 6
 
 
-async def _parts(interpreter: Interpreter, rest: str) -> None:
+async def _parts(session: Session, rest: str) -> None:
     word, _, behind = rest.strip().partition(" ")
     part = " ".join(behind.upper().split())
     match word.lower():
@@ -32,13 +32,13 @@ async def _parts(interpreter: Interpreter, rest: str) -> None:
         case _:
             raise Misused(f"{rest.strip()} says nothing about parts")
     changes = isinstance(order, orders.PlacePart)
-    if changes and interpreter.asks and not await interpreter.agrees("are the parts where you say?"):
-        interpreter.say("nothing has changed")
+    if changes and session.asks and not await session.agrees("are the parts where you say?"):
+        session.say("nothing has changed")
         return
-    told = await interpreter.attached.ask(order)
-    interpreter.show(findings_of(told.findings))
+    told = await session.attached.ask(order)
+    session.show(findings_of(told.findings))
     for line in _lines(told):
-        interpreter.say(line)
+        session.say(line)
 
 
 def _put(text: str) -> orders.PlacePart:

@@ -6,49 +6,49 @@ from pathlib import Path
 
 from yarclang.files import reason_of
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.report.pictures.plot import Format
 
 _PICTURE = "yarc-plot.png"
 _FORMATS: tuple[Format, ...] = ("png", "svg", "pdf")
 
 
-async def _plan(interpreter: Interpreter, rest: str) -> None:
+async def _plan(session: Session, rest: str) -> None:
     if not rest:
         raise Misused("a command is missing")
-    offer = await interpreter.offered(rest)
+    offer = await session.offered(rest)
     if offer is not None and not offer.moves:
-        interpreter.say("a declaration: nothing would move")
+        session.say("a declaration: nothing would move")
 
 
-async def _back(interpreter: Interpreter, rest: str) -> None:  # noqa: ARG001 - it takes nothing
-    await interpreter.carry_out_back()
+async def _back(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothing
+    await session.carry_out_back()
 
 
-def _plot(interpreter: Interpreter, rest: str) -> None:
+def _plot(session: Session, rest: str) -> None:
     from yarclang.report.pictures.plot import draw
 
-    if not interpreter.has_planned:
-        interpreter.refuse("nothing was planned yet")
+    if not session.has_planned:
+        session.refuse("nothing was planned yet")
         return
-    plan = interpreter.plan
+    plan = session.plan
     if plan is None:
-        interpreter.refuse("what was planned last is known only to the process that serves the robot")
+        session.refuse("what was planned last is known only to the process that serves the robot")
         return
-    path = interpreter.folder / (rest or _PICTURE)
+    path = session.folder / (rest or _PICTURE)
     kind = next((one for one in _FORMATS if path.suffix.lower() == f".{one}"), None)
     if kind is None:
         raise Misused(f"{path.name} must end with .png, .svg or .pdf")
-    _write(interpreter, path, draw(plan, kind))
+    _write(session, path, draw(plan, kind))
 
 
-def _write(interpreter: Interpreter, path: Path, content: bytes) -> None:
+def _write(session: Session, path: Path, content: bytes) -> None:
     try:
         path.write_bytes(content)
     except OSError as error:
-        interpreter.refuse(f"{path} can't be written: {reason_of(error)}")
+        session.refuse(f"{path} can't be written: {reason_of(error)}")
         return
-    interpreter.say(f"{path} is drawn: what was planned last")
+    session.say(f"{path} is drawn: what was planned last")
 
 
 COMMANDS = (

@@ -15,7 +15,7 @@ from yarclang.repl.answers import hundredths
 from yarclang.repl.declaring import adopt
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.file import load_file
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 
 _ENDING = ".yarc"
 
@@ -23,93 +23,91 @@ _SAME = 1e-6
 """Times that are nearer to each other are one [s]."""
 
 
-async def _load(interpreter: Interpreter, rest: str) -> None:
+async def _load(session: Session, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
-    path = interpreter.folder / rest
-    loaded = load_file(
-        path, interpreter.robot, await interpreter.stands(), interpreter.attached.welcome.status.cell
-    )
-    interpreter.show(loaded.diagnostics)
+    path = session.folder / rest
+    loaded = load_file(path, session.robot, await session.stands(), session.attached.welcome.status.cell)
+    session.show(loaded.diagnostics)
     if loaded.value is None:
         return
-    home, here = path.parent.absolute(), interpreter.folder.absolute()
+    home, here = path.parent.absolute(), session.folder.absolute()
     declarations = tuple(seen_from(one, home, here) for one in loaded.value.declarations)
-    if not await adopt(interpreter, declarations):
+    if not await adopt(session, declarations):
         return
-    interpreter.file = loaded.value
+    session.file = loaded.value
     commands, count = loaded.value.commands, len(declarations)
     which = f"{len(commands)} commands, {commands[0]} to {commands[-1]}" if commands else "no commands"
-    interpreter.say(f"{path}: {which}; its {count} declarations hold here from now on; .run carries it out")
+    session.say(f"{path}: {which}; its {count} declarations hold here from now on; .run carries it out")
 
 
-async def _run(interpreter: Interpreter, rest: str) -> None:
-    await _carry_out(interpreter, rest, by_steps=False)
+async def _run(session: Session, rest: str) -> None:
+    await _carry_out(session, rest, by_steps=False)
 
 
-async def _step(interpreter: Interpreter, rest: str) -> None:
-    await _carry_out(interpreter, rest, by_steps=True)
+async def _step(session: Session, rest: str) -> None:
+    await _carry_out(session, rest, by_steps=True)
 
 
-async def _carry_out(interpreter: Interpreter, first: str, *, by_steps: bool) -> None:
+async def _carry_out(session: Session, first: str, *, by_steps: bool) -> None:
     """Compile the file as it is now, show the whole, ask, run."""
-    file = interpreter.file
+    file = session.file
     if file is None:
-        interpreter.refuse("no program is loaded: .load FILE")
+        session.refuse("no program is loaded: .load FILE")
         return
-    robot = interpreter.attached
+    robot = session.attached
     order = orders.Load(
         file=str(file.path.absolute()), first=first.upper() or None, by_steps=by_steps, here=True
     )
     made = await robot.ask(order)
-    interpreter.show(findings_of(made.findings))
+    session.show(findings_of(made.findings))
     program = made.program
     if program is None:
         return
     if isinstance(robot, Here) and (loaded := robot.desk.loaded_of(program.number)) is not None:
-        interpreter.planned_by(lambda: loaded.plan)
+        session.planned_by(lambda: loaded.plan)
     within = program.offset_s
     count = sum(one.begins_s >= within - _SAME for one in program.commands)
-    interpreter.say(
+    session.say(
         f"{program.name}: {count} motion{'s' * (count != 1)}, {lasting_of(program.rest_takes).text(hundredths)}"
         + (", one by one" if by_steps else "")
     )
     way = await robot.ask(orders.AskWay(program=program.number))
-    interpreter.show(findings_of(way.findings))
+    session.show(findings_of(way.findings))
     if way.text:
-        interpreter.say(way.text)
-        if way.duration_s is None or not await interpreter.agrees(
+        session.say(way.text)
+        if way.duration_s is None or not await session.agrees(
             f"approach it slowly first, {way.duration_s:.1f} s?"
         ):
-            interpreter.refuse("nothing moved")
+            session.refuse("nothing moved")
             return
-    elif interpreter.asks and not await interpreter.agrees("go?"):
-        interpreter.say("nothing moved")
+    elif session.asks and not await session.agrees("go?"):
+        session.say("nothing moved")
         return
-    await interpreter.own()
+    await session.own()
     if by_steps:
-        interpreter.say("Enter goes on to the next one")
+        session.say("Enter goes on to the next one")
     ended = await robot.ask(orders.Run(program=program.number, approach=bool(way.text)))
-    interpreter.over(ended)
+    session.over(ended)
 
 
-async def _save(interpreter: Interpreter, rest: str) -> None:
+async def _save(session: Session, rest: str) -> None:
     if not rest:
         raise Misused("a file is missing")
-    path = interpreter.folder / rest
+    path = session.folder / rest
     if path.suffix != _ENDING:
         raise Misused(f"{path.name} must end with {_ENDING}")
     if path.exists():
         raise Misused(f"{path} is there already")
-    saved = await interpreter.attached.ask(orders.Save(folder=str(path.parent.absolute())))
+    saved = await session.attached.ask(orders.Save(folder=str(path.parent.absolute())))
     write_program(path, saved.text)
-    interpreter.say(f"{path} does what this session did")
+    session.say(f"{path} does what this session did")
 
 
-def _files(interpreter: Interpreter, begun: str) -> Iterator[str]:
+def _files(session: Session, begun: str) -> Iterator[str]:
     """Programs and folders whose names begin so."""
     inside = begun.rpartition("/")[0]
-    folder = interpreter.folder / inside if inside else interpreter.folder
+    folder = session.folder / inside if inside else session.folder
     if not folder.is_dir():
         return
     for one in sorted(folder.iterdir()):
@@ -118,9 +116,9 @@ def _files(interpreter: Interpreter, begun: str) -> Iterator[str]:
             yield f"{name}/" if one.is_dir() else name
 
 
-def _indices(interpreter: Interpreter, begun: str) -> Iterator[str]:
+def _indices(session: Session, begun: str) -> Iterator[str]:
     """Indices of the loaded program that begin so."""
-    commands = interpreter.file.commands if interpreter.file else ()
+    commands = session.file.commands if session.file else ()
     return (one for one in commands if one.startswith(begun.upper()))
 
 

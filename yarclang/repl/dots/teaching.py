@@ -11,13 +11,13 @@ from yarclang.coordinator.messages import orders
 from yarclang.coordinator.messages.findings import findings_of
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
-from yarclang.repl.interpreter import Interpreter
+from yarclang.repl.session import Session
 from yarclang.robot.model import Array, Robot
 
 _NAME = re.compile(r"(\{)?([A-Za-z_]\w*)(?(1)\})")
 
 
-async def _teach(interpreter: Interpreter, rest: str) -> None:
+async def _teach(session: Session, rest: str) -> None:
     words = rest.split()
     found = _NAME.fullmatch(words[0]) if words else None
     if found is None:
@@ -26,18 +26,18 @@ async def _teach(interpreter: Interpreter, rest: str) -> None:
     if not is_frame:
         if len(words) > 1:
             raise Misused("a joint position has no frame")
-        joints = await interpreter.stands()
-        await declare(interpreter, name, joints_line(name, interpreter.robot, joints), is_frame=False)
+        joints = await session.stands()
+        await declare(session, name, joints_line(name, session.robot, joints), is_frame=False)
         return
     base, moving = (
         *(f"{{{word.strip('{}').upper()}}}" for word in words[1:3]),
         *("{B}", "{TCP}")[len(words) - 1 :],
     )
-    where = await interpreter.attached.ask(orders.AskPlace(base=base, moving=moving))
-    interpreter.show(findings_of(where.findings))
+    where = await session.attached.ask(orders.AskPlace(base=base, moving=moving))
+    session.show(findings_of(where.findings))
     if where.pose is not None:
         line = frame_line(name, np.array(where.pose), base.strip("{}"))
-        await declare(interpreter, name, line, is_frame=True)
+        await declare(session, name, line, is_frame=True)
 
 
 def joints_line(name: str, robot: Robot, joints: Array) -> str:

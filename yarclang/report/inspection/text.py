@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
+from yarclang.decisions import in_words, simple
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
@@ -16,6 +17,7 @@ from yarclang.hir import (
     Motion,
     PoseDelta,
     SetOutput,
+    SetRegister,
     Step,
     TimedMove,
     Timing,
@@ -101,8 +103,14 @@ def _told(inspected: Inspected, step: Step) -> str | None:
             return f"the robot stands until {signal.name} ({signal.variable}) is {_state(value)}{until}"
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
-        case When(input=signal, value=value):
-            return f"the way parts: is {signal.name} ({signal.variable}) {_state(value)}?"
+        case When(condition=condition):
+            compared = simple(condition)
+            if compared is None:
+                return f"the way parts: is {in_words(condition)}?"
+            read, wanted = compared
+            return f"the way parts: is {read.name} ({read.variable}) {_state(wanted)}?"
+        case SetRegister(register=register, value=number):
+            return f"the register {register} becomes {in_words(number)}"
         case _:
             return None
 

@@ -8,7 +8,8 @@ import numpy as np
 
 from yarclang.robot.checklist.item import Item
 from yarclang.robot.kinematics.fk import flange_poses, tool_poses
-from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.geometry import nominal_form, parallel_arm, wristed_arm
+from yarclang.robot.kinematics.inverse import has_all
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.search import reaching, within
 from yarclang.robot.kinematics.singularity import nearness
@@ -58,6 +59,13 @@ def geometry_items(robot: Robot) -> Iterator[Item]:
 def _method(robot: Robot) -> Item:
     if wristed_arm(robot.chain) is not None:
         return Item("inverse kinematics", "ok", "closed form: spherical wrist, parallel shoulder and elbow")
+    if parallel_arm(robot.chain) is not None:
+        return Item("inverse kinematics", "ok", "closed form: three parallel axes")
+    if nominal_form(robot.chain) is not None:
+        found = "all solutions, from the closed form of the arm before it was calibrated"
+        return Item("inverse kinematics", "ok", found)
+    if has_all(robot.chain):
+        return Item("inverse kinematics", "ok", "all solutions, by elimination")
     if robot.size < 6:
         found = (
             f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY take a pose that "

@@ -1,4 +1,4 @@
-"""All eight solutions of an arm with a spherical wrist, for whole batches.
+"""All eight solutions of an arm with a spherical wrist, or with three parallel axes, for whole batches.
 
 The samples are the last index, the branches the one before: (shoulder 2, elbow 2) for the
 arm, (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both legs, so
@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.geometry import WristedArm
+from yarclang.robot.kinematics.geometry import Form, ParallelArm, WristedArm
 from yarclang.robot.model import Array
 
 BLOCK = 512
@@ -29,8 +29,10 @@ REACH_TOLERANCE = 1e-10
 
 TURN = 2.0 * math.pi
 
-FREE_JOINTS = (0, 3)
-"""The joints that a singularity frees: q1 with the wrist centre over axis 1, q4 at a straight wrist."""
+
+def free_joints(arm: Form) -> tuple[int, int]:
+    """Return the joints that a singularity frees: q1 with the wrist centre over axis 1, and at a straight wrist q4; with three parallel axes q6, if the last axis is parallel to them."""
+    return (0, 3) if isinstance(arm, WristedArm) else (0, 5)
 
 
 @frozen(eq=False)
@@ -54,14 +56,14 @@ class Branches:
         return either
 
 
-def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branches:
+def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
     """All branches of all poses.
 
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
         hold: (6, N) or (6, 1), the joint positions that q1 over the shoulder and q4 at a
-            straight wrist are taken from [rad].
+            straight wrist (of parallel axes: the sum of their angles) are taken from [rad].
 
     Returns:
         The branches; the index is 4 wrist + 2 shoulder + elbow.
@@ -78,8 +80,10 @@ def closed_form(arm: WristedArm, base_from_flange: Array, hold: Array) -> Branch
     return Branches(q, valid, free)
 
 
-def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
+def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     """The closed form of one block of poses."""
+    if isinstance(arm, ParallelArm):
+        return _parallel_block(arm, poses, hold)
     count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
@@ -115,7 +119,43 @@ def _block(arm: WristedArm, poses: Array, hold: Array) -> Branches:
     return Branches(q, valid.reshape(8, count), free.reshape(2, 8, count))
 
 
-def _columns(arm: WristedArm, poses: Array) -> Array:
+def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
+    """Return the closed form of one block of poses for an arm with three parallel axes."""
+    count, columns = len(poses), _columns(arm, poses)
+    q1, over = _shoulder(arm, columns[3], hold[0])
+    sin1, cos1 = np.sin(q1), np.cos(q1)
+    # the turns about the parallel axes, and axes 5 and 6: (3, 3, shoulder 2, N)
+    rows = columns[:3].transpose(1, 0, 2)[:, :, None]
+    turned: Array = np.empty((3, 3, 2, count))
+    turned[0] = cos1 * rows[0] + sin1 * rows[1]
+    turned[1] = cos1 * rows[1] - sin1 * rows[0]
+    turned[2] = rows[2]
+    turned = ((arm.shoulder[:3, :3] @ arm.wrist).T @ turned.reshape(3, -1)).reshape(3, 3, 2, count)
+    together = hold[1] + arm.elbow_sign * hold[2] + arm.hand_sign * hold[3]
+    # the frame with x across axis 5 is turned with the parallel axes: its own turn at zero is none
+    wrist, bendable, straight = _wrist(arm, turned, together)
+    # axis 4, seen in frame 2: (wrist 2, shoulder 2, N)
+    sin, cos = np.sin(wrist[0]), np.cos(wrist[0])
+    x, y = _in_plane(arm, columns[3], sin1, cos1)
+    x = x - (cos * arm.hand[0] - sin * arm.hand[1])
+    y = y - (sin * arm.hand[0] + cos * arm.hand[1])
+    q2, q3, reached = _two_links(arm, x, y)
+    q: Array = np.empty((6, 2, 2, 2, count))
+    q[0] = q1[:, None]
+    q[1] = q2
+    q[2] = q3 * arm.elbow_sign
+    q[3] = (wrist[0][:, :, None] - q2 - q3) * arm.hand_sign
+    q[4:] = wrist[1:, :, :, None]
+    q = q.reshape(6, 8, count)
+    q -= TURN * np.round(q * (1.0 / TURN))
+    valid = np.empty((2, 2, 2, count), bool)
+    valid[:] = (reached & (over.reached & bendable))[:, :, None]
+    free = np.empty((2, 2, 2, 2, count), bool)
+    free[0], free[1] = over.singular, straight[:, None]
+    return Branches(q, valid.reshape(8, count), free.reshape(2, 8, count))
+
+
+def _columns(arm: Form, poses: Array) -> Array:
     """Return the wrist's axes and, as the fourth, its centre (4, 3, N), in the axes of the first joint, for base_from_flange (N, 4, 4)."""
     columns: Array = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, len(poses))
@@ -150,7 +190,7 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 
 
 def one_branch(
-    arm: WristedArm, base_from_flange: Array, branch: int
+    arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """Return one branch of all poses, to the last bit as of `closed_form`, in less time.
 
@@ -163,6 +203,10 @@ def one_branch(
         Joint positions (6, N) [rad], where they reach the poses (N,), and where an angle of any branch is free (N,): where one is, `closed_form` holds it, and the
         positions mean nothing.
     """
+    if isinstance(arm, ParallelArm):
+        found = closed_form(arm, base_from_flange, np.zeros((6, 1)))
+        is_held: NDArray[np.bool_] = np.logical_or.reduce(found.singular, axis=0)
+        return found.q[:, branch].copy(), found.valid[branch].copy(), is_held
     count, nothing = len(base_from_flange), np.zeros(1)
     wrist, shoulder, elbow = branch // 4, branch // 2 % 2, branch % 2
     q: Array = np.empty((6, count))
@@ -214,7 +258,7 @@ class _Over:
     singular: NDArray[np.bool_]
 
 
-def _shoulder(arm: WristedArm, centre: Array, hold: Array) -> tuple[Array, _Over]:
+def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
     """q1 (2, N): the turns that bring the wrist centre (3, N) into the arm's plane (subproblem 4)."""
     axis, origin = arm.shoulder[:3, 2], arm.shoulder[:3, 3]
     lean = math.hypot(axis[0], axis[1])
@@ -236,12 +280,23 @@ def _elbow(
     """q2 and q3 (shoulder 2, elbow 2, N), and where the wrist centre is within reach (2, N) (subproblems
     3, 1).
     """
+    x, y = _in_plane(arm, centre, sin1, cos1)
+    return _two_links(arm, x, y)
+
+
+def _in_plane(arm: Form, centre: Array, sin1: Array, cos1: Array) -> tuple[Array, Array]:
+    """Return x and y of the wrist centre (3, N) in frame 2 before joint 2 turns, (shoulder 2, N) each [m]."""
     turn = arm.shoulder[:3, :3]
     start = -turn.T @ arm.shoulder[:3, 3]
     along = cos1 * centre[0] + sin1 * centre[1]
     aside = cos1 * centre[1] - sin1 * centre[0]
     x = turn[0, 0] * along + turn[1, 0] * aside + (turn[2, 0] * centre[2] + start[0])
     y = turn[0, 1] * along + turn[1, 1] * aside + (turn[2, 1] * centre[2] + start[1])
+    return x, y
+
+
+def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return q2 and q3 (..., elbow 2, N) that bring the end of two links to x and y (..., N) [m], and where that is within reach (..., N)."""
     distance = np.hypot(x, y)
     far, near = arm.upper + arm.fore, abs(arm.upper - arm.fore)
     beyond, inside = far - distance, distance - near
@@ -250,12 +305,12 @@ def _elbow(
     fold = 2.0 * np.arctan2(sine, cosine)
     tip = np.arctan2(arm.fore * np.sin(fold), arm.upper + arm.fore * np.cos(fold))
     towards = np.arctan2(y, x)
-    q2 = np.stack((towards - tip, towards + tip), axis=1)
-    q3 = np.stack((fold, -fold), axis=1) - arm.fore_angle
+    q2 = np.stack((towards - tip, towards + tip), axis=-2)
+    q3 = np.stack((fold, -fold), axis=-2) - arm.fore_angle
     return q2, q3, np.minimum(beyond, inside) >= -REACH_TOLERANCE
 
 
-def _wrist(arm: WristedArm, rest: Array, hold: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
+def _wrist(arm: Form, rest: Array, hold: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
     """The wrist's three angles (3, wrist 2, arm 4, N) for the rotation `rest` (3, 3, arm 4, N).
 
     rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), t5 = q5 + bend: its last column says how far
@@ -315,12 +370,14 @@ def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
     return near, near - seed
 
 
-def nearest_form(arm: WristedArm, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
+def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
     """One solution (6, N) next to seeds (6, N), and where it is proved to be the nearest of all branches (N,).
 
     Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of these
     choices, and costs at least what the rejected side of that choice did: where all of it costs less, it is the nearest.
     """
+    if isinstance(arm, ParallelArm):
+        return np.zeros((6, len(poses))), np.zeros(len(poses), dtype=bool)
     columns = _columns(arm, poses)
     q: Array = np.empty((6, len(poses)))
     q1, over = _shoulder(arm, columns[3], seed[0])

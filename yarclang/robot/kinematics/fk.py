@@ -15,7 +15,7 @@ from functools import lru_cache
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.robot.model import Array, Chain
+from yarclang.robot.model import Array, Chain, Lines
 
 BLOCK = 1024
 """Samples in one block: the arrays of a step stay in the second-level cache."""
@@ -197,6 +197,14 @@ def links_of(chain: Chain) -> Links:
         slide=slide,
         uniform=bool(np.all(turn == 1.0) and not slide.any()),
     )
+
+
+def lines_of(chain: Chain) -> Lines:
+    """Return the axes of a chain, by the kinematics that the chain brings along, or else by ours."""
+    if chain.kinematics is not None:
+        return chain.kinematics.lines(chain)
+    links = links_of(chain)
+    return Lines(links.frames[:, :3, 2], links.frames[:, :3, 3], links.turn, links.slide)
 
 
 def _blocks(count: int) -> list[slice]:

@@ -1,9 +1,13 @@
-"""Which arms have a closed form: six turns, a spherical wrist, and an elbow parallel to the shoulder.
+"""Which arms have a closed form: six turns, and either a spherical wrist with an elbow parallel to the shoulder, or three parallel axes.
 
-The last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor 6,
+With a spherical wrist the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor 6,
 axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
 decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025),
 "spherical wrist, two parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
+
+With three parallel axes (2, 3, 4: most cobots), axes 5 and 6 meet. Seen from axis 1 their point stays at one height along axis 2: subproblem 4 for
+q1. What the first joint leaves of the rotation is then a turn about the parallel axes, by q2, q3 and q4 together, and the turns about axes 5 and 6: the same as for a wrist.
+Subproblem 3 gives q3, and 1 q2.
 """
 
 from __future__ import annotations
@@ -15,6 +19,7 @@ import numpy as np
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain
+from yarclang.transforms import sealed
 
 TOLERANCE = 1e-9
 """How far axes may miss each other [m], or be off parallel [rad], and still count as meeting or parallel."""
@@ -51,6 +56,120 @@ class WristedArm:
     alpha: float
     beta: float
     bend: float
+
+
+@frozen(eq=False)
+class ParallelArm:
+    """The constants of the closed form with three parallel axes.
+
+    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 sits where axes 5 and 6 meet (the wrist centre). Frame 2 has x from axis 2 to axis 3.
+
+    `first_from_base` and `flange_from_wrist` (4, 4), `shoulder` (4, 4), `upper` [m] and `depth` [m] (of the wrist centre) are as of a `WristedArm`. `fore` [m] is the distance from axis 3 to axis 4,
+    `fore_angle` [rad] its direction in frame 2; `hand` (2,) [m] is the way from axis 4 to the wrist centre in the plane across axis 2. `elbow_sign` and `hand_sign` are -1 where
+    axis 3, and axis 4, is against axis 2. `wrist` (3, 3) is the frame of the parallel axes with x across axis 5, in frame 2. `alpha`, `beta` and `bend` [rad] are as of a `WristedArm`, with axis 2 for axis 4.
+    """
+
+    first_from_base: Array
+    flange_from_wrist: Array
+    shoulder: Array
+    upper: float
+    fore: float
+    fore_angle: float
+    hand: Array
+    depth: float
+    elbow_sign: float
+    hand_sign: float
+    wrist: Array
+    alpha: float
+    beta: float
+    bend: float
+
+
+Form = WristedArm | ParallelArm
+"""The constants of a closed form."""
+
+
+@lru_cache(maxsize=256)
+def form_of(chain: Chain) -> Form | None:
+    """Return the closed form of `chain`, or None where it has none; remembered by the chain's identity."""
+    return wristed_arm(chain) or parallel_arm(chain)
+
+
+NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
+"""How far the axes of a calibrated arm may be off parallel [rad], or miss each other [m]."""
+
+
+@lru_cache(maxsize=256)
+def nominal_form(chain: Chain) -> Form | None:
+    """Return the closed form of the arm as it was meant, of a chain that is calibrated; None where it has one of its own, or is like none.
+
+    Its solutions are where to start from: the chain's own are next to them.
+    """
+    links = links_of(chain)
+    if chain.size != 6 or not links.uniform or form_of(chain) is not None:
+        return None
+    axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    for parallel, meeting in (((2,), slice(3, 6)), ((2, 3), slice(4, 6))):
+        off = max(float(np.linalg.norm(np.cross(axes[1], axes[other]))) for other in parallel)
+        centre = _meeting(axes[meeting], points[meeting], NEARLY_MEETING)
+        if centre is None or off > NEARLY_PARALLEL:
+            continue
+        meant, through = axes.copy(), points.copy()
+        for other in parallel:
+            meant[other] = np.copysign(1.0, float(axes[1] @ axes[other])) * axes[1]
+        through[meeting] = centre
+        screws = np.hstack((-np.cross(meant, through), meant))
+        found = form_of(Chain(sealed(screws), chain.base_from_flange))
+        if found is not None:
+            return found
+    return None
+
+
+@lru_cache(maxsize=256)
+def parallel_arm(chain: Chain) -> ParallelArm | None:
+    """Return the closed form of a chain with three parallel axes, or None where it isn't one; remembered by the chain's identity."""
+    links = links_of(chain)
+    if chain.size != 6 or not links.uniform:
+        return None
+    axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    along = axes[1]
+    if max(float(np.linalg.norm(np.cross(along, other))) for other in (axes[2], axes[3])) > TOLERANCE:
+        return None
+    centre = _meeting(axes[4:], points[4:])
+    alpha, beta, lean = _angle(along, axes[4]), _angle(axes[4], axes[5]), _angle(axes[0], along)
+    if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
+        return None
+    across = _across(points[2] - points[1], along)
+    fore = _across(points[3] - points[2], along)
+    upper, fore_length = float(np.linalg.norm(across)), float(np.linalg.norm(fore))
+    if min(upper, fore_length) < SMALL_ANGLE:
+        return None
+    second = _frame(along, across / upper, points[1])
+    x4, x6 = np.cross(along, axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
+    first = np.linalg.inv(links.frames[0])
+    seen, hand = second[:3, :3].T @ fore, second[:3, :3].T @ (centre - points[3])
+    return ParallelArm(
+        first_from_base=first,
+        flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ _frame(axes[5], x6, centre),
+        shoulder=first @ second,
+        upper=upper,
+        fore=fore_length,
+        fore_angle=float(np.arctan2(seen[1], seen[0])),
+        hand=hand[:2],
+        depth=float(along @ (centre - points[1])),
+        elbow_sign=1.0 if along @ axes[2] > 0.0 else -1.0,
+        hand_sign=1.0 if along @ axes[3] > 0.0 else -1.0,
+        wrist=second[:3, :3].T @ _frame(along, x4, centre)[:3, :3],
+        alpha=alpha,
+        beta=beta,
+        bend=float(np.arctan2(axes[4] @ np.cross(x4, x6), x4 @ x6)),
+    )
+
+
+def _across(way: Array, axis: Array) -> Array:
+    """Return the part of a way (3,) across an axis (3,)."""
+    across: Array = way - axis * float(axis @ way)
+    return across
 
 
 @lru_cache(maxsize=256)
@@ -100,15 +219,15 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     )
 
 
-def _meeting(axes: Array, points: Array) -> Array | None:
-    """The point (3,) in which the axes (m, 3) through `points` (m, 3) meet, or None."""
+def _meeting(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
+    """The point (3,) in which the axes (m, 3) through `points` (m, 3) meet within a tolerance [m], or None."""
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
     if np.linalg.cond(total) > 1e9:
         return None
     point: Array = np.linalg.solve(total, np.einsum("mij,mj->i", across, points))
     misses = np.einsum("mij,mj->mi", across, point - points)
-    return point if np.abs(misses).max() < TOLERANCE else None
+    return point if np.abs(misses).max() < tolerance else None
 
 
 def _angle(first: Array, second: Array) -> float:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from yarclang.robot.kinematics.closed_form import TURN, closed_form
 from yarclang.robot.kinematics.fk import walk
-from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import reached_within
 from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import misses, pose_columns
@@ -32,7 +32,7 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     Returns:
         (k, n) [rad or m] for the first k poses, k at most N.
     """
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     nothing = np.empty((0, chain.size))
     if arm is None or not len(base_from_flange):
         return nothing

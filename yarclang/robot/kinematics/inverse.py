@@ -1,6 +1,7 @@
 """Joint positions for poses: the one nearest to a seed, or all branches. For whole batches.
 
-Arms with a spherical wrist have a closed form; all others go by numeric search.
+Arms with a spherical wrist or three parallel axes have a closed form, a calibrated arm starts from that of the arm it was meant to be, and any other arm of six turning
+joints has its solutions by elimination. All others go by numeric search.
 """
 
 from __future__ import annotations
@@ -12,8 +13,9 @@ from numpy.typing import NDArray
 
 from yarclang.progress import go_on
 from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form, next_to
-from yarclang.robot.kinematics.fk import links_of, walk
-from yarclang.robot.kinematics.geometry import WristedArm, wristed_arm
+from yarclang.robot.kinematics.elimination import MOST, every_solution, polished
+from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
+from yarclang.robot.kinematics.geometry import Form, form_of, nominal_form
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.model import Array, Chain
 
@@ -32,6 +34,12 @@ REACHED = 1e-9
 NEARLY_REACHED = 1e-6
 """The same for an arm with fewer than six joints. The poses that it reaches are a thin set: axes that are parallel but for
 the last digits of a URDF, or a pose typed with some decimals, would leave nothing of it."""
+
+NEARLY_REACHES = 0.05
+"""A nominal solution of a calibrated arm that misses by less [m and rad] may have a solution next to it."""
+
+REGULAR = 0.03
+"""A smallest singular value of a Jacobian [m and rad] above which a solution keeps its place when an arm is calibrated."""
 
 STRETCHED = 1.0
 """What a branch that doesn't reach the pose costs against one that does, in squared joint differences: a
@@ -61,7 +69,7 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
         (N,) [m] and angle (N,) [rad]. Both under 1e-10 where the pose can be reached; where it can't, q
         is the nearest miss found.
     """
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     if arm is None:
         found = fit(chain, base_from_flange, seeds)
         return found.q, found.miss_position, found.miss_angle
@@ -89,7 +97,9 @@ def branches(
     """All solutions of each pose, without regard to limits.
 
     With a closed form these are its eight branches, always in the same order, so that along a path one index
-    is one configuration as long as no singularity is passed. Otherwise the solutions that a search from 48
+    is one configuration as long as no singularity is passed. A calibrated arm's first eight are next to those
+    of the arm as it was meant. Any other arm of six turning joints has its isolated solutions, 16 at most, in the
+    order of their joint values. Otherwise, and for a pose at which that finds none, these are the solutions that a search from 48
     fixed joint positions finds, at most 16 and different from each other, in the order found.
 
     Args:
@@ -100,11 +110,57 @@ def branches(
     Returns:
         q (N, B, n), revolute joints in (-pi, pi] [rad], and which of them reach their pose (N, B).
     """
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     if arm is not None:
         held = np.zeros((6, 1)) if hold is None else hold[:, None]
         found = closed_form(arm, base_from_flange, held)
         return np.ascontiguousarray(found.q.transpose(2, 1, 0)), np.ascontiguousarray(found.valid.T)
+    if not has_all(chain):
+        return _found_by_search(chain, base_from_flange)
+    go_on()
+    meant = nominal_form(chain)
+    if meant is None:
+        q, valid = every_solution(chain, base_from_flange)
+    else:
+        q, valid = _as_meant(chain, meant, base_from_flange)
+    none = np.flatnonzero(~valid.any(axis=1))
+    if len(none):
+        q[none, :BRANCHES], valid[none, :BRANCHES] = _found_by_search(chain, base_from_flange[none])
+    return q, valid
+
+
+def has_all(chain: Chain) -> bool:
+    """Return True if `branches` has all isolated solutions of a pose: an arm of six turning joints."""
+    return chain.size == 6 and links_of(chain).uniform
+
+
+def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return a calibrated arm's solutions (N, B, 6) [rad], those next to its nominal closed form's first, and which of them there are (N, B).
+
+    Where two of these meet, or are about to, the calibrated arm may have more or fewer: there all others come by elimination.
+    """
+    count = len(base_from_flange)
+    nominal = closed_form(meant, base_from_flange, np.zeros((6, 1)))
+    poses = np.repeat(base_from_flange, 8, axis=0)
+    seeds = nominal.q.transpose(2, 1, 0).reshape(-1, 6)
+    apart = misses(walk(chain, np.ascontiguousarray(seeds.T), np.eye(4))[0], pose_columns(poses))
+    is_near = np.hypot(*apart) < NEARLY_REACHES
+    found, miss = seeds.copy(), np.full(len(seeds), np.inf)
+    found[is_near], miss[is_near] = polished(chain, poses[is_near], seeds[is_near])
+    jacobians = walk_with_jacobian(chain, np.ascontiguousarray(found.T), np.eye(4))[1].transpose(2, 0, 1)
+    is_regular = np.linalg.svd(jacobians, compute_uv=False)[:, -1] > REGULAR
+    is_plain = (is_near == nominal.valid.T.ravel()) & (~is_near | ((miss < REACHED) & is_regular))
+    q = np.zeros((count, 8 + MOST, 6))
+    valid = np.zeros((count, 8 + MOST), dtype=bool)
+    q[:, :8], valid[:, :8] = wrapped(chain, found).reshape(count, 8, 6), (miss < REACHED).reshape(count, 8)
+    doubtful = np.flatnonzero(~is_plain.reshape(count, 8).all(axis=1))
+    if len(doubtful):
+        q[doubtful, 8:], valid[doubtful, 8:] = every_solution(chain, base_from_flange[doubtful])
+    return q, valid & ~_repeated(chain, q, valid)
+
+
+def _found_by_search(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return solutions of poses (N, BRANCHES, n) by numeric search, and which of them there are (N, BRANCHES)."""
     count, size = len(base_from_flange), chain.size
     starts = np.tile(restarts(chain, RESTARTS), (count, 1))
     poses = np.repeat(base_from_flange, RESTARTS, axis=0)
@@ -145,7 +201,7 @@ def wrapped(chain: Chain, q: Array) -> Array:
     return result
 
 
-def _nearest_branch(arm: WristedArm, poses: Array, seed: Array) -> Array:
+def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
     """Of all branches and full turns the nearest (6, N) to `seed` (6, N)."""
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():
@@ -154,7 +210,7 @@ def _nearest_branch(arm: WristedArm, poses: Array, seed: Array) -> Array:
     return q
 
 
-def _nearest_of_all(arm: WristedArm, poses: Array, seed: Array) -> Array:
+def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
     """The same, by looking at all of them."""
     found = closed_form(arm, poses, seed)
     near, away = next_to(found.q, seed[:, None])

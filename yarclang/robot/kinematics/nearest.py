@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.closed_form import TURN, closed_form
+from yarclang.robot.kinematics.elimination import polished
 from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
-from yarclang.robot.kinematics.geometry import wristed_arm
-from yarclang.robot.kinematics.inverse import branches, reached_within, restarts
+from yarclang.robot.kinematics.geometry import WristedArm, form_of
+from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
@@ -32,6 +33,9 @@ PULLED = 24
 
 CLEAR = 0.05
 """How far a redundant arm keeps from its limits where it can [rad or m], at most a twentieth of the range."""
+
+FREE = 1e-5
+"""A smallest singular value of a Jacobian [m and rad] under which a pose may leave a joint free."""
 
 ORIENTATION = 30.0
 """What 1 rad counts against 1 m where the nearest miss with the orientation held is looked for."""
@@ -91,7 +95,7 @@ def nearest_solutions(
         The solutions, or the reason why there is none.
     """
     reference = np.asarray(reference, dtype=float)
-    if wristed_arm(chain) is None:
+    if form_of(chain) is None:
         found = _searched(chain, limits, base_from_flange, reference)
     else:
         found = _in_closed_form(chain, limits, base_from_flange, reference)
@@ -119,7 +123,7 @@ def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDA
 
     None is seen of arms without a closed form, nor where a singularity leaves a joint free.
     """
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     sure = np.zeros(len(base_from_flange), dtype=bool)
     if arm is None:
         return sure
@@ -185,13 +189,13 @@ def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[A
 
 def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
     """The branches (m, n) that reach the pose, a straight wrist's last turn shared where joint 6 has to."""
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     assert arm is not None
     start = np.clip(reference, limits.lower, limits.upper)
     found = closed_form(arm, pose[None], start[:, None])
     valid = found.valid[:, 0]
     q, straight = found.q[:, valid, 0].T, found.singular[valid, 0]
-    if straight.any():
+    if straight.any() and isinstance(arm, WristedArm):
         lifted = nearest_turn(chain, limits, q, reference)
         axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
         sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
@@ -206,6 +210,10 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
 def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
     """Solutions (m, n) by numeric search; within limits if there are any, else without regard to them."""
     start = np.clip(reference, limits.lower, limits.upper)
+    if has_all(chain):
+        q = _isolated(chain, limits, pose, reference, start)
+        if q is not None:
+            return q
     low = np.maximum(limits.lower, np.where(chain.is_prismatic, limits.lower, start - math.pi))
     high = np.minimum(limits.upper, np.where(chain.is_prismatic, limits.upper, start + math.pi))
     spread = restarts(chain, SEARCHES)
@@ -225,6 +233,22 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
         if inside.any():
             q = _pulled(chain, limits, pose, turned[inside], start)
     return q
+
+
+def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start: Array) -> Array | None:
+    """Return all solutions (m, 6) of an arm of six turning joints; None where there may be others: none is found, or those that are leave a joint free and are out of limits."""
+    found, reached = branches(chain, pose[None])
+    # a continuum goes through the reference, or near it
+    from_start, miss = polished(chain, pose[None], start[None])
+    q = np.vstack([found[0][reached[0]], from_start[miss < reached_within(chain)]])
+    if not len(q):
+        return None
+    jacobian = walk_with_jacobian(chain, np.ascontiguousarray(q.T), np.eye(4))[1].transpose(2, 0, 1)
+    if np.linalg.svd(jacobian, compute_uv=False)[:, -1].min() > FREE:
+        return q
+    lifted = nearest_turn(chain, limits, q, reference)
+    inside = np.abs(beyond(limits, lifted)).max(axis=1) <= EDGE
+    return q if inside.any() and miss[0] < reached_within(chain) else None
 
 
 def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Array) -> Array:
@@ -273,7 +297,7 @@ def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
     """The nearest miss from the reference and from fixed starts."""
     seeds = np.vstack([reference, restarts(chain, 48)])
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     if arm is not None:
         seeds = np.vstack([closed_form(arm, pose[None], reference[:, None]).q[:, :, 0].T, seeds])
     q, miss, miss_angle = nearest_miss(chain, pose, seeds)

@@ -1,6 +1,6 @@
 """One joint position within limits for each of many poses, whatever the arm: no seed, no reference.
 
-Where there is a closed form its branches are tried. Otherwise damped least squares starts from those of some
+Where there is a closed form its branches are tried, and first of all for a calibrated arm what is next to those of the arm as it was meant. Otherwise damped least squares starts from those of some
 thousand fixed joint positions within limits whose poses are nearest, one a pose first, and more for
 the poses that are still unsolved.
 """
@@ -13,8 +13,10 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.robot.kinematics.closed_form import closed_form
+from yarclang.robot.kinematics.elimination import polished
 from yarclang.robot.kinematics.fk import flange_poses
-from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.geometry import Form, form_of, nominal_form
 from yarclang.robot.kinematics.inverse import branches, extent, reached_within, restarts
 from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
@@ -47,7 +49,7 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         limits (N,); the others are the last that was tried. A search that finds none is no proof that there is none.
     """
     count = len(base_from_flange)
-    if wristed_arm(chain) is not None:
+    if form_of(chain) is not None:
         found, valid = branches(chain, base_from_flange)
         found, inside = _within(chain, limits, found)
         good = valid & inside
@@ -55,6 +57,8 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         rows = np.arange(count)
         return found[rows, choice], good[rows, choice]
     q, solved = np.empty((count, chain.size)), np.zeros(count, dtype=bool)
+    if (meant := nominal_form(chain)) is not None:
+        q, solved = _next_to_meant(chain, meant, limits, base_from_flange)
     seeds = _start_positions(chain, limits)
     begun = 0
     for starts, rounds in STAGES:
@@ -79,6 +83,21 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
         q[todo] = found.reshape(len(todo), starts, chain.size)[rows, choice]
         solved[todo] = good[rows, choice]
     return q, solved
+
+
+def _next_to_meant(
+    chain: Chain, meant: Form, limits: Limits, base_from_flange: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return joint positions of a calibrated arm (N, 6) [rad] next to those of its nominal closed form, and which of them stand at their poses within limits (N,)."""
+    low, high = span(chain, limits)
+    found = closed_form(meant, base_from_flange, 0.5 * (low + high)[:, None])
+    q, inside = _within(chain, limits, found.q.transpose(2, 1, 0))
+    # the farther from all limits the better: the solution is only next to this one
+    room = np.minimum(q - limits.lower, limits.upper - q).min(axis=2)
+    choice = np.argmax(np.where(found.valid.T & inside, room, -1.0), axis=1)
+    exact, miss = polished(chain, base_from_flange, q[np.arange(len(q)), choice])
+    exact, inside = _within(chain, limits, exact)
+    return exact, inside & (miss < reached_within(chain))
 
 
 def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.bool_]]:

@@ -20,8 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.closed_form import FREE_JOINTS, TURN, closed_form, next_to, one_branch
-from yarclang.robot.kinematics.geometry import WristedArm
+from yarclang.robot.kinematics.closed_form import TURN, closed_form, free_joints, next_to, one_branch
+from yarclang.robot.kinematics.geometry import Form
 from yarclang.robot.model import Array
 
 NEAR = 0.2
@@ -88,7 +88,7 @@ class _Held:
         return away
 
 
-def follow_branches(arm: WristedArm, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
+def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
     """The strand that starts at `q_start` (6,) [rad], which stands at pose_at(s[0]).
 
     Args:
@@ -110,7 +110,7 @@ def follow_branches(arm: WristedArm, pose_at: Callable[[Array], Array], s: Array
 
 
 def plain_strands(
-    arm: WristedArm, poses: Array, s: Array, starts: Array, branch: int
+    arm: Form, poses: Array, s: Array, starts: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_]]:
     """Follow many paths at once along one branch, where there is nothing to decide.
 
@@ -148,7 +148,7 @@ def plain_strands(
     return q, is_plain & ~bent.any(axis=(1, 2))
 
 
-def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
+def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
     """Follow the samples from `q_start`; also the places (K,) that need a closer look."""
     s, count = samples.s, len(samples.s)
     q = np.empty((count, 6))
@@ -195,7 +195,7 @@ def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, A
             break
         if straight and held is None:
             freed = np.flatnonzero(samples.free[here + 1, choice]).tolist()
-            held = _Held(here, q[here].copy(), [FREE_JOINTS[one] for one in freed])
+            held = _Held(here, q[here].copy(), [free_joints(arm)[one] for one in freed])
         here += 1
         q[here] = target
         branch = -1 if straight else choice
@@ -218,7 +218,7 @@ def _walk(arm: WristedArm, samples: _Samples, q_start: Array) -> tuple[Strand, A
     return Strand(s[:reached], q[:reached], end, beyond), (np.concatenate(cuts) if cuts else np.empty(0))
 
 
-def _held_run(arm: WristedArm, samples: _Samples, first: int, last: int, branch: int, q: Array) -> Array:
+def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, q: Array) -> Array:
     """Joint positions (K, 6) from sample `first` to before `last`, all of them singular, with the free
     angle held at that of `q` (6,), the first of them; as far as no joint moves too much from one to the
     next.
@@ -248,7 +248,7 @@ def _bends(strand: Strand) -> Array:
     return middles
 
 
-def _choose(arm: WristedArm, samples: _Samples, index: int, q: Array) -> tuple[int, Array, bool]:
+def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Array, bool]:
     """The branch at sample `index` nearest to `q` (6,), its joints on the turns next to q, and whether it is
     singular there, with the free angle held at q's; -1 for none.
     """
@@ -270,7 +270,7 @@ def _sections(start: float, end: float, pieces: int) -> Array:
     return result
 
 
-def _sampled(arm: WristedArm, poses: Array, s: Array, hold: Array) -> _Samples:
+def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
     """All branches at new places."""
     found = closed_form(arm, poses, hold[:, None])
     return _Samples(

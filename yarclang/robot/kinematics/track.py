@@ -15,7 +15,7 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import walk
-from yarclang.robot.kinematics.geometry import wristed_arm
+from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
 from yarclang.robot.kinematics.march import march
 from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
@@ -144,7 +144,7 @@ def track(
         limits = replace(
             limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
         )
-    arm = wristed_arm(chain)
+    arm = form_of(chain)
     bends = samples if samples > SAMPLES else 0
     strand = (
         march(chain, pose_at, start[0], bends) if arm is None else follow_branches(arm, pose_at, s, start[0])

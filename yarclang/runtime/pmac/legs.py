@@ -3,8 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
+from yarclang.decisions import (
+    DecisionError,
+    Value,
+    evaluated,
+    in_words,
+    inputs_of,
+    registers_of,
+    simple,
+)
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
@@ -36,6 +45,28 @@ class _Standing:
     clock: float
 
 
+@dataclass(slots=True)
+class Held:
+    """What a run knows besides the controller: its registers, and what the last decision has read of the inputs."""
+
+    registers: dict[str, int]
+    inputs: dict[str, float]
+
+    @classmethod
+    def of(cls, job: Job) -> Held:
+        """Return what is held when a run begins."""
+        return cls({one.name: one.first for one in job.registers}, {})
+
+    @property
+    def told(self) -> tuple[tuple[str, int], ...]:
+        """The registers, by their names."""
+        return tuple(self.registers.items())
+
+    def in_words(self) -> str:
+        """Return the registers as the log tells them."""
+        return "registers: " + ", ".join(f"{name} is {value}" for name, value in self.registers.items())
+
+
 def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[Ended]:
     """Stream the legs of a job; at a barrier, wait, or choose the way that is taken.
 
@@ -45,6 +76,9 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
         perform: runs a job without any.
     """
     place: int | None = 0
+    held = Held.of(job)
+    if held.registers:
+        operation.remark(held.in_words())
     stands, begun = job.start, False
     ways: tuple[bool, ...] = ()
     barriers = 0
@@ -56,13 +90,13 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             begun = True
             ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
             if not ended.well:
-                return replace(ended, ways=ways, barriers=barriers)
+                return replace(ended, ways=ways, barriers=barriers, registers=held.told)
             stands = leg.job.end
         if leg.barrier is None:
             break
         here = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
         try:
-            before, place = place, (yield from _pass(operation, job, place, leg.barrier))
+            before, place = place, (yield from _pass(operation, job, place, leg.barrier, held))
         except Stopped as stopped:
             ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))
         except Trouble as trouble:
@@ -74,14 +108,16 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             if leg.barrier.kind == "when":
                 ways = (*ways, place == before + 1)
             continue
-        return replace(ended, ways=ways, barriers=barriers, at_barrier=True)
+        return replace(ended, ways=ways, barriers=barriers, at_barrier=True, registers=held.told)
     clock = job.clock + job.lasting.most
     done = job.offset + job.duration
-    return Ended(True, joints=stands, done=done, clock=clock, ways=ways, barriers=barriers)
+    return Ended(
+        True, joints=stands, done=done, clock=clock, ways=ways, barriers=barriers, registers=held.told
+    )
 
 
-def _pass(operation: Operation, job: Job, place: int, barrier: Barrier) -> Script[int]:
-    """Wait at a barrier; the number of the leg that comes next."""
+def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
+    """Wait at a barrier, decide, or change a register; the number of the leg that comes next."""
     if barrier.kind in ("wait", "hold"):
         operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
@@ -90,13 +126,66 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier) -> Scrip
         case "hold":
             yield from _wait_for_operator(operation, job, barrier)
         case "when":
-            (value,) = yield from operation.numbers(barrier.variable, 1)
-            holds = value == barrier.value
-            operation.remark(f"{_title(barrier)}: {barrier.name} is {state_text(value)}")
+            holds = yield from _decided(operation, barrier, held)
             return place + 1 if holds else _behind(job.legs, place, "else", "end")
+        case "set":
+            yield from _set(operation, job, barrier, held)
         case "else":
             return _behind(job.legs, place, "end")
     return place + 1
+
+
+def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
+    """Decide a WHEN. Each input is read once; the ways of a CASE are decided with what was read at the first of them."""
+    assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
+    if not barrier.again:
+        held.inputs = yield from _read(operation, barrier.decided)
+    holds = bool(_evaluated(barrier, barrier.decided, held))
+    compared = simple(barrier.decided)
+    said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
+    if compared is not None and barrier.name:
+        operation.remark(f"{_title(barrier)}: {said} is {state_text(held.inputs[compared[0].variable])}")
+        return holds
+    known = [f"{name} is {held.registers[name]}" for name in registers_of(barrier.decided)]
+    known += [
+        f"{one.variable} is {state_text(held.inputs[one.variable])}" for one in inputs_of(barrier.decided)
+    ]
+    operation.remark(
+        f"{_title(barrier)}: {barrier.name or said} {'holds' if holds else 'does not hold'}, {', '.join(known)}"
+    )
+    return holds
+
+
+def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
+    """Give a register its value, or end the run if that is out of range."""
+    assert barrier.decided is not None  # as above
+    register = next(one for one in job.registers if one.name == barrier.register)
+    held.inputs = yield from _read(operation, barrier.decided)
+    value = _evaluated(barrier, barrier.decided, held)
+    if not value.is_integer() or not register.low <= value <= register.high:
+        raise Trouble(
+            f"{_title(barrier)} would make {register.name} {value:g}, and it is an integer from {register.low} to {register.high}",
+            "look at the inputs and at what the program counts, then start it anew",
+            "Y1630",
+        )
+    held.registers[register.name] = int(value)
+    operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
+
+
+def _read(operation: Operation, value: Value) -> Script[dict[str, float]]:
+    """Read the inputs of a value, each once."""
+    found: dict[str, float] = {}
+    for one in inputs_of(value):
+        (found[one.variable],) = yield from operation.numbers(one.variable, 1)
+    return found
+
+
+def _evaluated(barrier: Barrier, value: Value, held: Held) -> float:
+    try:
+        return evaluated(value, held.registers, held.inputs)
+    except DecisionError as error:
+        remedy = "look at the inputs and at what the program counts, then start it anew"
+        raise Trouble(f"{_title(barrier)}: {error}", remedy, "Y1630") from None
 
 
 def _behind(legs: tuple[Leg, ...], place: int, *kinds: str) -> int:

@@ -74,7 +74,7 @@ def measure(operation: Operation, axes: int) -> Script[Link]:
     return Link(tuple(sorted(times)), _PACKETS * count / spent, count, first, value == 1.0)
 
 
-def told(link: Link) -> Measured:
+def figures(link: Link) -> Measured:
     """Return what was measured in sentences, and as numbers."""
     segment = 1e3 / (link.lines_per_second * _SHARE)
     lines = [

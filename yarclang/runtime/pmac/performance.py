@@ -25,7 +25,7 @@ from yarclang.runtime.operation import Interrupted
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.inspection import inspect
 from yarclang.runtime.pmac.legs import LOST, perform_legs
-from yarclang.runtime.pmac.link import measure, told
+from yarclang.runtime.pmac.link import figures, measure
 from yarclang.runtime.pmac.live import LiveStream
 from yarclang.runtime.pmac.messages import Control
 from yarclang.runtime.pmac.operation import ABORT_ALL, CLOSE_ROTARY, HOLD_ALL, PATIENCE, Operation
@@ -109,7 +109,7 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
         Trouble: it can't be measured.
     """
     try:
-        return told((yield from measure(operation, len(robot.controller.axes))))
+        return figures((yield from measure(operation, len(robot.controller.axes))))
     except Lost as lost:
         raise Trouble(f"the connection was lost while the link was measured: {lost}") from None
 

@@ -165,10 +165,10 @@ class Counter:
                 commands, lines, rounds, deepest = self._repeat(node, file, scope, depth, needed)
             case "IF":
                 commands, lines, rounds, deepest = self._if(node, file, scope, depth, needed)
-            case "WHEN":
+            case "WHEN" | "CASE" as word:
                 both = (*node.body, *(node.otherwise or ()))
                 commands, lines, rounds, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
-                commands += 1
+                commands += 1 if word == "WHEN" else _ofs(node)
             case _:
                 return _NOTHING
         return commands, lines + size, rounds, deepest + 1
@@ -242,8 +242,10 @@ class Counter:
             elif word == "REPEAT":
                 number = repeats(head, counted(head)[1], scope, Collector(source))
                 total += (number or 0) * self._least_round(node, file, scope)
-            elif word == "WHEN":
-                total += Count(1) + self._least((*node.body, *(node.otherwise or ())), file, scope)
+            elif word in ("WHEN", "CASE"):
+                total += Count(1 if word == "WHEN" else _ofs(node)) + self._least(
+                    (*node.body, *(node.otherwise or ())), file, scope
+                )
         return total
 
     def _look(self) -> None:
@@ -336,6 +338,11 @@ class Counter:
 
 class Uncounted(Exception):  # noqa: N818 - ends the counting
     """There are many mistakes, so that a count would say nothing; or more rounds that differ than may be looked at."""
+
+
+def _ofs(case: Block) -> int:
+    """Return how many OF a CASE has."""
+    return sum(isinstance(one, Statement) and one.name.name == "OF" for one in case.body)
 
 
 def _head(node: Node) -> Statement:

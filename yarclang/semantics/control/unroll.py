@@ -10,13 +10,15 @@ from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
+from yarclang.decisions import Register
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Else, EndWhen, Gap, Output, Step, Stop
+from yarclang.hir import Array, Else, EndWhen, Gap, Origin, Output, Step, Stop, When
 from yarclang.memory import Forgetful
-from yarclang.semantics.actions import read_action, read_when
+from yarclang.semantics.actions import read_action, read_assignment, read_when
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
 from yarclang.semantics.control.calling import Calls
+from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.control.counting import (
     DEEPEST,
     Count,
@@ -56,6 +58,7 @@ class Unrolled:
     cell: Cell | None
     findings: list[Diagnostic]
     is_cut: bool
+    registers: list[Register]
 
 
 def unroll(module: Module, context: Context) -> Unrolled:
@@ -85,7 +88,7 @@ def declared_names(module: Module, context: Context) -> Scope:
     return file.scope
 
 
-_NO_COMMANDS = DECLARATIONS - {"WHEN"}
+_NO_COMMANDS = DECLARATIONS - {"WHEN", "OF"}
 """Words of lines that don't count as a command."""
 
 
@@ -128,7 +131,13 @@ class _Unroller:
         found = [one for collector in declaring.collectors for one in collector.found]
         told = cells.without_followers(found)
         return Unrolled(
-            self._steps, declaring.start, declaring.outputs, cells.cell, told, self._extent.is_reached
+            self._steps,
+            declaring.start,
+            declaring.outputs,
+            cells.cell,
+            told,
+            self._extent.is_reached,
+            declaring.registers,
         )
 
     def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: Place) -> None:
@@ -160,6 +169,8 @@ class _Unroller:
                 self._repeat(block, file, scope, place)
             case "IF":
                 self._if(block, file, scope, place)
+            case "CASE":
+                self._case(block, file, scope, place)
             case _:
                 self._when(block, file, scope, place)
         self._depth -= 1
@@ -254,6 +265,35 @@ class _Unroller:
         end = block.end or block.head
         self._steps.append(EndWhen(replace(origin_of(end, "END", file.findings), place=when.origin.place)))
 
+    def _case(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""
+        ways, findings = ways_of(block, scope, file.findings), file.findings
+        if ways is None:
+            self._steps.append(Gap())
+            return
+        around = shown(at(place, block.head)) if place else ""
+        self._whens += 1
+        opened = 0
+
+        def origin(statement: Statement, word: str) -> Origin:
+            return replace(origin_of(statement, word, findings), place=around)
+
+        for way in ways:
+            self._count_command(way.of, file)
+            if not place:
+                self._add_counted(Count(1, self._counter.size(way.of, findings.source)), way.of, file)
+            if opened:
+                self._steps.append(Else(origin(way.of, "ELSE")))
+            if way.condition is not None:
+                self._steps.append(When(origin(way.of, "OF"), way.condition, again=opened > 0))
+                opened += 1
+            self._nodes(tuple(way.nodes), file, Scope(scope), place)
+        if block.otherwise is not None:
+            self._steps.append(Else(origin(block.otherwise_head or block.head, "ELSE")))
+            self._nodes(block.otherwise, file, Scope(scope), place)
+        self._whens -= 1
+        self._steps += [EndWhen(origin(block.end or block.head, "END"))] * opened
+
     def _call(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
         findings = file.findings
         findings.place = shown(at(place, statement)) if place else ""
@@ -303,10 +343,11 @@ class _Unroller:
             return
         file.findings.place = shown(at(place, statement)) if place else ""
         given, before = self._calls.given, len(file.findings.found)
-        if (action := actions().get(word)) is not None:
-            steps: tuple[Step, ...] = (
-                read_action(statement, action, scope, file.defaults, file.findings) or ()
-            )
+        if word == "SET" and statement.expression is not None:
+            assigned = read_assignment(statement, scope, file.findings)
+            steps: tuple[Step, ...] = () if assigned is None else (assigned,)
+        elif (action := actions().get(word)) is not None:
+            steps = read_action(statement, action, scope, file.defaults, file.findings) or ()
         else:
             name = self._names.resolved(statement, file.findings)
             step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)

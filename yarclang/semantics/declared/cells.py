@@ -188,7 +188,9 @@ def _declare_frames(cell: Cell, scope: Scope, findings: list[Diagnostic]) -> Non
             _clash(message, Where(cell.source, span), findings)
             continue
         parent = scope.frame(frame.parent)
-        link = FrameLink(name, frame.parent_from_frame, parent.link if parent else None, cell.source, span)
+        link = FrameLink(
+            name, frame.parent_from_frame, parent.link if parent else None, cell.source, span, frame.told
+        )
         scope.declare_frame(name, Frame(frame.mount.transform, frame.mount.on_flange, link))
     for table, name in cell.places:
         if table == "frames" and scope.frame(name) is None:

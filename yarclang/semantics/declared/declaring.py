@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from yarclang.decisions import Register
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, Gap, Output, Step
 from yarclang.robot.model import Robot
@@ -18,6 +19,7 @@ from yarclang.semantics.declared.meanings import (
     declare_signal,
     may_be_declared,
 )
+from yarclang.semantics.declared.registers import declare_register
 from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.declared.whole_file import check_robot, read_default, read_start
 from yarclang.semantics.files import File, Sub, values_of
@@ -43,6 +45,7 @@ class Declaring:
 
     def __init__(self, context: Context, names: CommandNames, steps: list[Step]) -> None:
         self.outputs: list[Output] = []
+        self.registers: list[Register] = []
         self.start: Array | None = None
         self.cells = Cells(context)
         self.collectors: list[Collector] = []
@@ -111,6 +114,17 @@ class Declaring:
                 output = declare_signal(statement, scope, self._robot, self._signals, findings)
                 if output is not None:
                     self.outputs.append(output)
+            case "REGISTER" if not self._context.index_needed:
+                message = "REGISTER belongs into a program: each line that is typed is carried out by itself"
+                findings.add("Y0208", message, span, "write a file, and run it")
+            case "REGISTER":
+                register = declare_register(statement, scope, self._robot, findings)
+                if register is not None:
+                    self.registers.append(register)
+            case "OF":
+                help_ = "write the CASE in front of it, or the END that is missing above it"
+                findings.add("Y0432", "this OF belongs to no CASE", span, help_)
+                self._steps.append(Gap())
             case "USE":
                 self._use(statement, file, scope)
             case "CELL":

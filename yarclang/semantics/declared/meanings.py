@@ -126,7 +126,8 @@ def declare_frame(
             rotation = rotation_of(values, numbers[3:], findings, lambda: statement.whole_span)
             if rotation is not None:
                 transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
-            link = FrameLink(name, constant(transform), base.link, findings.source, statement.whole_span)
+            place = findings.source, statement.whole_span
+            link = FrameLink(name, constant(transform), base.link, *place, constant(numbers))
         transform = base.transform @ transform
     scope.declare_frame(name, Frame(constant(transform), on_flange, link))
 

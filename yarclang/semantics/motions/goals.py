@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.commands.spec import Values
-from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal
+from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal, Told
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.motions.moved import named_poses, takes_names
 from yarclang.semantics.names.commands import ResolvedName
@@ -166,11 +166,18 @@ def _goal(
             constant(axes.transform[:3, :3]),
             axes.on_flange,
             flange_from_moving,
+            _told(numbers, frames),
         )
     pose = _UNMOVED.copy()
     pose[:3, :3] = rotation
     pose[:3, 3] = numbers[:3]
-    return PoseGoal(constant(axes.transform @ pose), flange_from_moving)
+    return PoseGoal(constant(axes.transform @ pose), flange_from_moving, told=_told(numbers, frames))
+
+
+def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
+    """Return a pose as it was written; None if a frame of it isn't known."""
+    moving, base = frames[0].link, frames[1].link
+    return None if moving is None or base is None else Told(constant(numbers), base, moving)
 
 
 _UNMOVED = np.eye(4)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import Register
 from yarclang.frozen import frozen
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -82,11 +83,12 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | JointPosition | Pose | Input | Output | Routine | Library
+Named = Amount | JointPosition | Pose | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     JointPosition: "a joint position",
+    Register: "a register",
     Pose: "a pose",
     Input: "an input",
     Output: "an output",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from yarclang.decisions import Register
 from yarclang.diagnostics import FindingError
 from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
@@ -13,6 +14,9 @@ from yarclang.syntax.leaves import Number, Place, Quantity
 from yarclang.units import UNITS
 
 LARGEST_NUMBER = 1e9
+
+AT_RUN_TIME = "its value is known only when the program runs: WHEN, CASE and SET can use it"
+"""What is advised where a register or an input stands in what is computed when compiled."""
 
 
 class EvaluationError(FindingError):
@@ -89,11 +93,10 @@ def named(name: Name, scope: Scope) -> Amount:
     if isinstance(found, Amount):
         return found
     if found is not None:
-        help_ = ""
-        if isinstance(found, Input):
-            help_ = f"WHEN {name.text} ON ... ELSE ... END asks an input when the program runs; numbers are computed when it is compiled"
-        message = f"{name.text} is {KINDS[type(found)]}, not a number"
-        raise EvaluationError(name.place, "Y0209", message, help_)
+        help_ = AT_RUN_TIME if isinstance(found, Register | Input) else ""
+        raise EvaluationError(
+            name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number", help_
+        )
     known = sorted(set(scope.names(Amount)))
     subject = unknown(name.text, known)
     help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by LET")

@@ -2,53 +2,63 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import Protocol
 
+from yarclang.simulator.motion import drive
 from yarclang.simulator.motion.motors import Motor
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
+from yarclang.simulator.motion.system import CoordinateSystem
 
 _NO_SWITCHES = 0x20000
 """Bit 17 of Ixx24: limit switches aren't looked at."""
 
 
-def tripped(machine: Machine, motor: Motor, cause: str) -> None:
+class Surroundings(drive.Surroundings, Protocol):
+    """Motors and coordinate systems that stop each other."""
+
+    motors: dict[int, Motor]
+    systems: dict[int, CoordinateSystem]
+
+    def system_of(self, motor: Motor) -> CoordinateSystem | None:
+        """Return the coordinate system in which a motor is defined."""
+        ...
+
+
+def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
     """A motor meets a `limit` (its coordinate system aborts) or a fatal following error (it is killed)."""
-    system = machine.system_of(motor)
+    system = outside.system_of(motor)
     motor.trip = None
     if cause != "limit":
         motor.fatal_error = True
-        kill(machine, motor)
+        kill(outside, motor)
         return
     if system is not None and system.busy:
         system.limit_stop = True
         system.abort()
     else:
-        motor.abort(machine.now)
+        motor.abort(outside.now)
     motor.limit_stop = True
-    machine.changed([motor])
+    outside.changed([motor])
 
 
-def kill(machine: Machine, motor: Motor) -> None:
+def kill(outside: Surroundings, motor: Motor) -> None:
     """A fault kills the motor; with which others, Ixx24 bits 22 and 21 say: 0 all, 1 those of its
     coordinate system, else none (assumed).
     """
     extent = int(motor.tuning(24)) >> 21 & 3
-    system = machine.system_of(motor)
+    system = outside.system_of(motor)
     if system is not None:
         system.abort()
     others: list[Motor] = []
     if extent == 0:
-        others = [other for other in machine.motors.values() if other.activated]
-        for each in machine.systems.values():
+        others = [other for other in outside.motors.values() if other.activated]
+        for each in outside.systems.values():
             if each is not system and each.busy:
                 each.abort()
     elif extent == 1 and system is not None:
         others = system.motors
     for other in {id(m): m for m in (motor, *others)}.values():
-        other.kill(machine.now)
-        machine.changed([other])
+        other.kill(outside.now)
+        outside.changed([other])
 
 
 def switch(motor: Motor, side: int, on: bool) -> None:
@@ -56,12 +66,12 @@ def switch(motor: Motor, side: int, on: bool) -> None:
     motor.switches[1 if side > 0 else -1] = on and not int(motor.tuning(24)) & _NO_SWITCHES
 
 
-def look(machine: Machine, motor: Motor) -> None:
+def look(outside: Surroundings, motor: Motor) -> None:
     """What may trip a motor has changed: whether it trips at once, or on its way."""
-    if motor.closed and (cause := motor.tripped(*motor.place(machine.now))):
-        tripped(machine, motor, cause)
+    if motor.closed and (cause := motor.tripped(*motor.place(outside.now))):
+        tripped(outside, motor, cause)
         return
     motor.look_again()
-    system = machine.system_of(motor)
+    system = outside.system_of(motor)
     if system is not None:
         system.drive.look_again()

@@ -3,22 +3,36 @@
 from __future__ import annotations
 
 from collections import deque
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from yarclang.simulator.network.ports import Port
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.reply import Reply
+from yarclang.simulator.programs.buffers import Buffers
 
 PORT = -1
 _LONGEST_QUEUE = 64
 
 
+class Interpreter(Protocol):
+    """What executes lines, and what its ports have open."""
+
+    ports: dict[int, Port]
+    buffers: Buffers
+
+    def command(self, line: str, port: int = 0) -> Reply:
+        """Execute a line, or store it."""
+        ...
+
+    def control(self, character: int, port: int = 0) -> Reply:
+        """Execute a control character."""
+        ...
+
+
 class Background:
     """Executes lines on a port of its own. What it answers goes nowhere; an error neither (I6 = 2 and 0 hush it)."""
 
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+    def __init__(self, interpreter: Interpreter) -> None:
+        self._interpreter = interpreter
         self._queue: deque[tuple[str, int, int]] = deque()
 
     def put(self, text: str, system: int, motor: int) -> None:
@@ -36,12 +50,12 @@ class Background:
             return
         due, self._queue = self._queue, deque()
         for text, system, motor in due:
-            port = self.machine.ports[PORT] = Port(motor, system)
+            port = self._interpreter.ports[PORT] = Port(motor, system)
             if text[:1] == "^" and len(text) == 2:
-                self.machine.control(ord(text[1]) - 64, PORT)
+                self._interpreter.control(ord(text[1]) - 64, PORT)
             else:
-                self.machine.command(text, PORT)
-            if PORT not in self.machine.ports:
+                self._interpreter.command(text, PORT)
+            if PORT not in self._interpreter.ports:
                 # a reset: nothing that waited behind it is left
                 return
-            self.machine.buffers.release(port)
+            self._interpreter.buffers.release(port)

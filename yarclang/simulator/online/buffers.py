@@ -46,7 +46,7 @@ def define(line: Line, found: re.Match[str]) -> None:
     while reader.has_data() or reader.takes(","):
         if reader.has_data():
             reader.constant()
-    machine.gathering = machine.gathering or found[1].startswith("GAT")
+    machine.buffers.gathering = machine.buffers.gathering or found[1].startswith("GAT")
 
 
 def delete(line: Line, found: re.Match[str]) -> None:
@@ -54,7 +54,7 @@ def delete(line: Line, found: re.Match[str]) -> None:
     if found[1].startswith("ROT"):
         line.machine.buffers.delete_rotary(line.port.system)
     elif found[1].startswith("GAT"):
-        line.machine.gathering = False
+        line.machine.buffers.gathering = False
 
 
 def listing(line: Line, found: re.Match[str]) -> None:
@@ -70,9 +70,9 @@ def listing(line: Line, found: re.Match[str]) -> None:
             lines = machine.plcs.by_number[number].program.lines
         case "PROG" | "PRO":
             number = reader.whole()
-            if number not in machine.programs:
+            if number not in machine.buffers.programs:
                 raise Refusal(DATA)
-            lines = machine.programs[number].lines
+            lines = machine.buffers.programs[number].lines
             first, count = _argument(reader) or 0, _argument(reader)
         case _:
             rotary = line.system.calculation.rotary

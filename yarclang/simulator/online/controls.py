@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from yarclang.pmac.defaults import MOTORS
 from yarclang.simulator.network.ports import Port
 from yarclang.simulator.network.reply import Refusal, Reply
+from yarclang.simulator.online.surroundings import Controller
 from yarclang.simulator.state import status
 from yarclang.simulator.state.registers import printed
 
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
 
-
-def control_reply(machine: Machine, character: int, port: Port) -> Reply:
+def control_reply(machine: Controller, character: int, port: Port) -> Reply:
     """Execute a control character, 1 for ^A to 26 for ^Z. What has no meaning does nothing."""
     letter = chr(character + 64) if 1 <= character <= 26 else ""
     try:
@@ -23,7 +19,7 @@ def control_reply(machine: Machine, character: int, port: Port) -> Reply:
         return Reply((), refusal.number)
 
 
-def _done(machine: Machine, letter: str, port: Port) -> list[str]:
+def _done(machine: Controller, letter: str, port: Port) -> list[str]:
     first = (port.motor - 1) // 8 * 8 + 1
     group = [machine.motors[n] for n in range(first, min(first + 8, MOTORS + 1))]
     now = machine.now

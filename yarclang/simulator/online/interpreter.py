@@ -7,7 +7,6 @@ be stored there is stored. The first error ends the line; what was done before i
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from yarclang.pmac.errors import DATA, NEEDS_BUFFER
 from yarclang.simulator.language.statements import Statement
@@ -16,15 +15,13 @@ from yarclang.simulator.network.ports import Port
 from yarclang.simulator.network.reply import Refusal, Reply
 from yarclang.simulator.online.commands import command_at
 from yarclang.simulator.online.line import LEGAL, LONGEST, Line
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
+from yarclang.simulator.online.surroundings import Controller
 
 _ILLEGAL = 4
 _CLOSING = re.compile(r"CLOSE|CLEAR|CLR|CLS")
 
 
-def execute(machine: Machine, port: Port, text: str) -> Reply:
+def execute(machine: Controller, port: Port, text: str) -> Reply:
     """Execute a line, or store it in the buffer that is open on the port."""
     if len(text) > LONGEST:
         return Reply((), DATA)

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING
 
 from yarclang.simulator.language.reader import Reader
 from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.motion.system import CoordinateSystem
 from yarclang.simulator.network.ports import Port
+from yarclang.simulator.online.surroundings import Controller
 from yarclang.simulator.state.registers import Seen
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
 
 LONGEST = 255
 """Characters of a line (facts 3)."""
@@ -25,7 +22,7 @@ class Line:
     """A line from a port: what is left of it to be read, and what it has been answered so far.
 
     Attributes:
-        machine: what it is executed by.
+        machine: the controller that executes it.
         port: where it comes from, and what that addresses.
         reader: the line, and the place in it.
         items: the answers.
@@ -33,7 +30,7 @@ class Line:
 
     __slots__ = ("items", "machine", "port", "reader")
 
-    def __init__(self, machine: Machine, port: Port, text: str) -> None:
+    def __init__(self, machine: Controller, port: Port, text: str) -> None:
         self.machine = machine
         self.port = port
         self.reader = Reader(text)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import lru_cache
-from typing import TYPE_CHECKING
 
 from yarclang.pmac.defaults import MOTORS, SYSTEMS, VARIABLES
 from yarclang.simulator.language.words import cleaned
@@ -14,11 +13,9 @@ from yarclang.simulator.network.reply import Reply
 from yarclang.simulator.online.line import LEGAL, LONGEST
 from yarclang.simulator.state import status
 from yarclang.simulator.state.registers import printed
+from yarclang.simulator.state.wiring import Shown
 
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
-
-Question = Callable[["Machine", "Port"], str | None]
+Question = Callable[[Shown, Port], str | None]
 """Gives what is answered; None where it only addresses."""
 
 _REMEMBERED = 1024
@@ -46,7 +43,7 @@ def questions(line: str) -> tuple[Question, ...]:
     return tuple(found)
 
 
-def answered(machine: Machine, port: Port, asked: tuple[Question, ...]) -> Reply:
+def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
     """What a line that only asks is told; none of its questions can be refused."""
     items: tuple[str, ...] = ()
     for question in asked:
@@ -72,14 +69,14 @@ def _question(part: re.Match[str]) -> Question | None:
 
 
 def _motor(number: int) -> Question:
-    def address(_: Machine, port: Port) -> None:
+    def address(_: Shown, port: Port) -> None:
         port.motor = number
 
     return address
 
 
 def _system(number: int) -> Question:
-    def address(_: Machine, port: Port) -> None:
+    def address(_: Shown, port: Port) -> None:
         port.system = number
 
     return address
@@ -88,7 +85,7 @@ def _system(number: int) -> Question:
 def _variable(letter: str, index: int) -> Question:
     name = f"{letter}{index}="
 
-    def value(machine: Machine, port: Port) -> str:
+    def value(machine: Shown, port: Port) -> str:
         variables = machine.variables
         text = variables.shown(letter, index, variables.read(letter, index, port.system))
         return name + text if int(variables.i[9]) & 1 else text
@@ -96,15 +93,15 @@ def _variable(letter: str, index: int) -> Question:
     return value
 
 
-def _position(machine: Machine, port: Port) -> str:
+def _position(machine: Shown, port: Port) -> str:
     return printed(machine.motors[port.motor].actual(machine.now), 1)
 
 
-def _velocity(machine: Machine, port: Port) -> str:
+def _velocity(machine: Shown, port: Port) -> str:
     return printed(machine.motors[port.motor].place(machine.now)[1] * machine.servo_period, 3)
 
 
-def _following_error(machine: Machine, port: Port) -> str:
+def _following_error(machine: Shown, port: Port) -> str:
     return printed(machine.motors[port.motor].following_error(machine.now), 1)
 
 

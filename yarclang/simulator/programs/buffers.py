@@ -3,48 +3,68 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Mapping, Sequence
 
 from yarclang.pmac.errors import BUFFER_IN_USE, BUSY_PROGRAM, DATA, NO_ROOM, STRUCTURE
 from yarclang.simulator.language.statements import LAST_PLC, Statement
+from yarclang.simulator.motion.system import CoordinateSystem
 from yarclang.simulator.network.ports import Port
 from yarclang.simulator.network.reply import Refusal
 from yarclang.simulator.programs.plc import Plc
+from yarclang.simulator.programs.plcs import Plcs
 from yarclang.simulator.programs.program import LARGEST_PROGRAM, Program, Rotary, line_of
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
 
 _MOST_PROGRAMS = 224
 
 
 class Buffers:
-    """PROG, PLC and rotary buffers of a machine."""
+    """PROG, PLC and rotary buffers.
 
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
+    Attributes:
+        programs: PROG buffers by number.
+        gathering: True if there is a gather buffer.
+    """
+
+    def __init__(
+        self,
+        systems: Mapping[int, CoordinateSystem],
+        plcs: Plcs,
+        ports: Mapping[int, Port],
+        variables: list[float],
+    ) -> None:
+        self.programs: dict[int, Program] = {}
+        self.gathering = False
+        self._systems = systems
+        self._plcs = plcs
+        self._ports = ports
+        self._variables = variables
+
+    def forget(self) -> None:
+        """Drop all programs and PLCs, as at power-up."""
+        self.programs.clear()
+        self._plcs.by_number.clear()
+        self.gathering = False
 
     def open(self, port: Port, kind: str, number: int) -> None:
         """OPEN: ERR007 while another is open, ERR001 for a PROG while a program runs (TSRM 381)."""
-        if any(other.open for other in self.machine.ports.values()):
+        if any(other.open for other in self._ports.values()):
             raise Refusal(BUFFER_IN_USE)
         match kind:
             case "prog":
-                if any(system.busy for system in self.machine.systems.values()):
+                if any(system.busy for system in self._systems.values()):
                     raise Refusal(BUSY_PROGRAM)
                 if not 1 <= number <= 32767:
                     raise Refusal(DATA)
-                if number not in self.machine.programs and len(self.machine.programs) >= _MOST_PROGRAMS:
+                if number not in self.programs and len(self.programs) >= _MOST_PROGRAMS:
                     raise Refusal(NO_ROOM)
-                self.machine.programs.setdefault(number, Program())
+                self.programs.setdefault(number, Program())
             case "plc":
                 if number > LAST_PLC:
                     raise Refusal(DATA)
-                self.machine.plcs.by_number.setdefault(number, Plc(number)).disable()
-                self.machine.plcs.changed()
+                self._plcs.by_number.setdefault(number, Plc(number)).disable()
+                self._plcs.changed()
             case _:
-                if not any(system.calculation.rotary for system in self.machine.systems.values()):
+                if not any(system.calculation.rotary for system in self._systems.values()):
                     raise Refusal(DATA)
         port.open, port.number = kind, number
 
@@ -55,11 +75,11 @@ class Buffers:
             Refusal: ERR009 where an IF or a WHILE of what is closed has no end.
         """
         unfinished = False
-        for each in [port] if port is not None else list(self.machine.ports.values()):
+        for each in [port] if port is not None else list(self._ports.values()):
             if program := self._open_program(each):
                 unfinished = unfinished or bool(program.open_blocks)
             each.open = ""
-        self.machine.plcs.changed()
+        self._plcs.changed()
         if unfinished:
             raise Refusal(STRUCTURE)
 
@@ -72,24 +92,24 @@ class Buffers:
         """CLEAR."""
         if program := self._open_program(port):
             program.clear()
-            for system in self.machine.systems.values():
+            for system in self._systems.values():
                 if port.open == "prog" and system.calculation.number == port.number:
                     system.calculation.point_to(port.number)
-        elif rotary := self.machine.systems[port.system].calculation.rotary:
+        elif rotary := self._systems[port.system].calculation.rotary:
             rotary.clear()
-            self.machine.systems[port.system].calculation.rotary_gone()
+            self._systems[port.system].calculation.rotary_gone()
 
     def clear_plcs(self, numbers: Sequence[int] | None) -> None:
         """CLEAR PLC n, or CLEAR ALL: with all PROGs."""
         if numbers is None:
-            if any(system.busy for system in self.machine.systems.values()):
+            if any(system.busy for system in self._systems.values()):
                 raise Refusal(BUSY_PROGRAM)
-            self.machine.programs.clear()
-        for number in list(self.machine.plcs.by_number) if numbers is None else numbers:
-            self.machine.plcs.by_number.pop(number, None)
-        for port in self.machine.ports.values():
+            self.programs.clear()
+        for number in list(self._plcs.by_number) if numbers is None else numbers:
+            self._plcs.by_number.pop(number, None)
+        for port in self._ports.values():
             port.open = "" if port.open in ("prog", "plc") else port.open
-        self.machine.plcs.changed()
+        self._plcs.changed()
 
     def store(self, port: Port, text: str, statements: tuple[Statement, ...]) -> None:
         """Store a line in the open buffer.
@@ -99,7 +119,7 @@ class Buffers:
         """
         line = line_of(text, statements)
         if port.open == "rotary":
-            system = self.machine.systems[port.system]
+            system = self._systems[port.system]
             if system.calculation.rotary is None:
                 raise Refusal(DATA)
             system.calculation.rotary.append(line)
@@ -113,39 +133,39 @@ class Buffers:
         program.append(line)
 
     def _words(self) -> int:
-        return sum(program.words + len(program.lines) for program in self.machine.programs.values()) + sum(
-            plc.program.words for plc in self.machine.plcs.by_number.values()
+        return sum(program.words + len(program.lines) for program in self.programs.values()) + sum(
+            plc.program.words for plc in self._plcs.by_number.values()
         )
 
     def _open_program(self, port: Port) -> Program | None:
         if port.open == "prog":
-            return self.machine.programs.get(port.number)
-        if port.open == "plc" and port.number in self.machine.plcs.by_number:
-            return self.machine.plcs.by_number[port.number].program
+            return self.programs.get(port.number)
+        if port.open == "plc" and port.number in self._plcs.by_number:
+            return self._plcs.by_number[port.number].program
         return None
 
     def define_rotary(self, number: int, words: int) -> None:
         """DEFINE ROT: ERR003 while one of a lower coordinate system or a gather buffer exists (assumed)."""
-        if self.machine.gathering or any(
-            system.calculation.rotary for n, system in self.machine.systems.items() if n < number
+        if self.gathering or any(
+            system.calculation.rotary for n, system in self._systems.items() if n < number
         ):
             raise Refusal(DATA)
-        system = self.machine.systems[number]
+        system = self._systems[number]
         if system.busy:
             raise Refusal(BUSY_PROGRAM)
         if words < 1:
             raise Refusal(DATA)
         if words > LARGEST_PROGRAM // 10:
             raise Refusal(NO_ROOM)
-        system.calculation.rotary = Rotary(words, self.machine.variables.i)
+        system.calculation.rotary = Rotary(words, self._variables)
         system.calculation.rotary_gone()
 
     def delete_rotary(self, number: int) -> None:
         """DELETE ROT: ERR001 while the program runs."""
-        system = self.machine.systems[number]
+        system = self._systems[number]
         if system.busy:
             raise Refusal(BUSY_PROGRAM)
-        if any(port.open == "rotary" for port in self.machine.ports.values()):
+        if any(port.open == "rotary" for port in self._ports.values()):
             raise Refusal(BUFFER_IN_USE)
         system.calculation.rotary = None
         system.calculation.rotary_gone()

@@ -1,1 +1,1 @@
-"""Variables, registers and status words of the simulated controller."""
+"""Variables and memory (`registers.py`), what they show of the motion (`wiring.py`), status words (`status.py`), and what SAVE keeps (`saved.py`)."""

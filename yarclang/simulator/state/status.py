@@ -7,7 +7,7 @@ of the motors are left 0 where none of them is among it, because a PLC asks for 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from yarclang.pmac.status import (
     AXIS_CODES,
@@ -21,11 +21,26 @@ from yarclang.pmac.status import (
 )
 from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.motion.system import CoordinateSystem
-
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
+from yarclang.simulator.network.ports import Port
 
 WHOLE = 0xFFFFFF
+
+
+class Controller(Protocol):
+    """Parts of the machine that status words describe."""
+
+    motors: dict[int, Motor]
+    systems: dict[int, CoordinateSystem]
+    ports: dict[int, Port]
+
+    @property
+    def now(self) -> float:
+        """[s]."""
+        ...
+
+    def system_of(self, motor: Motor) -> CoordinateSystem | None:
+        """Return the coordinate system in which a motor is defined."""
+        ...
 
 
 def _bits(word: dict[str, int], *names: str) -> int:
@@ -37,18 +52,18 @@ _MOTOR_FOLLOWS = _bits(MOTOR_WORD_2, "warning following error", "in position")
 _SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
-def digits(machine: Machine, marks: int, motor: int, system: int) -> str:
+def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
     """What ?, ?? or ??? (`marks`) answers for a motor or a coordinate system: its words in hexadecimal."""
     words: tuple[int, ...]
     if marks == 1:
-        found = machine.motors[motor]
-        owner = machine.system_of(found)
-        words = motor_word_1(found, owner, machine.now), motor_word_2(found, owner, machine.now)
+        found = controller.motors[motor]
+        owner = controller.system_of(found)
+        words = motor_word_1(found, owner, controller.now), motor_word_2(found, owner, controller.now)
     elif marks == 2:
-        one = machine.systems[system]
-        words = system_word_1(one), system_word_2(one, machine.now), system_word_3(one)
+        one = controller.systems[system]
+        words = system_word_1(one), system_word_2(one, controller.now), system_word_3(one)
     else:
-        words = global_word(machine), 0
+        words = global_word(controller.ports.values()), 0
     return "".join(f"{word:06X}" for word in words)
 
 
@@ -139,9 +154,9 @@ def system_word_3(system: CoordinateSystem) -> int:
     )
 
 
-def global_word(machine: Machine) -> int:
+def global_word(ports: Iterable[Port]) -> int:
     """The first word of `???`: bits 20 to 16 say which buffers are open (assumed)."""
-    kinds = {port.open for port in machine.ports.values()}
+    kinds = {port.open for port in ports}
     return ("rotary" in kinds) << 16 | ("prog" in kinds) << 17 | ("plc" in kinds) << 18
 
 

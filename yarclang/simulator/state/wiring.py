@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from yarclang.pmac.status import (
     ACTUAL,
@@ -19,6 +19,8 @@ from yarclang.pmac.status import (
 )
 from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.motion.system import CoordinateSystem
+from yarclang.simulator.state import status
+from yarclang.simulator.state.registers import Variables
 from yarclang.simulator.state.status import (
     motor_word_1,
     motor_word_2,
@@ -27,42 +29,54 @@ from yarclang.simulator.state.status import (
     system_word_3,
 )
 
-if TYPE_CHECKING:
-    from yarclang.simulator.machine import Machine
-
 LONGEST_TIMER = 8_388_607.0
 LEAST_TIMER = -8_388_608.0
+
+
+class Shown(status.Controller, Protocol):
+    """Parts of the machine that registers and answers show."""
+
+    variables: Variables
+
+    @property
+    def servo_period(self) -> float:
+        """The time between servo interrupts [s]."""
+        ...
 
 
 class Timers:
     """Isx11 and Isx12 count down, one each servo cycle, through 0 to the least of 24 bits (TSRM 176): what is kept is when they get to 0."""
 
-    def __init__(self, machine: Machine) -> None:
-        self.machine = machine
-        self.ends: dict[int, float] = {}
+    def __init__(self, controller: Shown) -> None:
+        self._controller = controller
+        self._ends: dict[int, float] = {}
+
+    def clear(self) -> None:
+        """Let none run, as at power-up."""
+        self._ends.clear()
 
     def read(self, index: int) -> float:
         """What is left, in servo cycles."""
-        if (end := self.ends.get(index)) is None:
+        if (end := self._ends.get(index)) is None:
             return 0.0
-        left = math.ceil((end - self.machine.now) / self.machine.servo_period - 1e-9)
+        left = math.ceil((end - self._controller.now) / self._controller.servo_period - 1e-9)
         return float(max(left, LEAST_TIMER))
 
     def start(self, index: int, value: float) -> None:
         """Count down from `value`."""
-        self.ends[index] = self.machine.now + min(value, LONGEST_TIMER) * self.machine.servo_period
+        self._ends[index] = self._controller.now + min(value, LONGEST_TIMER) * self._controller.servo_period
 
 
-def wire(machine: Machine) -> Timers:
+def wire(controller: Shown) -> Timers:
     """Connect the registers of all motors and coordinate systems; the timers."""
-    timers = Timers(machine)
-    for motor in machine.motors.values():
-        _wire_motor(machine, motor)
-    for system in machine.systems.values():
-        _wire_system(machine, system)
+    timers = Timers(controller)
+    for motor in controller.motors.values():
+        _wire_motor(controller, motor)
+    for system in controller.systems.values():
+        _wire_system(controller, system)
         for number in (11, 12):
             index = 5000 + 100 * system.number + number
-            machine.variables.timers[index] = _timer(timers, index)
+            controller.variables.timers[index] = _timer(timers, index)
     return timers
 
 
@@ -70,31 +84,31 @@ def _timer(timers: Timers, index: int) -> tuple[Callable[[], float], Callable[[f
     return lambda: timers.read(index), lambda value: timers.start(index, value)
 
 
-def _wire_motor(machine: Machine, motor: Motor) -> None:
+def _wire_motor(controller: Shown, motor: Motor) -> None:
     """Status words, and positions in 1/(Ixx08 32) count."""
-    wired = machine.variables.memory.wired
+    wired = controller.variables.memory.wired
     step = MOTOR_STEP * (motor.number - 1)
 
     def position(counts: float) -> float:
         return float(round(counts * motor.unit))
 
     wired["X", MOTOR_STATUS_1 + step] = lambda wanted: motor_word_1(
-        motor, machine.system_of(motor), machine.now, wanted
+        motor, controller.system_of(motor), controller.now, wanted
     )
     wired["Y", MOTOR_STATUS_2 + step] = lambda wanted: motor_word_2(
-        motor, machine.system_of(motor), machine.now, wanted
+        motor, controller.system_of(motor), controller.now, wanted
     )
-    wired["D", COMMANDED + step] = lambda _: position(motor.place(machine.now)[0])
-    wired["D", ACTUAL + step] = lambda _: position(motor.actual(machine.now))
+    wired["D", COMMANDED + step] = lambda _: position(motor.place(controller.now)[0])
+    wired["D", ACTUAL + step] = lambda _: position(motor.actual(controller.now))
     wired["D", TARGET + step] = lambda _: position(
-        motor.profile.target if motor.profile is not None else motor.place(machine.now)[0]
+        motor.profile.target if motor.profile is not None else motor.place(controller.now)[0]
     )
 
 
-def _wire_system(machine: Machine, system: CoordinateSystem) -> None:
-    wired = machine.variables.memory.wired
+def _wire_system(controller: Shown, system: CoordinateSystem) -> None:
+    wired = controller.variables.memory.wired
     step = SYSTEM_STEP * (system.number - 1)
 
     wired["X", SYSTEM_STATUS_1 + step] = lambda _: system_word_1(system)
-    wired["Y", SYSTEM_STATUS_2 + step] = lambda wanted: system_word_2(system, machine.now, wanted)
+    wired["Y", SYSTEM_STATUS_2 + step] = lambda wanted: system_word_2(system, controller.now, wanted)
     wired["Y", SYSTEM_STATUS_1 + step] = lambda _: system_word_3(system)

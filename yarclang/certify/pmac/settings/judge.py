@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.certify.kinematics.described import ContradictionError, own_robot
 from yarclang.certify.pmac.settings.coupling import Row, coupling_of
 from yarclang.certify.pmac.settings.motors import check_motors
 from yarclang.certify.pmac.settings.positions import check_definitions, check_feedback
@@ -48,6 +49,11 @@ def certify_settings(source: SourceFile, robot: Robot) -> Result[ProvedSettings]
         span = Span.on_line(line, 1, max(2, len(source.line(line)) + 1))
         findings.add(code, message, span, f"download what `yarc settings {robot.name}` prints")
 
+    try:
+        robot = own_robot(robot)
+    except ContradictionError as error:
+        say("Y1194", 1, f"{robot.name} isn't what its files describe: {error}")
+        return Result(None, tuple(findings.found))
     content = read_settings(source.text, robot)
     if isinstance(content, Unreadable):
         say(content.code, content.line, f"line {content.line} {content.reason}")

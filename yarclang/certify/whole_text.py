@@ -1,4 +1,4 @@
-"""What is judged of a whole text: its start, times, rest, limits and speeds; and the rows of the certificate."""
+"""The checks of a whole text: its start, times, rest, limits and speeds; and the rows of the certificate."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from yarclang.certify.bodies.torque import find_torques
 from yarclang.certify.bodies.zones import NO_ZONES, InZones, find_zones
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
 from yarclang.certify.flow import check_flow, check_rests
+from yarclang.certify.kinematics.pinocchio import disagreements
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.limits import NO_LOADS, POSITION_UNITS, RELATIVE, check_limits
@@ -135,6 +136,15 @@ class Judge:
         if header.robot == robot.name:
             reason = f"another geometry, limits or settings than {robot.name} has now"
         self.find("Y1163", f"the text was made for {header.robot} as it was then: {reason}", None)
+
+    def contradicted(self, error: Exception) -> None:
+        """Report that the robot isn't what its files describe."""
+        self.find("Y1194", f"{self.robot.name} isn't what its files describe: {error}", None)
+
+    def witnessed(self, layout: Layout) -> None:
+        """Ask Pinocchio at the skeleton of each motion."""
+        for step, reason in disagreements(layout, self.robot):
+            self.find("Y1194", reason, step)
 
     def claims(self, content: ControllerText, start: Array) -> None:
         """Compare the header's start and duration, which people read, with what the text does."""
@@ -280,7 +290,7 @@ class Judge:
         if place.any_jerk:
             return False
         before, behind = _beside_any_jerk(place)
-        peaks = np.abs(layout.cubics(place.first + before, place.last - behind).j) / self.robot.limits.jerk
+        peaks = layout.cubics(place.first + before, place.last - behind).jerk_peaks() / self.robot.limits.jerk
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:

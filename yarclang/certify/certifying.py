@@ -1,4 +1,4 @@
-"""The judgement: text, program and robot in; certificate and findings out."""
+"""Certifying: text, program and robot in; certificate and findings out."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from yarclang.certify.bodies.clearance import NOTHING_NEAR
 from yarclang.certify.bodies.zones import NO_ZONES, InZones
 from yarclang.certify.certificate import Certificate, CommandCertificate, Deviation
 from yarclang.certify.claims import Claims
-from yarclang.certify.judgement import Judge
+from yarclang.certify.kinematics.described import ContradictionError, own_robot
+from yarclang.certify.kinematics.poses import wrong_poses
 from yarclang.certify.motion.deviations import find_deviations
 from yarclang.certify.motion.slowed import slowed
 from yarclang.certify.read.layout import Layout, Place, lay_out
@@ -22,6 +23,7 @@ from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import ControllerText, Unreadable
 from yarclang.certify.stretches import Proved, recalled
 from yarclang.certify.unsourced import told_program, unjudged
+from yarclang.certify.whole_text import Judge
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.memory import NO_MEMORY, Forgetful, Memory, recall
 from yarclang.progress import tell
@@ -63,7 +65,15 @@ def certify(
         )
         return Result(None, (shown,))
     judge = Judge(program, robot, tolerance, [])
+    try:
+        robot = own_robot(robot)
+    except ContradictionError as error:
+        judge.contradicted(error)
+        return Result(None, tuple(judge.findings))
+    judge = Judge(program, robot, tolerance, [])
     judge.robot_named(content)
+    for step, reason in wrong_poses(program, robot):
+        judge.find("Y1161", reason, step)
     start = judge.start(content)
     layout = lay_out(content, program, start, robot.axis_units, any_line=any_line)
     if not isinstance(layout, Layout):
@@ -113,6 +123,7 @@ def _certified(
 def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
     """What is proved of each step of a layout, but for zones."""
     judged = Judged(judge.robot, judge.tolerance, claims, judge.find)
+    judge.witnessed(layout)
     tell("certifying: limits", 0)
     loads = judge.limits(layout)
     tell("certifying: paths", 0)
@@ -187,11 +198,19 @@ def certify_text(
     if isinstance(content, Unreadable):
         shown = Diagnostic(content.code, f"line {content.line} {content.reason}", source)
         return Result(None, (shown,))
+    try:
+        robot = own_robot(robot)
+    except ContradictionError as error:
+        return Result(
+            None, (Diagnostic("Y1194", f"{robot.name} isn't what its files describe: {error}", source),)
+        )
     program = told_program(content, robot, source, cell)
     # the source isn't there: its commands are shown by their first moves, or where the map lists them
     lines = {entry.step: entry.first or entry.at for entry in content.entries}
     judge = Judge(program, robot, robot.tolerance, [], lines)
     judge.robot_named(content)
+    for step, reason in wrong_poses(program, robot):
+        judge.find("Y1161", reason, step)
     start = judge.start(content)
     layout = lay_out(content, program, start, robot.axis_units)
     if not isinstance(layout, Layout):
@@ -200,6 +219,7 @@ def certify_text(
         return Result(None, tuple(judge.findings))
     judge.rests(content, start, None)
     _judge_motion(judge, content, layout, start)
+    judge.witnessed(layout)
     loads = judge.limits(layout)
     apart = {} if judge.breaks_limits else judge.clearances(layout)
     torques = {} if judge.breaks_limits else judge.torques(layout)

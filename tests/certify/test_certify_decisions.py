@@ -1,0 +1,179 @@
+"""Registers, conditions and the ways of a CASE in a text: read back by the judge's own reader, and any forged one is refused."""
+
+import random
+
+import pytest
+from programs import compiled
+from yarclang.certify.judge import certify, certify_text
+
+from tests.floors import exercises
+from yarclang.backend_pmac.deciding import canonical
+from yarclang.certify.read.deciding import read_assignment, read_condition, read_value
+from yarclang.decisions import (
+    ARITHMETIC,
+    COMPARISONS,
+    CONNECTIVES,
+    Before,
+    Between,
+    Constant,
+    InputValue,
+    RegisterValue,
+    evaluated,
+    in_words,
+)
+
+SOURCE = """REGISTER N 0..5 2
+REGISTER FLAG 0..1
+INPUT JOB M70
+INPUT EMPTY M71
+P10 SET N = N + 1
+WHEN N > 3 AND NOT EMPTY = ON
+  P20 MOVEJ 5 0 0 0 0 0 [1] (deg,s)
+  P30 MOVEJ HOME [1] (s)
+END
+CASE JOB
+OF 1
+  P40 SET FLAG = 1
+OF 2..4
+  P50 MOVEJ -5 0 0 0 0 0 [1] (deg,s)
+  P60 MOVEJ HOME [1] (s)
+ELSE
+  P70 WAIT [0.5] (s)
+END
+"""
+
+
+@pytest.fixture(scope="module")
+def made():
+    found, _ = compiled(SOURCE, "INDUSTRIAL6")
+    return found
+
+
+def judged(made, text):
+    return certify(text, made.program, made.plan.robot, made.plan.robot.tolerance)
+
+
+def test_the_text_is_the_programs(made):
+    assert made is not None
+    assert "; register N 0 5 2\n; register FLAG 0 1 0\n" in made.text
+    assert " when " in made.text
+    assert "again:(M70>=2)&(M70<=4)" in made.text
+    content = made.certificate.text
+    assert [one.name for one in content.registers] == ["N", "FLAG"]
+
+
+FORGED = [
+    ("; register N 0 5 2", "; register N 0 6 2"),
+    ("; register N 0 5 2", "; register N 0 5 3"),
+    ("; register N 0 5 2", "; register N 0 5 6"),
+    ("; register N 0 5 2", "; register N -1 5 2"),
+    ("; register N 0 5 2\n", ""),
+    ("; register FLAG 0 1 0\n", ""),
+    ("; register FLAG 0 1 0\n", "; register FLAG 0 1 0\n; register FLAG 0 1 0\n"),
+    ("; register FLAG 0 1 0\n", "; register FLAG 0 1 0\n; register MORE 0 1 0\n"),
+    ("$N:=$N+1", "$N:=$N+2"),
+    ("$N:=$N+1", "$N:=$N-1"),
+    ("$N:=$N+1", "$FLAG:=$N+1"),
+    ("$N:=$N+1", "$N:=$FLAG+1"),
+    ("$N:=$N+1", "$N:=($N+1)"),
+    ("$N:=$N+1", "$N:=$N>1"),
+    ("$N:=$N+1", "$M:=$N+1"),
+    ("$N:=$N+1", "-"),
+    ("($N>3)&(!(M71=1))", "($N>=3)&(!(M71=1))"),
+    ("($N>3)&(!(M71=1))", "($N>3)|(!(M71=1))"),
+    ("($N>3)&(!(M71=1))", "($N>3)&(M71=1)"),
+    ("($N>3)&(!(M71=1))", "($N>3)&(!(M72=1))"),
+    ("($N>3)&(!(M71=1))", "(!(M71=1))&($N>3)"),
+    ("($N>3)&(!(M71=1))", "($N>3)&!(M71=1)"),
+    ("($N>3)&(!(M71=1))", "(($N>3)&(!(M71=1)))"),
+    ("($N>3)&(!(M71=1))", "$N+3"),
+    ("M70=1 - JOB", "M70=2 - JOB"),
+    ("M70=1 - JOB", "M71=1 - JOB"),
+    ("M70=1 - JOB", "M70=1 - EMPTY"),
+    ("again:(M70>=2)&(M70<=4)", "(M70>=2)&(M70<=4)"),
+    ("again:(M70>=2)&(M70<=4)", "again:(M70>=2)&(M70<=5)"),
+    ("again:(M70>=2)&(M70<=4)", "again:(M71>=2)&(M71<=4)"),
+    ("M70=1 - JOB", "again:M70=1"),
+]
+
+
+@pytest.mark.parametrize(("old", "new"), FORGED)
+def test_a_forged_map_is_refused(made, old, new):
+    assert made.text.count(old) >= 1
+    forged = made.text.replace(old, new, 1)
+    found = judged(made, forged)
+    assert any(one.is_error for one in found.diagnostics), (old, new)
+
+
+def test_what_was_not_read_before_is_refused_without_the_program(made):
+    forged = made.text.replace("again:(M70>=2)&(M70<=4)", "again:(M71>=2)&(M71<=4)")
+    found = certify_text(forged, made.plan.robot, made.program.source)
+    assert any("decides by what wasn't read" in one.message for one in found.diagnostics)
+    forged = made.text.replace("M70=1 - JOB", "again:M70=1 - JOB")
+    found = certify_text(forged, made.plan.robot, made.program.source)
+    assert any("decides by what wasn't read" in one.message for one in found.diagnostics)
+
+
+def drawn(chance, depth, *, condition):
+    """A value of every operator, some deep."""
+    if condition:
+        kind = chance.choice(("compare", "compare", "connect", "not") if depth else ("compare",))
+        if kind == "not":
+            return Before("NOT", drawn(chance, depth - 1, condition=True))
+        if kind == "connect":
+            parts = (drawn(chance, depth - 1, condition=True) for _ in range(2))
+            return Between(chance.choice(CONNECTIVES), *parts)
+        parts = (drawn(chance, max(depth - 1, 0), condition=False) for _ in range(2))
+        return Between(chance.choice(COMPARISONS), *parts)
+    if not depth or chance.random() < 0.4:
+        return chance.choice(
+            [
+                Constant(float(chance.randint(-9, 99))),
+                Constant(chance.randint(-999, 999) / 8),
+                InputValue(f"M{chance.randint(0, 8191)}"),
+                RegisterValue(chance.choice(("N", "COUNT_2", "M11X", "_"))),
+            ]
+        )
+    if chance.random() < 0.2:
+        inner = drawn(chance, depth - 1, condition=False)
+        if not isinstance(inner, Constant):
+            return Before("-", inner)
+    parts = (drawn(chance, depth - 1, condition=False) for _ in range(2))
+    return Between(chance.choice(ARITHMETIC), *parts)
+
+
+@exercises(deep=0.1, condition=0.3)
+def test_what_is_written_is_read_as_it_was_meant(tally):
+    chance = random.Random(28)
+    for _ in range(400):
+        condition = chance.random() < 0.5
+        value = drawn(chance, 4, condition=condition)
+        text = canonical(value)
+        assert read_value(text) == value, text
+        assert (read_condition(text) == value) == condition
+        assert (read_assignment(f"$N:={text}") == ("N", value)) == (not condition)
+        tally.count("deep", text.count("(") >= 3)
+        tally.count("condition", condition)
+        assert in_words(value)
+        # a text that is cut, or has a character more, says nothing or something else
+        place = chance.randrange(len(text))
+        assert read_value(text[:place] + text[place + 1 :]) != value
+        assert read_value(text + chance.choice("()&1$ ")) != value
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "(", "$", "$n", "M", "M11=", "=1", "(M11)", "((M11=1))", "M11 = 1", "M11=1=1", "!", "--1", "+1", "M11=1e5", "$N:=1",
+     "(" * 10_000, "!" * 10_000, "(" * 100 + "M11=1" + ")" * 100, "M12345=1", "X11=1", "$N&($N=1)", "-($N=1)"],
+)  # fmt: skip
+def test_a_text_in_another_form_says_nothing(text):
+    assert read_condition(text) is None
+    assert read_value(text) is None
+
+
+def test_what_is_computed():
+    held, read = {"N": 7}, {"M1": 1.0}
+    assert evaluated(read_value("($N/2)+($N%4)"), held, read) == 6.0
+    assert evaluated(read_value("-($N*3)"), held, read) == -21.0
+    assert evaluated(read_condition("(M1=1)&(!($N<7))"), held, read) == 1.0
+    assert evaluated(read_condition("(M1<>1)|($N>=8)"), held, read) == 0.0

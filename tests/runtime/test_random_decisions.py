@@ -1,0 +1,145 @@
+"""Programs with registers, ways and cases by chance, run on the simulator with inputs by chance: what is done is what the program says, step by step.
+
+What it says is computed here by itself, from the drawn tree and not from its text.
+"""
+
+import random
+
+import pytest
+
+from tests.floors import exercises
+from tests.runtime.test_legs import job, world
+from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.signals import OutputSet
+
+HEAD = ("REGISTER N 0..6", "REGISTER FLAG 0..1", "INPUT JOB M70", "INPUT EMPTY M71")
+PROGRAMS = 8
+
+NUMBERS = (
+    ("N + 1", lambda s: s["N"] + 1),
+    ("6 - N", lambda s: 6 - s["N"]),
+    ("JOB % 5", lambda s: s["JOB"] % 5),
+    ("FLOOR((JOB + N) / 2)", lambda s: (s["JOB"] + s["N"]) // 2),
+    ("N * FLAG", lambda s: s["N"] * s["FLAG"]),
+)
+CONDITIONS = (
+    ("N > 2 AND NOT EMPTY = ON", lambda s: s["N"] > 2 and s["EMPTY"] != 1),
+    ("JOB = N OR FLAG = 1", lambda s: s["JOB"] == s["N"] or s["FLAG"] == 1),
+    ("NOT (N <= 3 OR JOB >= 4)", lambda s: not (s["N"] <= 3 or s["JOB"] >= 4)),
+    ("N + FLAG <> JOB", lambda s: s["N"] + s["FLAG"] != s["JOB"]),
+)
+
+
+class Drawn:
+    """A program as it is drawn: lines, and a function that carries it out on a state."""
+
+    def __init__(self, chance):
+        self.chance, self.index, self.marks, self.kinds = chance, 0, 0, set()
+
+    def number(self):
+        self.index += 1
+        return f"P{self.index:04d}"
+
+    def block(self, depth):
+        """Lines and what they do: a function of the state and a list of marks that were passed."""
+        parts = [self.part(depth) for _ in range(self.chance.randint(1, 3))]
+        lines = [line for some, _ in parts for line in some]
+
+        def carried_out(state, passed):
+            for _, does in parts:
+                does(state, passed)
+
+        return lines, carried_out
+
+    def part(self, depth):
+        kind = self.chance.choice(("mark", "set", "when", "case") if depth else ("mark", "set"))
+        self.kinds.add(kind)
+        return getattr(self, kind)(depth)
+
+    def mark(self, _):
+        """A motion there and back, and an output that tells that it was done."""
+        self.marks += 1
+        mark, angle = self.marks, self.chance.randint(1, 9)
+        lines = [
+            f"{self.number()} MOVEJ {angle} 0 0 0 0 0 [MIN] (deg)",
+            f"{self.number()} MOVEJ HOME [MIN]",
+            f"{self.number()} SET LAMP {mark}",
+        ]
+        return lines, lambda state, passed: passed.append(mark)
+
+    def set(self, _):
+        name = self.chance.choice(("N", "N", "FLAG"))
+        text, value = self.chance.choice(NUMBERS)
+        high = 6 if name == "N" else 1
+
+        def carried_out(state, passed):
+            number = value(state)
+            if not 0 <= number <= high:
+                raise OverflowError
+            state[name] = number
+
+        return [f"{self.number()} SET {name} = {text}"], carried_out
+
+    def when(self, depth):
+        text, holds = self.chance.choice(CONDITIONS)
+        first, second = self.block(depth - 1), self.block(depth - 1)
+
+        def carried_out(state, passed):
+            (first if holds(state) else second)[1](state, passed)
+
+        return [f"WHEN {text}", *first[0], "ELSE", *second[0], "END"], carried_out
+
+    def case(self, depth):
+        selector = self.chance.choice(("N", "JOB"))
+        bounds = [(0, 1), (2, 2), (3, 5)]
+        ways = [self.block(depth - 1) for _ in (*bounds, "else")]
+        lines = [f"CASE {selector}"]
+        for (low, high), way in zip(bounds, ways, strict=False):
+            lines += [f"OF {low}..{high}" if low < high else f"OF {low}", *way[0]]
+        lines += ["ELSE", *ways[-1][0], "END"]
+
+        def carried_out(state, passed):
+            number = state[selector]
+            way = next((w for (a, b), w in zip(bounds, ways, strict=False) if a <= number <= b), ways[-1])
+            way[1](state, passed)
+
+        return lines, carried_out
+
+
+@pytest.fixture
+def robot(industrial6):
+    return industrial6
+
+
+@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4)
+def test_what_is_done_is_what_the_program_says(tally, robot):
+    for seed in range(PROGRAMS):
+        chance = random.Random(f"{seed}-{tally.drawn['whole']}")
+        program = Drawn(chance)
+        lines, carried_out = program.block(2)
+        run = job(robot, *HEAD, *lines)
+        for _ in range(2):
+            state = {"N": 0, "FLAG": 0, "JOB": chance.randint(0, 6), "EMPTY": chance.randint(0, 1)}
+            passed = []
+            made = world(robot)
+            for name, variable in (("JOB", "M70"), ("EMPTY", "M71")):
+                made.machine.command(f"{variable}->*", 7)
+                made.machine.command(f"{variable}={state[name]}", 7)
+            ended = made.perform(perform(made.operation, run))
+            try:
+                carried_out(state, passed)
+                is_whole = True
+            except OverflowError:
+                is_whole = False
+            told = [one.value for one in made.told if isinstance(one, OutputSet) and one.variable == "M2"]
+            assert told == passed, (seed, lines)
+            assert ended.well == is_whole, (seed, ended.what, lines)
+            assert is_whole or ended.code == "Y1630"
+            assert dict(ended.registers or (("N", 0), ("FLAG", 0))) == {
+                "N": state["N"],
+                "FLAG": state["FLAG"],
+            }
+            tally.count("whole", is_whole and len(passed) > 1)
+            tally.count("ends", not is_whole)
+            tally.count("when", "when" in program.kinds)
+            tally.count("case", "case" in program.kinds)

@@ -1,0 +1,25 @@
+"""Values that are computed while a program is carried out, as the map of a text has them: in one canonical form."""
+
+from __future__ import annotations
+
+from yarclang.decisions import SIGNS, UNARY_SIGNS, Before, Between, Constant, InputValue, RegisterValue, Value
+
+
+def canonical(value: Value) -> str:
+    """Return the text of a value: every operation inside another one stands in brackets."""
+    match value:
+        case Constant(number=number):
+            return f"{number:.9f}".rstrip("0").rstrip(".")
+        case InputValue(variable=variable):
+            return variable
+        case RegisterValue(name=name):
+            return f"${name}"
+        case Before(operator=operator, inner=inner):
+            return f"{UNARY_SIGNS[operator]}{_operand(inner)}"
+        case Between(operator=operator, left=left, right=right):
+            return f"{_operand(left)}{SIGNS[operator]}{_operand(right)}"
+
+
+def _operand(value: Value) -> str:
+    text = canonical(value)
+    return f"({text})" if isinstance(value, Before | Between) else text

@@ -1,0 +1,201 @@
+"""Forward kinematics of the judge: each joint turns or slides in a frame of its own, and constant steps lie between (samples last, in blocks)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.certify.kinematics.elbow import find_elbow
+from yarclang.frozen import frozen
+from yarclang.robot.model import Array, Chain, Lines
+
+_BLOCK = 1024
+"""Samples that are computed at once, so that the arrays of a step stay in the cache."""
+
+
+@frozen(eq=False)
+class _Steps:
+    """The constants of a chain.
+
+    `hinges` (n, 4, 4) are the joints' frames in {B} with all joints at zero, the axis along z; `back` (n, 4, 4) their inverses. `into` (n, 4, 4) leads from each
+    joint's frame to the next one, the last to the flange, transposed.
+    """
+
+    lines: Lines
+    hinges: Array
+    back: Array
+    into: Array
+
+
+@lru_cache(maxsize=256)
+def _steps(chain: Chain) -> _Steps:
+    """Compute the constants of a chain, remembered by its identity."""
+    lines = axes_of(chain)
+    size = chain.size
+    hinges = np.zeros((size, 4, 4))
+    for joint, (axis, point) in enumerate(zip(lines.axes, lines.points, strict=True)):
+        # any frame whose z is the axis: the rows of the identity, made perpendicular to the axis
+        least = int(np.argmin(np.abs(axis)))
+        side = np.eye(3)[least] - axis * axis[least]
+        side = side / np.sqrt(side @ side)
+        hinges[joint, :3, 0], hinges[joint, :3, 1], hinges[joint, :3, 2] = side, np.cross(axis, side), axis
+        hinges[joint, :3, 3], hinges[joint, 3, 3] = point, 1.0
+    back = np.zeros_like(hinges)
+    back[:, :3, :3] = hinges[:, :3, :3].transpose(0, 2, 1)
+    back[:, :3, 3] = -np.einsum("nij,nj->ni", back[:, :3, :3], hinges[:, :3, 3])
+    back[:, 3, 3] = 1.0
+    following = np.concatenate([hinges[1:], chain.base_from_flange[None]])
+    into = np.ascontiguousarray((back @ following).transpose(0, 2, 1))
+    return _Steps(lines, hinges, back, into)
+
+
+@lru_cache(maxsize=256)
+def axes_of(chain: Chain) -> Lines:
+    """Return the axes of a chain: of a screw (v, w) with w not zero the axis is along w, through w x v / |w|^2."""
+    size = chain.size
+    axes, points, turns, slides = np.zeros((size, 3)), np.zeros((size, 3)), np.zeros(size), np.zeros(size)
+    for joint, screw in enumerate(chain.screws):
+        along, about = screw[:3], screw[3:]
+        rate = float(np.sqrt(about @ about))
+        if rate == 0.0:
+            slides[joint] = float(np.sqrt(along @ along))
+            axes[joint] = along / slides[joint]
+            continue
+        turns[joint] = rate if abs(rate - 1.0) > 1e-12 else 1.0
+        axes[joint] = about / rate
+        points[joint] = np.cross(about, along) / rate**2
+        pitch = float(axes[joint] @ along)
+        slides[joint] = pitch if abs(pitch) > 1e-15 else 0.0
+    return Lines(axes, points, turns, slides)
+
+
+def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
+    """Follow a chain from the base on.
+
+    Args:
+        chain: n joints.
+        q: (n, P) joint positions.
+
+    Returns:
+        The frames of the joints before each has moved, their three axes and their origins, (n, 4, 3, P), and the flange (4, 3, P), all in {B}.
+    """
+    steps = _steps(chain)
+    turns, slides = steps.lines.turn, steps.lines.slide
+    angle = q * turns[:, None]
+    sine, cosine = np.sin(angle), np.cos(angle)
+    count = q.shape[1]
+    frames = np.empty((chain.size + 1, 4, 3, count))
+    frames[0] = steps.hinges[0, :3].T[:, :, None]
+    moved = np.empty((4, 3, count))
+    for joint in range(chain.size):
+        here = frames[joint]
+        if turns[joint]:
+            moved[0] = here[0] * cosine[joint] + here[1] * sine[joint]
+            moved[1] = here[1] * cosine[joint] - here[0] * sine[joint]
+        else:
+            moved[:2] = here[:2]
+        moved[2:] = here[2:]
+        if slides[joint]:
+            moved[3] += here[2] * (slides[joint] * q[joint])
+        np.matmul(steps.into[joint], moved.reshape(4, -1), out=frames[joint + 1].reshape(4, -1))
+    return frames[:-1], frames[-1]
+
+
+def flange_poses(chain: Chain, q: Array) -> Array:
+    """Return base_from_flange (P, 4, 4) [m] for joint positions (P, n) [rad or m]."""
+    poses = np.zeros((len(q), 4, 4))
+    poses[:, 3, 3] = 1.0
+    for rows in _blocks(len(q)):
+        poses[rows, :3] = _hinged(chain, q[rows].T)[1].transpose(2, 1, 0)
+    return poses
+
+
+def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
+    """Return base_from_tool (P, 4, 4) [m] for joint positions (P, n) and a frame (4, 4) on the flange."""
+    found: Array = flange_poses(chain, q) @ flange_from_tool
+    return found
+
+
+def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
+    """Return the poses (P, 4, 4) of a frame on the flange and its geometric Jacobians (P, 6, n).
+
+    Args:
+        chain: n joints.
+        q: (P, n) [rad or m].
+        flange_from_tool: (4, 4).
+
+    Returns:
+        base_from_tool, and for each joint the velocity of the frame's origin [m] above its angular velocity [rad], per unit of joint velocity, in the axes of {B}.
+    """
+    lines = _steps(chain).lines
+    simple = bool((lines.turn == 1.0).all() and not lines.slide.any())
+    poses = np.zeros((len(q), 4, 4))
+    poses[:, 3, 3] = 1.0
+    jacobians = np.empty((len(q), 6, chain.size))
+    tool = flange_from_tool.T
+    for rows in _blocks(len(q)):
+        frames, flange = _hinged(chain, q[rows].T)
+        columns = (tool @ flange.reshape(4, -1)).reshape(flange.shape)
+        poses[rows, :3] = columns.transpose(2, 1, 0)
+        axes = frames[:, 2]
+        x, y, z = (columns[3] - frames[:, 3]).transpose(1, 0, 2)
+        found = np.empty((6, *axes[:, 0].shape))
+        found[0] = axes[:, 1] * z - axes[:, 2] * y
+        found[1] = axes[:, 2] * x - axes[:, 0] * z
+        found[2] = axes[:, 0] * y - axes[:, 1] * x
+        found[3:] = axes.transpose(1, 0, 2)
+        if not simple:
+            found *= lines.turn[:, None]
+            found[:3] += lines.slide[:, None] * axes.transpose(1, 0, 2)
+        jacobians[rows] = found.transpose(2, 0, 1)
+    return poses, jacobians
+
+
+def _blocks(count: int) -> Iterator[slice]:
+    for begin in range(0, count, _BLOCK):
+        yield slice(begin, min(begin + _BLOCK, count))
+
+
+class Kinematics:
+    """The judge's kinematics, for what it shares with the planner: distances, zones and parts ask the chain that they are given."""
+
+    __slots__ = ()
+
+    def placements(self, chain: Chain, q: Array) -> Array:
+        """Return (n + 1, 3, 4, P), what brings the links from their places at zero to those at `q` (P, n)."""
+        count = len(q)
+        frames = _hinged(chain, np.ascontiguousarray(q.T))
+        steps = _steps(chain)
+        found = np.empty((chain.size + 1, 3, 4, count))
+        found[0] = np.eye(3, 4)[:, :, None]
+        # frame k + 1 is at G_k+1 times its place at zero
+        followed = [*frames[0][1:], frames[1]]
+        backs = [*steps.back[1:], _inverted(chain.base_from_flange)]
+        for joint, (frame, back) in enumerate(zip(followed, backs, strict=True)):
+            columns = np.matmul(back.T, frame.reshape(4, -1)).reshape(4, 3, count)
+            found[joint + 1] = columns.transpose(1, 0, 2)
+        return found
+
+    def flange(self, chain: Chain, q: Array) -> Array:
+        """Return base_from_flange (P, 4, 4)."""
+        return flange_poses(chain, q)
+
+    def lines(self, chain: Chain) -> Lines:
+        """Return the axes."""
+        return axes_of(chain)
+
+    def elbow(self, chain: Chain) -> tuple[int, Array] | None:
+        """Return the elbow's joint and point."""
+        return find_elbow(axes_of(chain), chain.base_from_flange[:3, 3])
+
+
+KINEMATICS = Kinematics()
+
+
+def _inverted(placed: Array) -> Array:
+    made = np.eye(4)
+    made[:3, :3] = placed[:3, :3].T
+    made[:3, 3] = -made[:3, :3] @ placed[:3, 3]
+    return made

@@ -1,0 +1,319 @@
+"""What the judge knows of a robot: read from the texts of robot.toml and URDF, with readers and conventions of its own.
+
+The texts come with the robot (`Robot.written`) as they were read, so that a file that has changed since makes no difference. What a robot was made of
+without files is its description then, and is moved by the judge's own kinematics.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any
+from xml.etree import ElementTree
+
+import numpy as np
+
+from yarclang.certify.kinematics.arm import KINEMATICS
+from yarclang.certify.kinematics.rotations import inverse, of_numbers
+from yarclang.frozen import frozen
+from yarclang.robot.model import (
+    Actuation,
+    Array,
+    Chain,
+    Dynamics,
+    Limits,
+    LinkShape,
+    Robot,
+    Tool,
+    ToolShape,
+    Written,
+)
+
+_DEGREE = np.pi / 180.0
+_MILLIMETRE = 1e-3
+_MOVING = ("revolute", "continuous", "prismatic")
+_FLANGE = "FLANGE"
+_GRAVITY = 9.81
+"""Along the negative z axis of the URDF's root, if robot.toml doesn't say otherwise [m/s^2]."""
+
+
+@frozen(eq=False)
+class _Joint:
+    """A joint of the URDF: `parent_from_joint` (4, 4) [m] with the joint at zero, its unit `axis` (3,)."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    parent_from_joint: Array
+    axis: Array
+
+
+@frozen(eq=False)
+class _Tree:
+    """A URDF: its joints by the link below each, for each link its collision shapes' places in it (4, 4), and the efforts of joints that have one."""
+
+    above: Mapping[str, _Joint]
+    shapes: Mapping[str, tuple[Array, ...]]
+    efforts: Mapping[str, float]
+
+
+@frozen
+class Ends:
+    """The links that are {B} and {FLANGE}."""
+
+    base: str
+    flange: str
+
+
+def ends_of(written: Written) -> Ends:
+    """Return the names of the links between which an arm is."""
+    table = tomllib.loads(written.toml)
+    return Ends(table["base"], table["flange"])
+
+
+class ContradictionError(Exception):
+    """The robot isn't what its texts say: the text of the exception says where."""
+
+
+@lru_cache(maxsize=64)
+def own_robot(robot: Robot) -> Robot:
+    """Return the robot as the judge reads it: geometry, frames, tools, limits and actuation by the texts, moved by the judge's kinematics.
+
+    Raises:
+        ContradictionError: the texts describe another arm.
+    """
+    if robot.written is None:
+        chain = Chain(robot.chain.screws, robot.chain.base_from_flange, KINEMATICS)
+        return replace(robot, chain=chain)
+    try:
+        table, tree = tomllib.loads(robot.written.toml), _read_urdf(robot.written.urdf)
+        base, flange = table["base"], table["flange"]
+        moving = [joint for joint in _between(tree, base, flange) if joint.kind in _MOVING]
+        if tuple(joint.name for joint in moving) != robot.joint_names:
+            raise ContradictionError("the joints between base and flange are others")
+        base_from_root = inverse(_place(tree, base)[0])
+        screws = np.array([_screw(base_from_root @ _place(tree, joint.child)[0], joint) for joint in moving])
+        chain = Chain(_sealed(screws), _sealed(base_from_root @ _place(tree, flange)[0]), KINEMATICS)
+        frames = _frames(table)
+        units = np.array([_MILLIMETRE if joint.kind == "prismatic" else _DEGREE for joint in moving])
+        return replace(
+            robot,
+            chain=chain,
+            limits=_limits(table, robot.joint_names, units),
+            flange_from_frame=frames,
+            actuation=_actuation(table, robot.size),
+            shapes=_link_shapes(robot.shapes, tree, base_from_root, robot.joint_names),
+            tools=_tools(robot.tools, table, frames),
+            dynamics=_dynamics(robot.dynamics, table, tree, moving, base_from_root),
+        )
+    except (KeyError, ValueError, TypeError, IndexError, ElementTree.ParseError) as error:
+        raise ContradictionError(
+            f"its files can't be read again ({type(error).__name__}: {error})"
+        ) from error
+
+
+def _read_urdf(text: str) -> _Tree:
+    root = ElementTree.fromstring(text.encode() if text.lstrip().startswith("<?xml") else text)
+    above: dict[str, _Joint] = {}
+    efforts: dict[str, float] = {}
+    for element in root.findall("joint"):
+        axis = np.array(_numbers(element.find("axis"), "xyz", (1.0, 0.0, 0.0)))
+        joint = _Joint(
+            element.attrib["name"],
+            element.attrib["type"],
+            _link(element, "parent"),
+            _link(element, "child"),
+            _origin(element),
+            axis / np.sqrt(axis @ axis) if axis.any() else axis,
+        )
+        above[joint.child] = joint
+        (effort,) = _numbers(element.find("limit"), "effort", (0.0,))
+        if effort > 0.0:
+            efforts[joint.name] = effort
+    shapes = {
+        link.attrib["name"]: tuple(_origin(one) for one in link.findall("collision"))
+        for link in root.findall("link")
+    }
+    return _Tree(above, shapes, efforts)
+
+
+def _link(element: ElementTree.Element, key: str) -> str:
+    found = element.find(key)
+    if found is None:
+        raise KeyError(key)
+    return found.attrib["link"]
+
+
+def _numbers(
+    element: ElementTree.Element | None, key: str, otherwise: tuple[float, ...]
+) -> tuple[float, ...]:
+    if element is None or key not in element.attrib:
+        return otherwise
+    return tuple(float(number) for number in element.attrib[key].split())
+
+
+def _origin(element: ElementTree.Element) -> Array:
+    """Return the transform (4, 4) of an <origin>: metres and fixed-axis angles [rad]."""
+    origin = element.find("origin")
+    nothing = (0.0, 0.0, 0.0)
+    return of_numbers(np.array(_numbers(origin, "xyz", nothing) + _numbers(origin, "rpy", nothing)))
+
+
+def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
+    """Return the joints from one link to another, the base's first."""
+    found, here = [], flange
+    while here != base:
+        found.append(tree.above[here])
+        here = found[-1].parent
+    return found[::-1]
+
+
+def _place(tree: _Tree, link: str) -> tuple[Array, tuple[str, ...]]:
+    """Return root_from_link (4, 4) with all joints at zero, and the names of the joints above the link."""
+    placed, names = np.eye(4), []
+    while link in tree.above:
+        joint = tree.above[link]
+        placed = joint.parent_from_joint @ placed
+        names.append(joint.name)
+        link = joint.parent
+    return placed, tuple(names)
+
+
+def _screw(base_from_joint: Array, joint: _Joint) -> Array:
+    """Return the screw (6,) of a joint's axis, linear part first."""
+    axis = base_from_joint[:3, :3] @ joint.axis
+    if joint.kind == "prismatic":
+        return np.concatenate([axis, np.zeros(3)])
+    return np.concatenate([np.cross(base_from_joint[:3, 3], axis), axis])
+
+
+def _link_shapes(
+    known: Sequence[LinkShape], tree: _Tree, base_from_root: Array, moving: tuple[str, ...]
+) -> tuple[LinkShape, ...]:
+    """Place the links' shapes anew: the shapes themselves are those that are known."""
+    count: dict[str, int] = {}
+    found = []
+    for one in known:
+        number = count.get(one.link, 0)
+        count[one.link] = number + 1
+        placed, above = _place(tree, one.link)
+        joint = sum(name in moving for name in above)
+        made = _sealed(base_from_root @ placed @ tree.shapes[one.link][number])
+        found.append(LinkShape(one.link, joint, made, one.shape))
+    if sum(map(len, tree.shapes.values())) != len(known):
+        raise ContradictionError("the URDF has another number of collision shapes")
+    return tuple(found)
+
+
+def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
+    """Return flange_from_frame (4, 4) of each frame by its name in upper case."""
+    tables = {name.upper(): frame for name, frame in table.get("frames", {}).items()}
+
+    def placed(name: str) -> Array:
+        if name == _FLANGE:
+            return np.eye(4)
+        one = tables[name]
+        found: Array = placed(one.get("parent", _FLANGE).upper()) @ _in_millimetres(one)
+        return found
+
+    return {name: _sealed(placed(name)) for name in (_FLANGE, *tables)}
+
+
+def _in_millimetres(entry: Mapping[str, Any]) -> Array:
+    """Return the transform (4, 4) of an entry with xyz [mm] and rpy [deg]."""
+    nothing = (0.0, 0.0, 0.0)
+    numbers = np.array([*entry.get("xyz", nothing), *entry.get("rpy", nothing)], dtype=np.float64)
+    return of_numbers(numbers * np.repeat([_MILLIMETRE, _DEGREE], 3))
+
+
+def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str, Array]) -> tuple[Tool, ...]:
+    """Place tools and their shapes anew."""
+    tables = {name.upper(): tool for name, tool in table.get("tools", {}).items()}
+    bodies: dict[str, list[Array]] = {name: [] for name in tables}
+    for body in table.get("bodies", ()):
+        bodies[body["tool"].upper()].append(_in_millimetres(body))
+    found = []
+    for tool in known:
+        own = tables[tool.name]
+        if len(bodies[tool.name]) != len(tool.shapes) or own.get("mounted", True) != tool.mounted:
+            raise ContradictionError(f"the tool {tool.name} is another one")
+        frame = frames[own.get("frame", _FLANGE).upper()]
+        shapes = tuple(
+            ToolShape(_sealed(frame @ placed), one.shape)
+            for placed, one in zip(bodies[tool.name], tool.shapes, strict=True)
+        )
+        turned = frame[:3, :3]
+        center = turned @ (np.array(own.get("center_of_mass", (0.0, 0.0, 0.0))) * _MILLIMETRE) + frame[:3, 3]
+        xx, yy, zz, xy, xz, yz = own.get("inertia", (0.0,) * 6)
+        inertia = turned @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ turned.T
+        own_tool = replace(
+            tool,
+            shapes=shapes,
+            mass=float(own.get("mass", 0.0)),
+            center=_sealed(center),
+            inertia=_sealed(inertia),
+        )
+        found.append(own_tool)
+    return tuple(found)
+
+
+def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Limits:
+    """Return the limits of the joints in SI; `units` (n,) are the joints' units [rad or m]."""
+    rows = [table["joints"][name] for name in names]
+    ends = np.array([row.get("position", (-np.inf, np.inf)) for row in rows], dtype=np.float64)
+
+    def column(key: str, otherwise: str = "") -> Array:
+        found = [row.get(key, row.get(otherwise)) if otherwise else row[key] for row in rows]
+        return _sealed(np.array(found, dtype=np.float64) * units)
+
+    return Limits(
+        _sealed(ends[:, 0] * units),
+        _sealed(ends[:, 1] * units),
+        column("velocity"),
+        column("acceleration"),
+        column("jerk"),
+        column("stop_acceleration", "acceleration"),
+    )
+
+
+def _dynamics(
+    known: Dynamics | None,
+    table: Mapping[str, Any],
+    tree: _Tree,
+    moving: Sequence[_Joint],
+    base_from_root: Array,
+) -> Dynamics | None:
+    """Return the masses that are known, with gravity and efforts read anew; the masses are held against Pinocchio's, motion by motion."""
+    if known is None:
+        return None
+    said = table.get("dynamics", {}).get("gravity")
+    gravity = (
+        base_from_root[:3, :3] @ np.array([0.0, 0.0, -_GRAVITY])
+        if said is None
+        else np.array(said, dtype=np.float64)
+    )
+    efforts = [
+        table["joints"][joint.name].get("effort", tree.efforts.get(joint.name, np.inf)) for joint in moving
+    ]
+    return replace(known, gravity=_sealed(gravity), effort=_sealed(np.array(efforts, dtype=np.float64)))
+
+
+def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
+    """Return K, J, a0 and the largest speeds of the motors [counts/s], which robot.toml gives in counts/ms."""
+    said = table["actuation"]
+    return Actuation(
+        _sealed(np.array(said["K"], dtype=np.float64)),
+        _sealed(np.array(said["J"], dtype=np.float64)),
+        _sealed(np.array(said.get("a0", [0.0] * size), dtype=np.float64)),
+        _sealed(np.array(table["motors"]["velocity"], dtype=np.float64) / _MILLIMETRE),
+    )
+
+
+def _sealed(values: Array) -> Array:
+    """Return the values without negative zeros, read-only."""
+    made = np.ascontiguousarray(values, dtype=np.float64) + 0.0
+    made.setflags(write=False)
+    return made

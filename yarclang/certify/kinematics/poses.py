@@ -1,0 +1,139 @@
+"""The program's poses, held to the numbers that were written: transforms that the judge makes itself against those that it was given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.cell.model import Cell, HalfSpace, Mount, ShapeRegion
+from yarclang.certify.kinematics.rotations import of_numbers
+from yarclang.robot.model import Array, Robot
+
+SAME = 1e-9
+"""Transforms that differ by less in each entry [m] are one but for rounding; a frame far away may differ by this share of its distance."""
+
+
+def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None, str]]:
+    """Yield the steps with poses, and the places of the cell, that aren't what was written, each with the reason.
+
+    Args:
+        program: what the robot shall do.
+        robot: as the judge reads it.
+    """
+    frames = _Frames(robot)
+    given: dict[int, list[tuple[int, hir.PoseGoal | hir.PoseDelta, hir.Told]]] = {}
+    for step, motion in enumerate(program.steps):
+        if not isinstance(motion, hir.Motion):
+            continue
+        for goal in motion.goals:
+            if isinstance(goal, hir.PoseGoal | hir.PoseDelta) and goal.told is not None:
+                given.setdefault(len(goal.told.numbers), []).append((step, goal, goal.told))
+        yield from ((step, reason) for reason in frames.wrong(motion.origin.tool))
+    for group in given.values():
+        numbers = of_numbers(np.array([told.numbers for *_, told in group]))
+        for (step, goal, told), pose in zip(group, numbers, strict=True):
+            base, moving = frames.placed(told.base), frames.placed(told.moving)
+            if isinstance(goal, hir.PoseGoal):
+                pairs = [(goal.base_from_moving, base @ pose)]
+            else:
+                asked = np.eye(4)
+                asked[:3, :3], asked[:3, 3] = goal.turn, goal.shift
+                axes = np.eye(4)
+                axes[:3, :3] = base[:3, :3]
+                said = np.eye(4)
+                said[:3, :3] = goal.axes
+                pairs = [(asked, pose), (said, axes)]
+            pairs.append((goal.flange_from_moving, moving))
+            if not all(_are_one(one, other) for one, other in pairs):
+                yield (
+                    step,
+                    "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
+                )
+    if program.cell is not None:
+        yield from ((None, reason) for reason in _wrong_places(program.cell))
+
+
+class _Frames:
+    """Frames by the numbers of their declarations, each computed once."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot = robot
+        self._placed: dict[int, tuple[hir.FrameLink, Array]] = {}
+        self._seen: set[int] = set()
+
+    def placed(self, link: hir.FrameLink) -> Array:
+        """Return base_from_frame or flange_from_frame (4, 4)."""
+        known = self._placed.get(id(link))
+        if known is not None:
+            return known[1]
+        if link.parent is None:
+            found = np.eye(4)
+        elif link.told is None:
+            found = self.placed(link.parent) @ self._of_robot(link)
+        else:
+            found = self.placed(link.parent) @ of_numbers(link.told)
+        self._placed[id(link)] = link, found
+        return found
+
+    def _of_robot(self, link: hir.FrameLink) -> Array:
+        own = self._robot.flange_from_frame.get(link.name)
+        return link.parent_from_frame if own is None else own
+
+    def wrong(self, link: hir.FrameLink | None) -> Iterator[str]:
+        """Yield what is wrong with a frame and those under it that weren't looked at before."""
+        while link is not None and id(link) not in self._seen:
+            self._seen.add(id(link))
+            self.placed(link)  # which keeps the frame, so that no other takes its id
+            if link.parent is not None:
+                own = self._of_robot(link) if link.told is None else of_numbers(link.told)
+                if not _are_one(own, link.parent_from_frame):
+                    yield f"the frame {{{link.name}}} isn't where its numbers put it"
+            link = link.parent
+
+
+def _wrong_places(cell: Cell) -> Iterator[str]:
+    """Yield what of a cell isn't where its numbers put it."""
+    bodies = [*cell.obstacles, *(part.body for part in cell.parts)]
+    mounts: list[tuple[str, Mount]] = [(one.name, one.mount) for one in bodies]
+    mounts += [(f"{{{name}}}", frame.mount) for name, frame in cell.frames.items()]
+    placed = [(name, one.transform, one.told) for name, one in mounts]
+    regions = ((one.name, one.region) for one in cell.zones)
+    placed += [
+        (f"zone {name}", region.base_from_shape, region.told)
+        for name, region in regions
+        if isinstance(region, ShapeRegion)
+    ]
+    for name, transform, told in placed:
+        if told is None:
+            continue
+        own = _followed(told)
+        if not _are_one(own, transform):
+            yield f"{name} of the cell isn't where its numbers put it"
+    for zone in cell.zones:
+        border = zone.region
+        if isinstance(border, HalfSpace) and border.told is not None and border.own_normal is not None:
+            own = _followed(border.told)
+            normal = own[:3, :3] @ border.own_normal / np.sqrt(border.own_normal @ border.own_normal)
+            off = np.append(normal - border.normal, normal @ own[:3, 3] - border.offset)
+            if np.abs(off).max() > SAME * max(1.0, float(np.abs(own[:3, 3]).max())):
+                yield f"the border of the zone {zone.name} isn't where its numbers put it"
+    for grip in cell.grips.values():
+        frame = cell.frames.get(grip.frame)
+        if frame is not None and not _are_one(grip.flange_from_grip, frame.mount.transform):
+            yield f"the gripper in {{{grip.frame}}} isn't where its frame is"
+
+
+def _followed(told: tuple[Array, ...]) -> Array:
+    """Return the transform (4, 4) of places that hang on each other."""
+    own = np.eye(4)
+    for numbers in told:
+        own = own @ of_numbers(numbers)
+    return own
+
+
+def _are_one(one: Array, other: Array) -> bool:
+    """Return True if two transforms (4, 4) are one but for rounding."""
+    allowed = SAME * max(1.0, float(np.abs(other[:3, 3]).max()))
+    return bool(np.abs(one - other).max() <= allowed)

@@ -1,0 +1,55 @@
+"""Rotations as the judge makes them: turns about axes, multiplied."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.robot.model import Array
+
+
+def cross_matrix(vectors: Array) -> Array:
+    """Return the cross product matrices (..., 3, 3) of vectors (..., 3): the column i is their product with the unit vector i."""
+    return np.cross(vectors[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+def turn(axis: Array, angle: Array) -> Array:
+    """Return the rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad]: c I + (1 - c) a a' + s [a] (Rodrigues)."""
+    cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
+    made: Array = cosine * np.eye(3) + (1.0 - cosine) * np.outer(axis, axis) + sine * cross_matrix(axis)
+    return made
+
+
+def of_roll_pitch_yaw(angles: Array) -> Array:
+    """Return the rotations (..., 3, 3) of angles (..., 3) [rad]: about the fixed x axis by roll, then about the fixed y axis by pitch, then about the fixed z axis by yaw."""
+    x, y, z = np.eye(3)
+    return turn(z, angles[..., 2]) @ turn(y, angles[..., 1]) @ turn(x, angles[..., 0])
+
+
+def of_quaternion(quaternions: Array) -> Array:
+    """Return the rotations (..., 3, 3) of quaternions (..., 4), real part last, of any length but zero."""
+    length = np.einsum("...i,...i->...", quaternions, quaternions)[..., None, None]
+    spin, real = cross_matrix(quaternions[..., :3]), quaternions[..., 3, None, None]
+    made: Array = np.eye(3) + (2.0 / length) * (real * spin + spin @ spin)
+    return made
+
+
+def of_numbers(numbers: Array) -> Array:
+    """Return the transforms (..., 4, 4) of x y z and roll pitch yaw (..., 6) [m, rad], or of x y z and quaternions (..., 7)."""
+    made = np.zeros((*numbers.shape[:-1], 4, 4))
+    angles = numbers[..., 3:]
+    made[..., :3, :3] = of_roll_pitch_yaw(angles) if angles.shape[-1] == 3 else of_quaternion(angles)
+    made[..., :3, 3], made[..., 3, 3] = numbers[..., :3], 1.0
+    return made
+
+
+def pose(rotation: Array, origin: Array) -> Array:
+    """Return the transform (4, 4) of a rotation (3, 3) and an origin (3,)."""
+    made = np.eye(4)
+    made[:3, :3], made[:3, 3] = rotation, origin
+    return made
+
+
+def inverse(placed: Array) -> Array:
+    """Return the inverse (4, 4) of a transform (4, 4)."""
+    back = placed[:3, :3].T
+    return pose(back, -back @ placed[:3, 3])

@@ -1,0 +1,238 @@
+"""Values that a program computes while it is carried out, at rest: of registers, inputs and constants.
+
+A value is a number; a condition is a value that is 0 or 1. Each has one canonical text, as it stands in the map of a controller text:
+every operation inside another one in brackets, registers with a `$`, inputs by their variables: `($N<3)&(M11=1)`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+
+from yarclang.frozen import frozen
+
+AGAIN = "again:"
+"""Stands in the map before a condition that is decided with what was read before."""
+
+CONNECTIVES = ("OR", "AND")
+COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
+ARITHMETIC = ("+", "-", "*", "DIV", "MOD")
+"""DIV is what the language writes as `FLOOR(a / b)`, MOD as `a % b`."""
+
+SIGNS = {
+    "OR": "|",
+    "AND": "&",
+    "DIV": "/",
+    "MOD": "%",
+    **{one: one for one in (*COMPARISONS, "+", "-", "*")},
+}
+"""How canonical text writes the operators between two values."""
+
+UNARY_SIGNS = {"NOT": "!", "-": "-"}
+"""How canonical text writes the operators before a value."""
+
+LARGEST = 1_000_000_000
+"""No value of a register, and no result on the way to one, lies farther from 0."""
+
+MOST_LEAVES = 24
+"""Registers, inputs and numbers in one value."""
+
+LONGEST_NAME = 40
+"""Characters of the name of a register."""
+
+DEEPEST = 24
+"""Operations inside each other."""
+
+
+@frozen
+class Constant:
+    """A number."""
+
+    number: float
+
+
+@frozen
+class InputValue:
+    """What an input reads: the controller's `variable`; the program calls it `name`."""
+
+    variable: str
+    name: str = field(default="", compare=False)
+
+
+@frozen
+class RegisterValue:
+    """What a register holds."""
+
+    name: str
+
+
+@frozen
+class Before:
+    """An operator before a value: NOT, or the minus sign."""
+
+    operator: str
+    inner: Value
+
+
+@frozen
+class Between:
+    """An operator between two values."""
+
+    operator: str
+    left: Value
+    right: Value
+
+
+Value = Constant | InputValue | RegisterValue | Before | Between
+
+
+@frozen
+class Register:
+    """A declared register: an integer from `low` to `high` that is `first` when a run begins."""
+
+    name: str
+    low: int
+    high: int
+    first: int
+
+
+class DecisionError(Exception):
+    """A value can't be computed: a division by zero, or a result that no register can hold."""
+
+
+def is_condition(value: Value) -> bool:
+    """Return True if a value is true or false by its outermost operator."""
+    match value:
+        case Before(operator=operator) | Between(operator=operator):
+            return operator == "NOT" or operator in CONNECTIVES or operator in COMPARISONS
+    return False
+
+
+def evaluated(value: Value, registers: Mapping[str, int], inputs: Mapping[str, float]) -> float:
+    """Compute a value.
+
+    Args:
+        value: what is computed.
+        registers: what each register holds, by its name.
+        inputs: what each input reads, by its variable.
+
+    Raises:
+        DecisionError: there is no such number.
+    """
+    match value:
+        case Constant(number=number):
+            return number
+        case InputValue(variable=variable):
+            return inputs[variable]
+        case RegisterValue(name=name):
+            return float(registers[name])
+        case Before(operator=operator, inner=inner):
+            of = evaluated(inner, registers, inputs)
+            return float(of == 0.0) if operator == "NOT" else -of
+        case Between(operator=operator, left=left, right=right):
+            return _between(operator, evaluated(left, registers, inputs), evaluated(right, registers, inputs))
+
+
+def _between(operator: str, one: float, other: float) -> float:
+    match operator:
+        case "OR":
+            return float(one != 0.0 or other != 0.0)
+        case "AND":
+            return float(one != 0.0 and other != 0.0)
+        case "=":
+            return float(one == other)
+        case "<>":
+            return float(one != other)
+        case "<":
+            return float(one < other)
+        case "<=":
+            return float(one <= other)
+        case ">":
+            return float(one > other)
+        case ">=":
+            return float(one >= other)
+        case "+":
+            found = one + other
+        case "-":
+            found = one - other
+        case "*":
+            found = one * other
+        case _:
+            if other == 0.0:
+                raise DecisionError(f"{one:g} {'/' if operator == 'DIV' else '%'} 0 is a division by zero")
+            found = one // other if operator == "DIV" else math.fmod(one, other)
+    if not abs(found) <= LARGEST:
+        raise DecisionError(f"{one:g} {operator} {other:g} is beyond {LARGEST:,}")
+    return found
+
+
+def inputs_of(value: Value) -> tuple[InputValue, ...]:
+    """Return the inputs that are read for a value, each once, in the order in which they stand there."""
+    return tuple({one.variable: one for one in leaves(value) if isinstance(one, InputValue)}.values())
+
+
+def registers_of(value: Value) -> tuple[str, ...]:
+    """Return the registers that a value is computed from, each once."""
+    return tuple(dict.fromkeys(one.name for one in leaves(value) if isinstance(one, RegisterValue)))
+
+
+def leaves(value: Value) -> Iterator[Value]:
+    """Yield the registers, inputs and numbers of a value, from left to right."""
+    match value:
+        case Before(inner=inner):
+            yield from leaves(inner)
+        case Between(left=left, right=right):
+            yield from leaves(left)
+            yield from leaves(right)
+        case _:
+            yield value
+
+
+def in_words(value: Value) -> str:
+    """Return a value as people read it, with the names of the program: `N < 3 AND DOOR = ON`."""
+    match value:
+        case Constant(number=number):
+            return f"{number:.9g}"
+        case InputValue(name=name, variable=variable):
+            return name or variable
+        case RegisterValue(name=name):
+            return name
+        case Before(operator="NOT", inner=inner):
+            return f"NOT {_inside(inner)}"
+        case Before(inner=inner):
+            return f"-{_inside(inner)}"
+        case Between(operator="DIV", left=left, right=right):
+            return f"FLOOR({_inside(left)} / {_inside(right)})"
+        case Between(operator="MOD", left=left, right=right):
+            return f"{_inside(left)} % {_inside(right)}"
+        case Between(operator=operator, left=left, right=right):
+            return f"{_inside(left, operator)} {operator} {_inside(right, operator)}"
+
+
+def _inside(value: Value, around: str = "") -> str:
+    """A value inside an operation: in brackets, unless a comparison stands between AND and OR."""
+    said = in_words(value)
+    is_clear = around in CONNECTIVES and isinstance(value, Between) and value.operator in COMPARISONS
+    if isinstance(value, Between) and value.operator != "DIV" and not is_clear:
+        return f"({said})"
+    return said
+
+
+def simple(condition: Value) -> tuple[InputValue, float] | None:
+    """Return the input and the number of a condition that compares nothing else; None of any other."""
+    match condition:
+        case Between(operator="=", left=InputValue() as one, right=Constant(number=number)):
+            return one, number
+    return None
+
+
+def called(condition: Value) -> str:
+    """Return what the map of a controller text calls a condition: the name of the input, if it compares nothing else."""
+    compared = simple(condition)
+    return compared[0].name if compared is not None else in_words(condition)
+
+
+def equals(variable: str, name: str, number: float) -> Value:
+    """Return the condition that an input is a number."""
+    return Between("=", InputValue(variable, name), Constant(round(number, 9) + 0.0))

@@ -1,0 +1,49 @@
+"""Placements of all that a chain moves, as the planner computes them: a product of exponentials on whole arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+def placements(screws: Array, q: Array) -> Array:
+    """Return where the links are at joint positions.
+
+    Args:
+        screws: (n, 6) of a chain, linear part then angular part.
+        q: (P, n) [rad or m].
+
+    Returns:
+        (n + 1, 3, 4, P): the rotation and, as the fourth column, the shift [m] that bring what the first joints move from its place with all
+        joints at zero to its place at `q`.
+    """
+    count, size = q.shape
+    # the positions come last while it is calculated: all steps go along whole rows
+    pose = np.zeros((size + 1, 3, 4, count))
+    pose[0, [0, 1, 2], [0, 1, 2]] = 1.0
+    way = np.ascontiguousarray(q.T)
+    sin, versine = np.sin(way), 1.0 - np.cos(way)
+    for joint in range(size):
+        linear, angular = screws[joint, :3], screws[joint, 3:]
+        w = _skew(angular)
+        turn, shift = pose[joint, :, :3], pose[joint, :, 3]
+        # exp(screw q), after what the joints before do: I q + (1 - cos q) w + (q - sin q) w^2 for the shift
+        local = np.matmul(np.stack([linear, w @ linear, w @ w @ linear]), turn)
+        np.multiply(local[:, 0], way[joint], out=pose[joint + 1, :, 3])
+        pose[joint + 1, :, 3] += local[:, 1] * versine[joint]
+        pose[joint + 1, :, 3] += local[:, 2] * (way[joint] - sin[joint])
+        pose[joint + 1, :, 3] += shift
+        turned = np.matmul(np.hstack([w, w @ w]).T, turn)
+        np.multiply(turned[:, :3], sin[joint], out=pose[joint + 1, :, :3])
+        turned[:, 3:] *= versine[joint]
+        pose[joint + 1, :, :3] += turned[:, 3:]
+        pose[joint + 1, :, :3] += turn
+    return pose
+
+
+def _skew(vector: Array) -> Array:
+    """Return the cross product matrix (3, 3) of a vector (3,)."""
+    x, y, z = vector.tolist()
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

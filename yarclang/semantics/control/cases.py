@@ -1,0 +1,170 @@
+"""CASE: which of several ways is taken for which values of a register or an input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from yarclang.decisions import Between, Constant, InputValue, Register, RegisterValue, Value
+from yarclang.diagnostics import Collector
+from yarclang.semantics.declared.registers import integer_of, range_of
+from yarclang.semantics.files import values_of
+from yarclang.semantics.names.scope import KINDS, Input, Scope
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.subjects import unknown
+from yarclang.syntax.ast import Block, Node, Statement, Word
+from yarclang.syntax.ast import Value as Written
+
+MOST_RANGES = 8
+"""Values and ranges behind one OF: each takes a comparison or two."""
+
+MOST_WAYS = 64
+"""OF lines of a CASE: each stands in the second way of the one before it."""
+
+_EXAMPLE = "for example OF 1, or OF 2..5 8"
+
+
+@dataclass(slots=True)
+class Way:
+    """What is done for some values: its OF, the condition (None: all values that no OF before has), and the lines."""
+
+    of: Statement
+    condition: Value | None
+    nodes: list[Node] = field(default_factory=list)
+
+
+def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None:
+    """Return the ways of a CASE, without that of its ELSE; None with findings if there is a mistake."""
+    head = block.head
+    refuse_parts(head, NOT_FOR_BLOCKS, findings)
+    before = len(findings.found)
+    selector, register = _selector(head, scope, findings)
+    ways: list[Way] = []
+    taken: list[tuple[int, int, int]] = []
+    for node in block.body:
+        if isinstance(node, Statement) and node.name.name == "OF":
+            ways.append(Way(node, _condition(node, selector, register, taken, findings)))
+        elif ways:
+            ways[-1].nodes.append(node)
+        else:
+            one = node.head if isinstance(node, Block) else node
+            findings.add("Y0432", "this stands in front of the first OF of a CASE", one.whole_span, _EXAMPLE)
+    if not ways:
+        findings.add("Y0432", "a CASE has at least one OF", head.whole_span, _EXAMPLE)
+    elif len(ways) > MOST_WAYS:
+        message = f"a CASE has at most {MOST_WAYS} OF, and this one has {len(ways)}"
+        findings.add("Y0432", message, head.whole_span, "decide in two steps")
+    if any(found.is_error for found in findings.found[before:]):
+        return None
+    missing = _missing(register, taken)
+    if block.otherwise is None and missing:
+        findings.add(
+            "Y0433",
+            f"no way is there for {missing}",
+            head.whole_span,
+            "write ELSE, with what is done then: HOLD, for example",
+        )
+        return None
+    if block.otherwise is None:
+        ways[-1].condition = None
+    return ways
+
+
+def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value | None, Register | None]:
+    values = values_of(head)
+    if len(values) != 1 or not isinstance(word := values[0], Word):
+        message = "CASE wants the name of a register or an input"
+        findings.add("Y0401", message, head.whole_span, "for example CASE COUNT")
+        return None, None
+    span = head.span(word.place)
+    match scope.name(word.name):
+        case Register() as register:
+            return RegisterValue(register.name), register
+        case Input(signal=signal):
+            return InputValue(signal.variable, signal.name), None
+        case None:
+            known = sorted(set(scope.names(Register, Input)))
+            subject = unknown(word.text, known)
+            help_ = subject.question or "declare it: REGISTER COUNT 0..17, or INPUT JOB M70"
+            message = f"no register or input is named {word.text}"
+            findings.add("Y0210", message, span, help_, subject=subject)
+        case found:
+            message = f"{word.text} is {KINDS[type(found)]}, not a register or an input"
+            help_ = "IF decides by numbers, when compiled"
+            findings.add("Y0209", message, span, help_)
+    return None, None
+
+
+def _condition(
+    of: Statement,
+    selector: Value | None,
+    register: Register | None,
+    taken: list[tuple[int, int, int]],
+    findings: Collector,
+) -> Value | None:
+    refuse_parts(of, NOT_FOR_BLOCKS, findings)
+    values = values_of(of)
+    if not values or len(values) > MOST_RANGES:
+        message = f"OF wants 1 to {MOST_RANGES} integers and ranges"
+        findings.add("Y0401", message, of.whole_span, _EXAMPLE)
+        return None
+    found: Value | None = None
+    for value in values:
+        bounds = _bounds(of, value, register, taken, findings)
+        if bounds is None or selector is None:
+            continue
+        taken.append((*bounds, of.line))
+        one = _within(selector, *bounds)
+        found = one if found is None else Between("OR", found, one)
+    return found
+
+
+def _bounds(
+    of: Statement,
+    value: Written,
+    register: Register | None,
+    taken: Iterable[tuple[int, int, int]],
+    findings: Collector,
+) -> tuple[int, int] | None:
+    span, number = of.span(value.place), integer_of(value)
+    bounds = range_of(value) if number is None else (number, number)
+    if bounds is None:
+        findings.add("Y0432", f"{value.text} is neither an integer nor a range of integers", span, _EXAMPLE)
+        return None
+    low, high = bounds
+    if low > high:
+        findings.add("Y0432", f"{value.text} is empty: the lower bound comes first", span, _EXAMPLE)
+        return None
+    if register is not None and not register.low <= low <= high <= register.high:
+        message = f"{register.name} is never {value.text}: it is {register.low} to {register.high}"
+        findings.add("Y0432", message, span, "take it away, or widen the register's range")
+        return None
+    for first, last, line in taken:
+        if first <= high and low <= last:
+            message = f"{value.text} has a way already, in line {line}"
+            findings.add("Y0432", message, span, "leave one of them")
+            return None
+    return bounds
+
+
+def _within(selector: Value, low: int, high: int) -> Value:
+    if low == high:
+        return Between("=", selector, Constant(float(low)))
+    least = Between(">=", selector, Constant(float(low)))
+    return Between("AND", least, Between("<=", selector, Constant(float(high))))
+
+
+def _missing(register: Register | None, taken: list[tuple[int, int, int]]) -> str:
+    """Return the first values without a way, in words; empty if all have one."""
+    if register is None:
+        return "other values of the input"
+    next_ = register.low
+    for low, high, _ in sorted(taken):
+        if low > next_:
+            return _range_in_words(register.name, next_, low - 1)
+        next_ = high + 1
+    return _range_in_words(register.name, next_, register.high) if next_ <= register.high else ""
+
+
+def _range_in_words(name: str, low: int, high: int) -> str:
+    return f"{name} = {low}" if low == high else f"{name} = {low} to {high}"

@@ -1,0 +1,67 @@
+"""REGISTER: integers that a program changes while it runs."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.decisions import LARGEST, LONGEST_NAME, Register
+from yarclang.diagnostics import Collector
+from yarclang.robot.model import Robot
+from yarclang.semantics.declared.meanings import may_be_declared
+from yarclang.semantics.files import values_of
+from yarclang.semantics.names.scope import Scope, Where
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.syntax.ast import Number, Other, Statement, Word
+
+_RANGE = re.compile(r"([+-]?[0-9]{1,12})\.\.([+-]?[0-9]{1,12})")
+_EXAMPLE = "for example REGISTER COUNT 0..17"
+
+
+def declare_register(
+    statement: Statement, scope: Scope, robot: Robot, findings: Collector
+) -> Register | None:
+    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3."""
+    refuse_parts(statement, NOT_FOR_BLOCKS, findings)
+    given = values_of(statement)
+    word, values = (given[0] if given else None), given[1:]
+    bounds = range_of(values[0]) if values else None
+    if not isinstance(word, Word) or bounds is None or len(values) > 2:
+        message = "REGISTER wants a name, a range, and the value that it begins with if that isn't the lowest"
+        findings.add("Y0431", message, statement.whole_span, _EXAMPLE)
+        return None
+    low, high = bounds
+    span = statement.span(values[0].place)
+    if not -LARGEST <= low < high <= LARGEST:
+        message = f"{low}..{high} is no range: the lower bound comes first, and none is beyond {LARGEST:,}"
+        findings.add("Y0431", message, span, _EXAMPLE)
+        return None
+    if len(word.name) > LONGEST_NAME:
+        message = f"the name of a register has at most {LONGEST_NAME} characters"
+        findings.add("Y0431", message, statement.span(word.place), "shorten it")
+        return None
+    first = low
+    if len(values) == 2:
+        found = integer_of(values[1])
+        if found is None or not low <= found <= high:
+            message = f"{values[1].text} is no integer from {low} to {high}"
+            findings.add("Y0431", message, statement.span(values[1].place), _EXAMPLE)
+            return None
+        first = found
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return None
+    register = Register(word.name, low, high, first)
+    scope.declare(word.name, register, Where(findings.source, statement.span(word.place)))
+    return register
+
+
+def range_of(value: object) -> tuple[int, int] | None:
+    """Return the bounds that a value such as `0..17` names; None if it is none."""
+    found = _RANGE.fullmatch(value.text) if isinstance(value, Other) else None
+    return None if found is None else (int(found[1]), int(found[2]))
+
+
+def integer_of(value: object) -> int | None:
+    """Return the integer that a value is; None if it is none."""
+    if not isinstance(value, Number) or not value.value.is_integer() or abs(value.value) > LARGEST:
+        return None
+    return int(value.value)

@@ -1,0 +1,165 @@
+"""Expressions whose value is known only when the program runs: of registers, inputs and numbers."""
+
+from __future__ import annotations
+
+from typing import NoReturn
+
+from yarclang.decisions import (
+    ARITHMETIC,
+    CONNECTIVES,
+    DEEPEST,
+    LARGEST,
+    MOST_LEAVES,
+    Before,
+    Between,
+    Constant,
+    InputValue,
+    Register,
+    RegisterValue,
+    Value,
+    is_condition,
+    leaves,
+)
+from yarclang.semantics.names.scope import KINDS, Input, Scope
+from yarclang.semantics.values.amounts import Amount
+from yarclang.semantics.values.evaluate import EvaluationError, evaluate
+from yarclang.subjects import unknown
+from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary, parts_of
+
+_EXAMPLE = "write a comparison: N = 1, DOOR = ON"
+_STATES = {"ON": 1.0, "OFF": 0.0}
+
+
+def condition_of(expression: Expression, scope: Scope) -> Value:
+    """Return the condition that an expression says.
+
+    Raises:
+        EvaluationError: it says none.
+    """
+    value = _value(expression, scope)
+    if isinstance(value, Constant):
+        message = "nothing in this condition changes while the program runs"
+        raise EvaluationError(expression.place, "Y0430", message, "IF decides it when compiled")
+    if not is_condition(value):
+        raise EvaluationError(expression.place, "Y0430", "this is a number, not a condition", _EXAMPLE)
+    return value
+
+
+def number_of(expression: Expression, scope: Scope) -> Value:
+    """Return the number that an expression says.
+
+    Raises:
+        EvaluationError: it says none.
+    """
+    value = _value(expression, scope)
+    if is_condition(value):
+        help_ = "WHEN decides by a condition; SET gives a register a number"
+        raise EvaluationError(expression.place, "Y0430", "this is a condition, not a number", help_)
+    return value
+
+
+def _value(expression: Expression, scope: Scope) -> Value:
+    value = _part(expression, scope, 0)
+    if sum(1 for _ in leaves(value)) > MOST_LEAVES:
+        message = f"more than {MOST_LEAVES} registers, inputs and numbers stand in one expression"
+        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps, with SET")
+    return value
+
+
+def _part(expression: Expression, scope: Scope, depth: int) -> Value:
+    """Return what an expression computes when the program runs; what is known already is computed now."""
+    if depth > DEEPEST:
+        message = f"more than {DEEPEST} operations stand inside each other"
+        raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps, with SET")
+    if not isinstance(expression, Name) and not _decides(expression, scope):
+        return _known(expression, scope)
+    match expression:
+        case Name():
+            return _named(expression, scope)
+        case Bracket(inner=inner):
+            return _part(inner, scope, depth)
+        case Unary(operator=operator, operand=operand):
+            inner_value = _part(operand, scope, depth + 1)
+            if operator == "+":
+                return inner_value
+            _check(inner_value, operand, wants_condition=operator == "NOT")
+            return Before(operator, inner_value)
+        case Function(arguments=(Binary(operator="/") as quotient,)) if expression.name == "FLOOR":
+            return _between("DIV", quotient, scope, depth)
+        case Binary(operator=operator):
+            if operator in ("/", "**"):
+                _refuse(expression, f"{operator} isn't computed when the program runs")
+            return _between("MOD" if operator == "%" else operator, expression, scope, depth)
+        case Function():
+            _refuse(expression, f"{expression.name} isn't computed when the program runs")
+    raise AssertionError(expression)  # numbers decide nothing
+
+
+def _refuse(expression: Expression, message: str) -> NoReturn:
+    help_ = "there are + - * %, FLOOR(a / b), comparisons, AND, OR and NOT"
+    raise EvaluationError(expression.place, "Y0430", message, help_)
+
+
+def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Value:
+    left, right = (_part(one, scope, depth + 1) for one in (expression.left, expression.right))
+    for value, said in ((left, expression.left), (right, expression.right)):
+        _check(value, said, wants_condition=operator in CONNECTIVES)
+        if operator in ARITHMETIC and isinstance(value, Constant) and not value.number.is_integer():
+            _refuse(said, f"{value.number:g} is no integer")
+    return Between(operator, left, right)
+
+
+def _check(value: Value, expression: Expression, *, wants_condition: bool) -> None:
+    is_known = isinstance(value, Constant) and value.number in (0.0, 1.0)
+    if wants_condition and not is_condition(value) and not is_known:
+        raise EvaluationError(expression.place, "Y0430", "this is a number, not a condition", _EXAMPLE)
+    if not wants_condition and is_condition(value):
+        raise EvaluationError(
+            expression.place, "Y0430", "this is a condition, not a number", "take the brackets away"
+        )
+
+
+def _decides(expression: Expression, scope: Scope) -> bool:
+    """Return True if an expression names something that is known only when the program runs, ON, OFF, or nothing at all."""
+    if isinstance(expression, Name):
+        return expression.name in _STATES or not isinstance(scope.name(expression.name), Amount)
+    return any(_decides(one, scope) for one in parts_of(expression))
+
+
+def _named(name: Name, scope: Scope) -> Value:
+    if name.name in _STATES:
+        return Constant(_STATES[name.name])
+    match scope.name(name.name):
+        case Register(name=register):
+            return RegisterValue(register)
+        case Input(signal=signal):
+            return InputValue(signal.variable, signal.name)
+        case Amount() as found:
+            return _plain(found, name)
+        case None if name.name == "PI":
+            return _known(name, scope)
+        case None:
+            known = sorted(set(scope.names(Amount, Register, Input)))
+            subject = unknown(name.text, known)
+            help_ = subject.question or (
+                f"there are {', '.join(known[:8])}" if known else "declare it: REGISTER N 0..9"
+            )
+            message = f"no register, input or number is named {name.text}"
+            raise EvaluationError(name.place, "Y0210", message, help_, subject)
+        case found:
+            message = f"{name.text} is {KINDS[type(found)]}, not a register, an input or a number"
+            raise EvaluationError(name.place, "Y0209", message)
+
+
+def _known(expression: Expression, scope: Scope) -> Constant:
+    return _plain(evaluate(expression, scope), expression)
+
+
+def _plain(found: Amount, expression: Expression) -> Constant:
+    if found.unit is not None:
+        message = f"{found} has a unit, and registers and inputs have none"
+        raise EvaluationError(expression.place, "Y0307", message, "write a plain number")
+    number = round(found.value, 9) + 0.0
+    if abs(number) > LARGEST:
+        raise EvaluationError(expression.place, "Y0403", f"{number:,.0f} is beyond {LARGEST:,}")
+    return Constant(number)

@@ -1,0 +1,63 @@
+"""What SAVE keeps: all but rotaries, positions and what runs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from yarclang.simulator.motion.axes import AxisDefinition
+from yarclang.simulator.motion.motors import Motor
+from yarclang.simulator.motion.system import CoordinateSystem
+from yarclang.simulator.programs.plc import Plc
+from yarclang.simulator.programs.plcs import Plcs
+from yarclang.simulator.programs.program import Program
+from yarclang.simulator.state.registers import Definition, Variables
+
+
+@dataclass(frozen=True, slots=True)
+class Saved:
+    """Variables, programs, PLCs, and axis definitions by coordinate system and motor."""
+
+    i: list[float]
+    p: list[float]
+    q: list[dict[int, float]]
+    m: dict[int, Definition]
+    programs: dict[int, Program]
+    plcs: dict[int, Program]
+    definitions: dict[int, dict[int, AxisDefinition]]
+
+
+def saved(
+    variables: Variables, programs: Mapping[int, Program], plcs: Plcs, systems: Mapping[int, CoordinateSystem]
+) -> Saved:
+    """Return a copy of what SAVE keeps."""
+    return Saved(
+        list(variables.i),
+        list(variables.p),
+        [dict(q) for q in variables.q],
+        dict(variables.m),
+        {number: program.copy() for number, program in programs.items()},
+        {number: plc.program.copy() for number, plc in plcs.by_number.items()},
+        {number: dict(system.definitions) for number, system in systems.items()},
+    )
+
+
+def restore(
+    kept: Saved,
+    variables: Variables,
+    programs: dict[int, Program],
+    plcs: Plcs,
+    systems: Mapping[int, CoordinateSystem],
+    motors: Mapping[int, Motor],
+) -> None:
+    """Put back what SAVE has kept into parts that are cleared; the PLCs are enabled."""
+    variables.i[:], variables.p = kept.i, list(kept.p)
+    variables.q, variables.m = [dict(q) for q in kept.q], dict(kept.m)
+    programs.update({number: program.copy() for number, program in kept.programs.items()})
+    for number, program in kept.plcs.items():
+        plc = plcs.by_number[number] = Plc(number)
+        plc.program = program.copy()
+        plc.enable()
+    for number, definitions in kept.definitions.items():
+        for motor, definition in definitions.items():
+            systems[number].define(motors[motor], definition)

@@ -28,7 +28,7 @@ def test_no_word_of_the_language_is_foreign():
     ("line", "code", "told"),
     [
         ("P0010 GOTO P0900", "Y0202", "CALL"),
-        ("IF DOOR = 1", "Y0209", "WHEN DOOR ON"),
+        ("IF DOOR = 1", "Y0209", "WHEN"),
         ("P0010 MOVEL 0 0 0 0 0 0 [5] {B} UNTIL DOOR", "Y0101", "WHEN"),
         ("P0010 MOVEJ HOME [5] (s) until DOOR ON", "Y0101", "WHEN"),
     ],

@@ -2,13 +2,12 @@
 
 from types import MappingProxyType
 
-_WAYS = "WHEN DOOR ON ... ELSE ... END chooses a way by an input when the program runs, IF by numbers when it is compiled"
+_WAYS = "CASE N ... OF 1 ... END and WHEN DOOR ON ... ELSE ... END choose a way when the program runs, IF by numbers when it is compiled"
 _LOOPS = "REPEAT I 4 ... END repeats lines; a program that goes on for ever is run by yarc run --loop"
 _JUMPS = "no line is jumped to: lines that are used in several places stand in a SUB, which CALL carries out; WHEN and REPEAT lead the way"
 
 INSTEAD = MappingProxyType(
     {
-        "CASE": _WAYS,
         "SWITCH": _WAYS,
         "SELECT": _WAYS,
         "WHILE": _LOOPS,

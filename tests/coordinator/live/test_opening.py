@@ -12,6 +12,7 @@ from coordinator.virtual import coordinating, done, run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
+from yarclang.backend_pmac.live import LIVE
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.coordinator.live import opening
 from yarclang.coordinator.live.generator import Generator, rates_of
@@ -88,7 +89,7 @@ def admitted():
 
         def admit(self, lines):
             super().admit(lines)
-            points.append(self._read(lines))
+            points.append(self._points(self._robot, lines))
 
     opening.Judge = Seen
     try:
@@ -225,7 +226,15 @@ def test_all_limits_are_kept_from_wherever_it_may_begin(off, speeds, faster):
     robot, judge = judge_at()
     rates, limits = rates_of(robot), robot.limits
     start, tool = START * robot.axis_units, robot.flange_from_frame["TCP"]
-    made = Generator(robot, start, 7, H, Steering(robot, tool, rates, robot.jog_speed), judge, rates)
+    made = Generator(
+        robot,
+        start,
+        lambda points: LIVE.lines(robot, points, 7),
+        H,
+        Steering(robot, tool, rates, robot.jog_speed),
+        judge,
+        rates,
+    )
     made.want(JointVelocity(np.array([0.5, *speeds]) * faster), 0.0)
     lines = made.more(0.0, 12)
     made.finish()

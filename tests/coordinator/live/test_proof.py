@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from yarclang.backend_pmac.live import LIVE
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.coordinator.live.generator import Generator, rates_of
@@ -18,7 +19,14 @@ def judge_at(start=START, speed=0.25):
     robot = load_robot("INDUSTRIAL6").value
     scene, watches = surroundings_of(robot, None, tool_frame(robot)).value
     return robot, Judge(
-        robot, start * robot.axis_units, H, speed, robot.flange_from_frame["TCP"], scene, watches
+        robot,
+        start * robot.axis_units,
+        H,
+        speed,
+        robot.flange_from_frame["TCP"],
+        scene,
+        watches,
+        points=LIVE.points,
     )
 
 
@@ -86,7 +94,13 @@ def test_whatever_is_wanted_the_whole_text_keeps_the_limits(seed):
     rates, random = rates_of(robot), np.random.default_rng(seed)
     tool = robot.flange_from_frame["TCP"]
     made = Generator(
-        robot, START * robot.axis_units, 7, H, Steering(robot, tool, rates, robot.jog_speed), judge, rates
+        robot,
+        START * robot.axis_units,
+        lambda points: LIVE.lines(robot, points, 7),
+        H,
+        Steering(robot, tool, rates, robot.jog_speed),
+        judge,
+        rates,
     )
     lines, now, target = [], 0.0, None
     while now < 2.5:

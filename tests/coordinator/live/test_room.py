@@ -5,6 +5,7 @@ from floors import exercises
 from hypothesis import Phase, assume, given, settings
 from hypothesis import strategies as st
 
+from yarclang.backend_pmac.live import LIVE
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.collision.course import Course
 from yarclang.collision.free import free_space
@@ -58,12 +59,20 @@ def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(tall
     """Links come near to each other, so that there is room now and then."""
     start, h, tool = posture(shares), 0.02, ROBOT.flange_from_frame["TCP"]
     assume(SPACE.has(start))
-    judge, rates = Judge(ROBOT, start, h, 0.5, tool, SCENE), rates_of(ROBOT)
+    judge, rates = Judge(ROBOT, start, h, 0.5, tool, SCENE, points=LIVE.points), rates_of(ROBOT)
     stands = "".join(
         f"{axis}{value:.7f}" for axis, value in zip("XYZABC", start / ROBOT.axis_units, strict=True)
     )
     assume(not judge.objection((stands,) * 3, ()))
-    made = Generator(ROBOT, start, 7, h, Steering(ROBOT, tool, rates, 0.5), judge, rates)
+    made = Generator(
+        ROBOT,
+        start,
+        lambda points: LIVE.lines(ROBOT, points, 7),
+        h,
+        Steering(ROBOT, tool, rates, 0.5),
+        judge,
+        rates,
+    )
     points = [np.tile(start, (3, 1))]
     for number, one in enumerate(wanted):
         made.want(JointVelocity(one), float(number))

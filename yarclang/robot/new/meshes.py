@@ -12,23 +12,17 @@ import re
 import stat
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
 from urllib.parse import urlparse
 from xml.parsers import expat
 
+from yarclang.robot.new.packages import PACKAGE, Packages
 from yarclang.toml.bodies import MESHES
-
-if TYPE_CHECKING:
-    from yarclang.robot.new.packages import Packages
 
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
 
 LARGEST_TOGETHER = 500_000_000
 """Largest sum of all mesh files of a robot [bytes]."""
-
-PACKAGE = "package.xml"
-"""The file that makes a folder a ROS package."""
 
 _BESIDE = {"urdf", "urdfs", "robot", "robots", "xacro", "model", "models"}
 """Names of folders with URDFs that have their meshes in a folder beside."""

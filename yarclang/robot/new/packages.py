@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlparse
 
-from yarclang.robot.new.meshes import PACKAGE
+PACKAGE = "package.xml"
+"""The file that makes a folder a ROS package."""
 
 MOST_FOLDERS = 20_000
 """Folders that are looked through for packages."""

@@ -76,10 +76,10 @@ def test_a_live_motion_that_was_admitted_is_free_for_who_looks_at_all_of_it(tall
     points = [np.tile(start, (3, 1))]
     for number, one in enumerate(wanted):
         made.want(JointVelocity(one), float(number))
-        points.append(judge._read(made.more(float(number), 36)))
+        points.append(judge._points(ROBOT, made.more(float(number), 36)))
     made.finish()
     while not made.ended:
-        points.append(judge._read(made.more(float(len(wanted)), 3)))
+        points.append(judge._points(ROBOT, made.more(float(len(wanted)), 3)))
     control = np.concatenate(points)
     tally.count("moved", np.abs(control - start).max() > 0.01)
     count = len(control) - 3

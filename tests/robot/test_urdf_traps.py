@@ -83,7 +83,7 @@ def test_followers_and_vehicles_are_said(tmp_path):
 
 
 def test_a_chain_that_is_coupled_is_refused(tmp_path):
-    """A palletizer as ABB IRB 460: the wrist keeps level by following joint 3."""
+    """A palletizer: the wrist keeps level by following joint 3."""
     text = robot(
         link("base_link"),
         *(link(f"link_{number}") for number in range(1, 6)),

@@ -1,4 +1,4 @@
-"""URDFs as they are in the world, each with a trap, made from published dimensions; and their poses by Pinocchio on that very text."""
+"""URDFs as they are in the world, each with a trap, with the lengths of large arms and cobots; and their poses by Pinocchio on that very text."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 
 Z, Y, X = (0, 0, 1), (0, 1, 0), (1, 0, 0)
-LARGE = (  # ABB IRB 6640-180/2.55, product specification: 780, 320, 1075, 200, 1142.5, 200 mm
+LARGE = (  # about as an arm of 180 kg and 2.55 m: 780, 320, 1075, 200, 1142.5, 200 mm
     ("joint_1", "base_link", "link_1", (0, 0, 0.78), Z),
     ("joint_2", "link_1", "link_2", (0.32, 0, 0), Y),
     ("joint_3", "link_2", "link_3", (0, 0, 1.075), Y),
@@ -33,7 +33,7 @@ def joint(name, parent, child, xyz=(0, 0, 0), axis=Z, kind="revolute", more="", 
 
 
 def arm(prefix: str = "", effort: float = 500, base: tuple[str, str] = ("", "")) -> str:
-    """Six joints with the published lengths, flange and tool0 by REP 199; no link of the root if it has a joint."""
+    """Six joints, flange and tool0 by REP 199; no link of the root if it has a joint."""
 
     def at(name):
         return f"{prefix}{name}"

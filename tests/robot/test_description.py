@@ -570,6 +570,7 @@ def test_a_fixed_joint_needs_no_axis(tmp_path: Path) -> None:
 def test_every_finding_of_the_family_is_tested() -> None:
     tested = {row[0] for row in (*IN_TOML, *IN_URDF)}
     tested |= {"Y1301", "Y1314", "Y1318", "Y1358", "Y1359", "Y1360"}
+    tested |= {"Y1365"}  # by tests of `yarc robot new`
     families = (y13_robot, y13_joints, y13_urdf, y13_chain)
     assert {finding.code for family in families for finding in family.FINDINGS} == tested
 

@@ -4,13 +4,14 @@ import contextlib
 import re
 import signal
 import time
+from dataclasses import replace
 
 import pytest
 from click.testing import CliRunner
 
 from tests.cli.run_processes import assert_on_path, command_at, off_the_path, places, run_on
 from yarclang.cli.yarc import main as yarc
-from yarclang.coordinator import engine
+from yarclang.coordinator.engine import Engine
 from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.state import State
 
@@ -66,7 +67,9 @@ def test_a_bug_of_ours(workshop, simulator, monkeypatch):
                     raise RuntimeError("a bug")
             outcome = yield action
 
-    monkeypatch.setattr(engine, "perform", with_a_bug)
+    monkeypatch.setattr(
+        Engine, "scripts", property(lambda one: replace(one.session.scripts, perform=with_a_bug))
+    )
     shell = CliRunner(env=workshop.environment)
     with contextlib.chdir(workshop.folder):
         done = shell.invoke(yarc, run_on(simulator))

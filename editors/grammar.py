@@ -23,7 +23,7 @@ _BEFORE, _BEHIND = r"(?<![A-Za-z0-9_.$])", r"(?![A-Za-z0-9_.])"
 _NOT_IN_CODE = r"[^\t -~]|[#&':?@\\^`{|}~]"
 """What is no part of any word or sign, but in comments and texts."""
 
-_NUMBER = r"(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
+_NUMBER = r"(?:[0-9]+(?:\.(?!\.)[0-9]*)?|(?<!\.)\.[0-9]+)(?:[eE][+-]?[0-9]+)?(?![A-Za-z_])"
 
 
 def grammar() -> dict[str, Any]:
@@ -51,8 +51,8 @@ def grammar() -> dict[str, Any]:
         _rule("keyword.control.option", rf"(?i){_BEFORE}{_any(known.options)}{_BEHIND}"),
         _rule("keyword.control.operator.word", rf"(?i){_BEFORE}{_any(known.operators)}{_BEHIND}"),
         _rule("constant.language", rf"(?i){_BEFORE}{_any((*known.constants, 'MIN', 'V'))}{_BEHIND}"),
-        _rule("constant.numeric", rf"(?<![A-Za-z0-9_.]){_NUMBER}"),
-        _rule("keyword.operator", r"<>|<=|>=|\*\*|[-+*/%=<>]"),
+        _rule("constant.numeric", rf"(?:(?<![A-Za-z0-9_.])|(?<=\.\.)){_NUMBER}"),
+        _rule("keyword.operator", r"\.\.|<>|<=|>=|\*\*|[-+*/%=<>]"),
         _rule("invalid.illegal", rf"{_NOT_IN_CODE}|\$(?!\()"),
     ]
     first = [

@@ -20,21 +20,26 @@ WORDS = re.compile(
 EXAMPLES = "an example of a program or a cell for INDUSTRIAL6, which hangs on a Turbo PMAC"
 HELP = "what people read of the kind that is delivered; what happens is asked of the backend"
 FINDING = "the catalogue keeps the explanations of all codes, those of a kind's rooms as well"
+ROOMS = "a guide to the rooms names those of a kind"
 
 ALLOWED = {
     "__init__.py": HELP,
     "cell/schema.py": EXAMPLES,
+    "certify/__init__.py": ROOMS,
     "certify/read/layout.py": "names the manual of the law of the curve, which kinds share",
     "cli": HELP,
     "certify/blends/ball.py": "a bound of mathematics, M4",
     "certify/motion/cartesian.py": "a bound of mathematics, M4",
+    "decisions.py": EXAMPLES,
     "coordinator/live/proof.py": "names the law of the curve, as the manual does",
     "findings": FINDING,
     "lint/rules": EXAMPLES,
     "pipeline/checking.py": HELP,
     "repl/dots/looking.py": EXAMPLES,
     "robot/kinds.py": "the kind of a robot.toml that says none: files were written before there were kinds",
+    "runtime/__init__.py": ROOMS,
     "runtime/log_record.py": "the name of a log's attachment, which is the format of logs",
+    "semantics/control/cases.py": EXAMPLES,
     "semantics/declared/meanings.py": EXAMPLES,
     "semantics/names/signals.py": EXAMPLES,
     "simulated_cell/script.py": EXAMPLES,

@@ -23,6 +23,18 @@ if TYPE_CHECKING:
     from yarclang.pipeline.stages import Compiled
 
 
+def _known_target(context: click.Context, parameter: click.Parameter, value: str) -> str:  # noqa: ARG001 - the signature is click's
+    """Return what a text is for, as one kind of controller at least knows it."""
+    if value:
+        from yarclang.backend import backend_called
+        from yarclang.robot.kinds import kind_names
+
+        known = list(dict.fromkeys(one for kind in kind_names() for one in backend_called(kind).targets))
+        if value not in known:
+            raise click.BadParameter(f"'{value}' is none of {', '.join(known)}.")
+    return value
+
+
 @click.command(cls=Door, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="yarcc %(version)s")
 @file_argument("files", nargs=-1, metavar="FILE...")
@@ -40,6 +52,7 @@ if TYPE_CHECKING:
     "--target",
     metavar="TARGET",
     default="",
+    callback=_known_target,
     help="What the text is for; of a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
 )
 @click.option(

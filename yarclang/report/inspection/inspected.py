@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import takewhile
-
 import numpy as np
 
 from yarclang.certify.certificate import CommandCertificate
@@ -82,7 +80,6 @@ class Inspected:
         flows: the corners in motion that it has to do with.
         carries: the parts that grippers hold during a motion.
         deeds: what a SET does to parts, verb and names.
-        following: further steps of the same command, as those of a PULSE.
     """
 
     robot: Robot
@@ -102,7 +99,6 @@ class Inspected:
     flows: Flows = NO_FLOWS
     carries: tuple[str, ...] = ()
     deeds: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    following: tuple[Step, ...] = ()
 
     @property
     def origin(self) -> Origin:
@@ -164,12 +160,6 @@ def inspect_step(studied: Studied, number: int) -> Inspected:
         flows=flows,
         carries=() if certificate is None else certificate.carries,
         deeds=() if carried is None else carried.deeds(number),
-        following=tuple(
-            takewhile(
-                lambda one: not isinstance(one, Gap) and one.origin == step.origin,
-                program.steps[number + 1 :],
-            )
-        ),
     )
 
 

@@ -83,8 +83,8 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield printable(line)
     if origin.place and origin.place != origin.index:
         yield f"place {origin.place}, step {inspected.number} of the program"
-    told = (_told(inspected, one) for one in (inspected.step, *inspected.following))
-    yield from (one for one in told if one is not None)
+    if (told := _told(inspected, inspected.step)) is not None:
+        yield told
     for verb, names in inspected.deeds:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:

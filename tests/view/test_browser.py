@@ -168,9 +168,9 @@ def test_a_site_that_gives_itself_this_address_sees_nothing(program, tmp_path):
         script = """
             const done = arguments[arguments.length - 1], seen = [];
             const stream = new WebSocket("ws://" + location.host, arguments[0]);
-            stream.onmessage = message => seen.push(message.data.size);
+            stream.onmessage = message => { seen.push(message.data.size); done(["open", seen]); };
             stream.onerror = () => done(["refused", seen]);
-            stream.onopen = () => setTimeout(() => done(["open", seen]), 1000);
+            stream.onopen = () => setTimeout(() => done(["open", seen]), 20000);
         """
         browser.set_script_timeout(30)
         assert browser.execute_async_script(script, f"viser-v{viser.__version__}") == ["refused", []]

@@ -177,3 +177,36 @@ def test_what_is_computed():
     assert evaluated(read_value("-($N*3)"), held, read) == -21.0
     assert evaluated(read_condition("(M1=1)&(!($N<7))"), held, read) == 1.0
     assert evaluated(read_condition("(M1<>1)|($N>=8)"), held, read) == 0.0
+
+
+VALUES = """INPUT JOB M70
+INPUT DOOR M11
+OUTPUT LEVEL M1
+P10 WAIT JOB 1000000 [3] (s)
+P20 SET LEVEL 3000000
+P30 WAIT DOOR ON
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("M70=1000000", "M70=1000001"),
+        ("M1=3000000", "M1=3000002"),
+        ("M11=1 ", "M11=1.000000001 "),
+    ],
+)
+def test_another_value_of_an_input_or_output_is_refused(old, new):
+    """A WAIT compares exactly while the program runs: a value that is off by a millionth is another condition."""
+    found, _ = compiled(VALUES, "INDUSTRIAL6")
+    assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
+    assert found.text.count(old) == 1
+    assert [one for one in judged(found, found.text.replace(old, new)).diagnostics if one.is_error]
+
+
+@pytest.mark.parametrize("line", ["WHEN N > -ON", "WHEN N <= -OFF"])
+def test_a_minus_before_a_state_is_its_number(line):
+    found, diagnostics = compiled(
+        f"REGISTER N 0..5\n{line}\nP10 SET N = 1\nELSE\nP20 SET N = 2\nEND\n", "INDUSTRIAL6"
+    )
+    assert found is not None, [one.message for one in diagnostics]

@@ -23,6 +23,10 @@ Fault = tuple[int | None, str]
 SEGMENTS_OFF = 1
 """An output in the middle of a blend is set at most this many segments before or behind it."""
 _SAME_TIME = 1e-6
+_DECIMALS = 9
+"""Decimals of the values of inputs and outputs in a text."""
+_TIMES = {"dwell": (1,), "wait": (4,)}
+"""Which numbers of a deed are times: a dwell [ms], how long a WAIT waits [s]."""
 _LONGEST_NAME = 80
 """Characters of a name or text that a map keeps."""
 
@@ -169,12 +173,21 @@ def _same(found: Deed, deed: Deed) -> bool:
         return True
     if len(found) != len(deed):
         return False
+    times = _TIMES.get(str(deed[0]), ())
     return all(
-        abs(a - b) <= _SAME_TIME * max(1.0, abs(b))
-        if isinstance(a, float) and isinstance(b, float)
-        else a == b
-        for a, b in zip(found, deed, strict=True)
+        _same_number(a, b, is_time=at in times) if isinstance(a, float) and isinstance(b, float) else a == b
+        for at, (a, b) in enumerate(zip(found, deed, strict=True))
     )
+
+
+def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
+    """Return True if the text has a program's number: a time within what printing costs, a value to its last printed decimal.
+
+    The value of a WAIT is compared exactly while the program runs, so that any other value is another condition.
+    """
+    if is_time:
+        return abs(found - meant) <= _SAME_TIME * max(1.0, abs(meant))
+    return found == round(meant, _DECIMALS)
 
 
 def _words(deed: Deed | None) -> str:

@@ -83,6 +83,8 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
             if operator == "+":
                 return inner_value
             _check(inner_value, operand, wants_condition=operator == "NOT")
+            if operator == "-" and isinstance(inner_value, Constant):
+                return Constant(0.0 - inner_value.number)
             return Before(operator, inner_value)
         case Function(arguments=(Binary(operator="/") as quotient,)) if expression.name == "FLOOR":
             return _between("DIV", quotient, scope, depth)

@@ -323,3 +323,25 @@ def test_pinocchio_is_asked_of_every_motion(arms, monkeypatch):
     )
     assert _compiled(arms).ok
     assert len(asked) == 1 + 2 * 4 + 1  # where the arm is at zero, twice a motion, and the end
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("<robot ", '<robot xmlns="http://drake.mit.edu" '),
+        ("</robot>", '<gazebo><sensor:camera name="x"/></gazebo></robot>'),
+        *(
+            ("", f'<?xml version="1.0" encoding="{code}"?><!-- Länge -->')
+            for code in ("UTF8", "ascii", "gb2312", "utf-16", "foo")
+        ),
+    ],
+)
+def test_the_judge_reads_whatever_form_readers_of_urdf_read(arms, old, new):
+    """Neither namespaces nor a declared encoding count for them."""
+    folder = arms()
+    urdf = folder / "industrial6.urdf"
+    text = re.sub(r"<\?xml.*?\?>\s*", "", urdf.read_text())
+    assert old in text
+    urdf.write_text(text.replace(old, new, 1))
+    made = yarclang.compile(PROGRAM, robot=str(folder / "robot.toml"), folder=folder)
+    assert made.ok, made.diagnostics

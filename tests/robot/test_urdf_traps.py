@@ -221,6 +221,16 @@ def test_xacro_and_packages_by_their_package_xml(tmp_path):
     judged(text, made(file, tmp_path / "r", "--package-path", str(tmp_path / "src")))
 
 
+def test_nothing_is_run_of_the_folder_of_a_xacro_file(tmp_path, monkeypatch):
+    """A maker's archive is unpacked and its file named from within."""
+    file = written(tmp_path, robot(arm()).replace(">", f"{XMLNS}>", 1), "arm.xacro")
+    for name in ("xacro.py", "resource.py"):
+        (tmp_path / name).write_text("open('run', 'w')\n")
+    monkeypatch.chdir(tmp_path)
+    made(file, tmp_path / "r")
+    assert not (tmp_path / "run").exists()
+
+
 def test_a_macro_that_calls_itself_ends(tmp_path):
     text = f'<robot name="t"{XMLNS}><xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/></robot>'
     result = yarc("robot", "new", written(tmp_path, text, "t.xacro"), "--yes", "-o", tmp_path / "r")

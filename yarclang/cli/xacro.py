@@ -32,7 +32,8 @@ def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
     if find_spec("xacro") is None:
         remedy = "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it writes."
         return Diagnostic("Y1341", f"{path.name[:80]} is xacro, and xacro isn't installed.", help=remedy)
-    arguments = [sys.executable, "-m", __name__, str(path), *map(str, packages)]
+    # -P: nothing is imported from the current folder, which may be a stranger's archive
+    arguments = [sys.executable, "-P", "-m", __name__, str(path), *map(str, packages)]
     try:
         done = subprocess.run(
             arguments, capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL
@@ -73,7 +74,7 @@ def _child(path: str, packages: Sequence[str]) -> None:
     index, module = ModuleType("ament_index_python"), ModuleType("ament_index_python.packages")
     module.get_package_share_directory = share  # type: ignore[attr-defined]
     sys.modules |= {index.__name__: index, module.__name__: module}
-    sys.stdout.write(xacro.process_file(path).toprettyxml(indent="  "))
+    sys.stdout.buffer.write(xacro.process_file(path).toprettyxml(indent="  ").encode("utf-8"))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 from xml.etree import ElementTree
+from xml.parsers import expat
 
 import numpy as np
 
@@ -109,14 +110,19 @@ def own_robot(robot: Robot) -> Robot:
             tools=_tools(robot.tools, table, frames),
             dynamics=_dynamics(robot.dynamics, table, tree, moving, base_from_root),
         )
-    except (KeyError, ValueError, TypeError, IndexError, ElementTree.ParseError) as error:
+    except (ValueError, TypeError, LookupError, RecursionError, expat.ExpatError) as error:
         raise ContradictionError(
             f"its files can't be read again ({type(error).__name__}: {error})"
         ) from error
 
 
 def _read_urdf(text: str) -> _Tree:
-    root = ElementTree.fromstring(text.encode() if text.lstrip().startswith("<?xml") else text)
+    # as readers of URDF do: no namespaces, and UTF-8 whatever is declared
+    builder = ElementTree.TreeBuilder()
+    parser = expat.ParserCreate("utf-8")
+    parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
+    parser.Parse(text, True)
+    root = builder.close()
     above: dict[str, _Joint] = {}
     efforts: dict[str, float] = {}
     for element in root.findall("joint"):

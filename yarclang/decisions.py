@@ -32,6 +32,8 @@ SIGNS = {
 UNARY_SIGNS = {"NOT": "!", "-": "-"}
 """How canonical text writes the operators before a value."""
 
+DECIMALS = 9
+"""Decimals of numbers in a text."""
 LARGEST = 1_000_000_000
 """No value of a register, and no result on the way to one, lies farther from 0."""
 
@@ -160,10 +162,10 @@ def _between(operator: str, one: float, other: float) -> float:
             found = one * other
         case _:
             if other == 0.0:
-                raise DecisionError(f"{one:g} {'/' if operator == 'DIV' else '%'} 0 is a division by zero")
+                raise DecisionError(f"{one:.15g} {'/' if operator == 'DIV' else '%'} 0 is a division by zero")
             found = one // other if operator == "DIV" else math.fmod(one, other)
     if not abs(found) <= LARGEST:
-        raise DecisionError(f"{one:g} {operator} {other:g} is beyond {LARGEST:,}")
+        raise DecisionError(f"{one:.15g} {operator} {other:.15g} is beyond {LARGEST:,}")
     return found
 
 
@@ -193,7 +195,7 @@ def in_words(value: Value) -> str:
     """Return a value as people read it, with the names of the program: `N < 3 AND DOOR = ON`."""
     match value:
         case Constant(number=number):
-            return f"{number:.9g}"
+            return f"{number:.15g}"
         case InputValue(name=name, variable=variable):
             return name or variable
         case RegisterValue(name=name):
@@ -235,4 +237,9 @@ def called(condition: Value) -> str:
 
 def equals(variable: str, name: str, number: float) -> Value:
     """Return the condition that an input is a number."""
-    return Between("=", InputValue(variable, name), Constant(round(number, 9) + 0.0))
+    return Between("=", InputValue(variable, name), Constant(round(number, DECIMALS) + 0.0))
+
+
+def is_printed(number: float) -> bool:
+    """Return True if a text has a number as it is, but for what binary fractions are off (0.1 + 0.2)."""
+    return abs(round(number, DECIMALS) - number) <= 1e-12 * max(1.0, abs(number))

@@ -21,6 +21,7 @@ from yarclang.decisions import (
     evaluated,
     in_words,
 )
+from yarclang.runtime.signals import state_text
 
 SOURCE = """REGISTER N 0..5 2
 REGISTER FLAG 0..1
@@ -210,3 +211,36 @@ def test_a_minus_before_a_state_is_its_number(line):
         f"REGISTER N 0..5\n{line}\nP10 SET N = 1\nELSE\nP20 SET N = 2\nEND\n", "INDUSTRIAL6"
     )
     assert found is not None, [one.message for one in diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("lines", "code"),
+    [
+        ("WHEN JOB < 0.0000000004\nP10 SET N = 1\nEND", "Y0434"),
+        ("WHEN JOB 0.1234567894\nP10 SET N = 1\nEND", "Y0434"),
+        ("P10 SET N = N * 1.0000000001", "Y0434"),
+        ("P10 WAIT JOB 0.1234567894 [1] (s)", "Y0434"),
+        ("WHEN ON = ON\nP10 SET N = 1\nEND", "Y0430"),
+        ("WHEN NOT ON\nP10 SET N = 1\nEND", "Y0430"),
+        ("CASE JOB\nOF 0..99999999999\nP10 SET N = 1\nELSE\nP20 SET N = 2\nEND", "Y0432"),
+    ],
+)
+def test_what_a_text_cannot_say_is_refused_at_its_line(lines, code):
+    """Rounded to the text's decimals a decision would be another one, and the judge could not see it."""
+    found, diagnostics = compiled(f"INPUT JOB M70\nREGISTER N 0..5\n{lines}\n", "INDUSTRIAL6")
+    assert found is None
+    assert [one.code for one in diagnostics if one.is_error] == [code]
+
+
+@pytest.mark.parametrize(
+    "lines", ["P10 WAIT JOB 1000000000 [3] (s)", "LET X = 0.1 + 0.2\nWHEN JOB > X\nP10 SET N = 1\nEND"]
+)
+def test_what_a_text_can_say_is_compiled(lines):
+    found, diagnostics = compiled(f"INPUT JOB M70\nREGISTER N 0..5\n{lines}\n", "INDUSTRIAL6")
+    assert found is not None, [one.message for one in diagnostics]
+
+
+def test_numbers_are_told_with_all_their_digits():
+    _, diagnostics = compiled("REGISTER N 0..1000000\nP10 SET N = 1000001\n", "INDUSTRIAL6")
+    assert any("never 1000001" in one.message for one in diagnostics)
+    assert state_text(1000002.0) == "1000002"

@@ -210,4 +210,13 @@ FINDINGS = (
         "INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\nEND",
         'INPUT JOB M70\nCASE JOB\n  OF 1\n    P0010 WAIT [1] (s)\n  ELSE\n    P0020 HOLD "no such job"\nEND',
     ),
+    Finding(
+        "Y0434",
+        "too-many-decimals",
+        "error",
+        "the value of an input, output or register has more decimals than a text",
+        "A controller's text has nine decimals. Rounded to these, a WAIT or a condition would compare with another number than the program's.",
+        "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.1234567894 [5] (s)",
+        "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.123456789 [5] (s)",
+    ),
 )

@@ -57,7 +57,7 @@ Signal: TypeAlias = OutputSet | WaitBegan | WaitEnded | InputChanged
 
 def state_text(value: float) -> str:
     """Return ON, OFF or the number."""
-    return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:g}")
+    return {0.0: "OFF", 1.0: "ON"}.get(value, f"{value:.15g}")
 
 
 def signal_text(signal: Signal) -> str:

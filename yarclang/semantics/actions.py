@@ -110,7 +110,7 @@ def _check_range(number: float, register: Register, statement: Statement, findin
     if number.is_integer() and register.low <= number <= register.high:
         return
     assert statement.expression is not None
-    message = f"{register.name} is an integer from {register.low} to {register.high}, and never {number:g}"
+    message = f"{register.name} is an integer from {register.low} to {register.high}, and never {number:.15g}"
     findings.add("Y0431", message, statement.span(statement.expression.place), "check the value or the range")
 
 

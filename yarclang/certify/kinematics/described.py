@@ -218,14 +218,17 @@ def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
     """Return flange_from_frame (4, 4) of each frame by its name in upper case."""
     tables = {name.upper(): frame for name, frame in table.get("frames", {}).items()}
 
-    def placed(name: str) -> Array:
-        if name == _FLANGE:
-            return np.eye(4)
-        one = tables[name]
-        found: Array = placed(one.get("parent", _FLANGE).upper()) @ _in_millimetres(one)
-        return found
-
-    return {name: _sealed(placed(name)) for name in (_FLANGE, *tables)}
+    placed = {_FLANGE: np.eye(4)}
+    for name in tables:
+        above, waiting = name, dict[str, None]()  # a set with an order
+        while above not in placed:
+            if above in waiting:
+                raise ContradictionError(f"the frame {above} is given in itself")
+            waiting[above] = None
+            above = tables[above].get("parent", _FLANGE).upper()
+        for one in reversed(waiting):
+            placed[one] = placed[tables[one].get("parent", _FLANGE).upper()] @ _in_millimetres(tables[one])
+    return {name: _sealed(placed[name]) for name in (_FLANGE, *tables)}
 
 
 def _in_millimetres(entry: Mapping[str, Any]) -> Array:

@@ -18,10 +18,10 @@ from yarclang.robot.model import Array
 
 LARGEST_TM_MS = 4096
 
-CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,9}(?:\.[0-9]{1,9})?)")
+CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 """A variable and the value that it gets, or is compared with."""
 
-_TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,9}(?:\.[0-9]{1,9})?)")
+_TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
 _DWELL = re.compile(r"DWELL([0-9]{1,7}(?:\.[0-9]{1,9})?)")
 _ARMED = re.compile(r"P8100=([01])")

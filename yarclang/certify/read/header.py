@@ -39,7 +39,7 @@ _BARRIER = re.compile(
     r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set) ([0-9]{1,9}) "
     r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
-_WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,9}(?:\.[0-9]{1,9})?")
+_WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
 _INTEGER = r"(0|-?[1-9][0-9]{0,9})"
 _REGISTER = re.compile(
     rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}"

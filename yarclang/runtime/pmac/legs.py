@@ -172,7 +172,7 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
     value = _evaluated(barrier, barrier.decided, held)
     if not value.is_integer() or not register.low <= value <= register.high:
         raise Trouble(
-            f"{_title(barrier)} would make {register.name} {value:g}, and it is an integer from {register.low} to {register.high}",
+            f"{_title(barrier)} would make {register.name} {value:.15g}, and it is an integer from {register.low} to {register.high}",
             "look at the inputs and at what the program counts, then start it anew",
             "Y1630",
         )

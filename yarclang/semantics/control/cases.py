@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from yarclang.decisions import Between, Constant, InputValue, Register, RegisterValue, Value
+from yarclang.decisions import LARGEST, Between, Constant, InputValue, Register, RegisterValue, Value
 from yarclang.diagnostics import Collector
 from yarclang.semantics.declared.registers import integer_of, range_of
 from yarclang.semantics.files import values_of
@@ -132,6 +132,9 @@ def _bounds(
         findings.add("Y0432", f"{value.text} is neither an integer nor a range of integers", span, _EXAMPLE)
         return None
     low, high = bounds
+    if max(abs(low), abs(high)) > LARGEST:
+        findings.add("Y0432", f"{value.text} is beyond {LARGEST:,}", span, _EXAMPLE)
+        return None
     if low > high:
         findings.add("Y0432", f"{value.text} is empty: the lower bound comes first", span, _EXAMPLE)
         return None

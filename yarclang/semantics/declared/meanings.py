@@ -9,6 +9,7 @@ import numpy as np
 
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import Values
+from yarclang.decisions import DECIMALS, is_printed
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -272,10 +273,15 @@ def state_value(value: Value, scope: Scope, statement: Statement, findings: Coll
     if found is None:
         return None
     try:
-        return found.plain("the value of an input or output")
+        number = found.plain("the value of an input or output")
     except AmountError as error:
         findings.add_error(error, span)
         return None
+    if not is_printed(number):
+        message = f"{number:.15g} has more than {DECIMALS} decimals, and a text has no more"
+        findings.add("Y0434", message, span, f"round it: {round(number, DECIMALS):.15g}")
+        return None
+    return number
 
 
 def _numbers(

@@ -7,6 +7,7 @@ from typing import NoReturn
 from yarclang.decisions import (
     ARITHMETIC,
     CONNECTIVES,
+    DECIMALS,
     DEEPEST,
     LARGEST,
     MOST_LEAVES,
@@ -18,6 +19,7 @@ from yarclang.decisions import (
     RegisterValue,
     Value,
     is_condition,
+    is_printed,
     leaves,
 )
 from yarclang.semantics.names.scope import KINDS, Input, Scope
@@ -37,7 +39,7 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
         EvaluationError: it says none.
     """
     value = _value(expression, scope)
-    if isinstance(value, Constant):
+    if all(isinstance(one, Constant) for one in leaves(value)):
         message = "nothing in this condition changes while the program runs"
         raise EvaluationError(expression.place, "Y0430", message, "IF decides it when compiled")
     if not is_condition(value):
@@ -107,7 +109,7 @@ def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Val
     for value, said in ((left, expression.left), (right, expression.right)):
         _check(value, said, wants_condition=operator in CONNECTIVES)
         if operator in ARITHMETIC and isinstance(value, Constant) and not value.number.is_integer():
-            _refuse(said, f"{value.number:g} is no integer")
+            _refuse(said, f"{value.number:.15g} is no integer")
     return Between(operator, left, right)
 
 
@@ -161,7 +163,10 @@ def _plain(found: Amount, expression: Expression) -> Constant:
     if found.unit is not None:
         message = f"{found} has a unit, and registers and inputs have none"
         raise EvaluationError(expression.place, "Y0307", message, "write a plain number")
-    number = round(found.value, 9) + 0.0
+    number = round(found.value, DECIMALS) + 0.0
+    if not is_printed(found.value):
+        message = f"{found.value:.15g} has more than {DECIMALS} decimals, and a text has no more"
+        raise EvaluationError(expression.place, "Y0434", message, f"round it: {number:.15g}")
     if abs(number) > LARGEST:
         raise EvaluationError(expression.place, "Y0403", f"{number:,.0f} is beyond {LARGEST:,}")
     return Constant(number)

@@ -108,7 +108,7 @@ def main() -> None:
     scene = scene_of(robot, cell).value
     assert scene is not None
     q = np.random.default_rng(0).uniform(robot.limits.lower, robot.limits.upper, (POSITIONS, robot.size))
-    print(f"| {robot.name}, ten obstacles, {len(scene.first)} pairs | time | goal |\n|---|---|---|")
+    print(f"| {robot.name}, ten obstacles, {len(scene.pairs.first)} pairs | time | goal |\n|---|---|---|")
     touch = float(too_near(scene, q).mean())
     print(
         f"| {POSITIONS:,} joint positions by chance, {touch:.0%} touch | {best(lambda: too_near(scene, q), 15):.1f} ms | under 60 ms |"

@@ -88,6 +88,10 @@ class Layout:
         """The segments `begin` up to `stop` (not included)."""
         return Cubics.of_spline(self.control, self.at[begin:stop], self.time[begin:stop])
 
+    def cubics_of(self, rows: NDArray[np.int64]) -> Cubics:
+        """Return the segments of rows (K,) in any order."""
+        return Cubics.of_spline(self.control, self.at[rows], self.time[rows])
+
 
 def lay_out(
     text: ControllerText, program: hir.Program, start: Array, axis_units: Array, *, any_line: bool = False

@@ -23,6 +23,8 @@ def faults_of(mistake: Mistake) -> list[str]:
     """Return what is wrong with the answer: nothing, if it is one finding, in its place, that says what it should and repairs what it can."""
     looked = checked(mistake.text)
     found = [one for one in looked.diagnostics if one.severity != "note"]
+    if not found and not mistake.is_taken:
+        found = list(looked.diagnostics)
     told = "; ".join(f"{one.code} {one.message} ({one.help})" for one in found)
     if mistake.is_taken:
         return [f"isn't taken: {told}"] if found else []

@@ -48,9 +48,8 @@ class Mistake:
         """The program after the one likely repair."""
         if not self.repair:
             return None
-        row, joined = self.place[0] - 1, self.name == "spline-in-the-next-line"
-        after = self.lines[row + 2 if joined else row + 1 :]
-        return "\n".join((*self.lines[:row], *self.repair, *after)) + "\n"
+        row = self.place[0] - 1
+        return "\n".join((*self.lines[:row], *self.repair, *self.lines[row + 1 :])) + "\n"
 
 
 def _read(block: str) -> Mistake:

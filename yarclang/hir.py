@@ -459,6 +459,15 @@ class WaitInput:
 
 
 @frozen
+class WaitUntil:
+    """The robot stands until a condition holds whose inputs are all read once at each look; an error after `timeout` [s] (None: never)."""
+
+    origin: Origin
+    condition: Value
+    timeout: float | None
+
+
+@frozen
 class Hold:
     """The robot stands until the operator goes on."""
 
@@ -531,7 +540,7 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish
+Action = Dwell | SetOutput | WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish
 Step = Motion | Action | Stop | Gap
 
 

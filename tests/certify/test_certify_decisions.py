@@ -106,6 +106,54 @@ def test_a_forged_map_is_refused(made, old, new):
     assert any(one.is_error for one in found.diagnostics), (old, new)
 
 
+UNTIL = """INPUT DOOR M11
+INPUT JOB M70
+REGISTER N 0..5
+P10 WAIT DOOR = ON AND JOB > N [5] (s)
+P20 WAIT DOOR ON [3] (s)
+"""
+
+
+@pytest.fixture(scope="module")
+def until():
+    found, _ = compiled(UNTIL, "INDUSTRIAL6")
+    return found
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("(M11=1)&(M70>$N) 5 ", "(M11=1)&(M70>=$N) 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "(M11=1)|(M70>$N) 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "(M11=1)&(M71>$N) 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "(M11=1)&(M70>$N) 6 "),
+        ("(M11=1)&(M70>$N) 5 ", "(M11=1)&(M70>$N) - "),
+        ("(M11=1)&(M70>$N) 5 ", "again:(M11=1)&(M70>$N) 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "M70>$M 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "$N>1 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "M70+$N 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "M11=1 5 "),
+        ("(M11=1)&(M70>$N) 5 ", "- 5 "),
+        ("M11=1 3 DOOR", "(M11=1) 3 DOOR"),
+        ("M11=1 3 DOOR", "M11>=1 3 DOOR"),
+        ("M11=1 3 DOOR", "M11=$N 3 DOOR"),
+        ("DOOR = 1 AND JOB > N", "DOOR = 1 OR JOB > N"),
+    ],
+)
+def test_a_forged_condition_of_a_wait_is_refused(until, old, new):
+    assert not [one for one in judged(until, until.text).diagnostics if one.is_error]
+    assert until.text.count(old) == 1
+    found = judged(until, until.text.replace(old, new))
+    assert any(one.is_error for one in found.diagnostics), (old, new)
+
+
+def test_a_wait_for_a_limit_or_a_motor_is_refused_without_the_program(until):
+    """A variable that is no input says so in a condition too."""
+    forged = until.text.replace("(M70>$N)", "(M161>$N)")
+    found = certify_text(forged, until.plan.robot, until.program.source)
+    assert any("waits for M161" in one.message for one in found.diagnostics if one.is_error)
+
+
 ENDS = """INPUT DOOR M11
 OUTPUT LAMP M2
 WHEN DOOR ON

@@ -8,8 +8,9 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.lasting import Lasting, schedule_of
 from yarclang.pipeline.parts import beginning, part
 from yarclang.pipeline.stages import Request
-from yarclang.runtime.notices import Remark, Resume, Stop
+from yarclang.runtime.notices import Abort, Remark, Resume, Stop
 from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.signals import WaitEnded, signal_text, state_text
 
 COUNTED = ("REGISTER N 0..3", "INPUT JOB M70", "INPUT EMPTY M71")
 
@@ -253,7 +254,7 @@ def test_a_new_run_begins_anew(robot):
 
 @pytest.mark.parametrize(
     "lines",
-    [("P10 SET N = 1",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+    [("P10 SET N = 1",), ("P10 WAIT JOB = 1 OR EMPTY = ON [5] (s)",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
 )  # fmt: skip
 def test_a_program_buffer_can_not_decide(robot, lines):
     text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"
@@ -292,3 +293,75 @@ def test_ways_that_end_the_program_take_their_own_time():
     assert schedule_of([1.0, "when", 5.0, "finish", "else", 3.0, "finish", "end"]).lasting == Lasting(
         4.0, 6.0
     )
+
+
+UNTIL = ("P10 SET N = 3", "P20 WAIT EMPTY = ON AND (JOB > 2 OR N = 1) [2] (s)", "P30 SET LAMP 30")
+
+
+@pytest.mark.parametrize(
+    ("at", "well", "after"),
+    [
+        ((), False, 2.0),
+        (((0.5, "M71=1"),), False, 2.0),
+        (((0.5, "M70=3"),), False, 2.0),
+        (((0.5, "M70=3"), (1.0, "M71=1")), True, 1.0),
+        # what held before and doesn't now is no reason to go on
+        (((0.5, "M70=3"), (0.8, "M70=0"), (1.0, "M71=1")), False, 2.0),
+    ],
+)
+def test_a_wait_goes_on_when_its_condition_holds(robot, at, well, after):
+    made, ended = performed(robot, *UNTIL, at=at)
+    assert ended.well == well
+    assert value(made, "M2") == (30.0 if well else 0.0)
+    (end,) = (one for one in made.told if isinstance(one, WaitEnded))
+    assert end.met == well
+    assert end.waited == pytest.approx(after, abs=0.1)
+    assert signal_text(end).startswith("P0020 WAIT: EMPTY = 1 AND (JOB > 2 OR N = 1) ")
+    if not well:
+        assert ended.code == "Y1604"
+        assert ended.concerns.index == "P0020"
+        state = {line.partition("=")[0]: float(line.partition("=")[2]) for _, line in at}
+        said = (
+            f"N is 3, M71 is {state_text(state.get('M71', 0.0))}, M70 is {state_text(state.get('M70', 0.0))}"
+        )
+        assert ended.what.endswith(said)
+
+
+def test_a_wait_whose_condition_holds_already_takes_no_time(robot):
+    made, ended = performed(robot, *UNTIL, inputs=[("M70", 3), ("M71", 1)])
+    assert ended.well
+    (end,) = (one for one in made.told if isinstance(one, WaitEnded))
+    assert end.waited < 0.1
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+def test_somebody_ends_a_wait_for_a_condition(robot, order):
+    made = world(robot)
+    for name in ("M70", "M71"):
+        made.machine.command(f"{name}->*", 7)
+        made.machine.command(f"{name}=0", 7)
+    made.at.append((made.now + 0.7, lambda: made.operation.orders.append(order)))
+    ended = made.perform(perform(made.operation, job(robot, *COUNTED, *UNTIL)))
+    assert not ended.well
+    assert made.now < 2.0
+    assert ended.at_barrier
+    assert value(made, "M2") == 0.0
+
+
+def test_a_wait_that_cannot_be_computed_ends_the_run(robot):
+    made, ended = performed(robot, "P10 WAIT FLOOR(4 / JOB) > 2 [2] (s)", "P20 SET LAMP 20")
+    assert (ended.well, ended.code) == (False, "Y1630")
+    assert "4 / 0 is a division by zero" in ended.what
+    assert value(made, "M2") == 0.0
+
+
+def test_one_input_and_one_value_is_the_wait_that_there_was(robot):
+    """WAIT JOB = 3 and WAIT JOB 3 are one text: a program buffer has both."""
+    texts = [
+        compiled(HEAD + f"INPUT JOB M70\nP10 {line}\n", robot.name, target=target)[0].text
+        for line in ("WAIT JOB = 3 [2] (s)", "WAIT JOB 3 [2] (s)")
+        for target in ("rotary", "prog")
+    ]
+    kept = ["\n".join(one for one in text.splitlines() if "sha256" not in one) for text in texts]
+    assert kept[0] == kept[2]
+    assert kept[1] == kept[3]

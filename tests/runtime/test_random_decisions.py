@@ -28,6 +28,11 @@ CONDITIONS = (
     ("NOT (N <= 3 OR JOB >= 4)", lambda s: not (s["N"] <= 3 or s["JOB"] >= 4)),
     ("N + FLAG <> JOB", lambda s: s["N"] + s["FLAG"] != s["JOB"]),
 )
+WAITS = (
+    ("JOB <= 5 OR N > 2", lambda s: s["JOB"] <= 5 or s["N"] > 2),
+    ("NOT (EMPTY = ON AND N > 4)", lambda s: not (s["EMPTY"] == 1 and s["N"] > 4)),
+    ("JOB + N >= FLAG AND EMPTY < 2", lambda s: s["JOB"] + s["N"] >= s["FLAG"]),
+)
 
 
 class Ends(Exception):
@@ -57,7 +62,11 @@ class Drawn:
         return lines, carried_out
 
     def part(self, depth):
-        kinds = ("mark", "set", "when", "case", "repeat") if depth else ("mark", "set")
+        kinds = (
+            ("mark", "mark", "set", "when", "case", "repeat", "wait")
+            if depth
+            else ("mark", "mark", "set", "wait")
+        )
         kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
@@ -100,6 +109,16 @@ class Drawn:
             raise Ends(reason)
 
         return lines, carried_out
+
+    def wait(self, _):
+        """Nothing changes the inputs here, so that the condition holds at once or never."""
+        text, holds = self.chance.choice(WAITS)
+
+        def carried_out(state, passed):
+            if not holds(state):
+                raise Ends("has waited 0.1 s")
+
+        return [f"{self.number()} WAIT {text} [0.1] (s)"], carried_out
 
     def way(self, depth):
         self.in_a_way += 1
@@ -147,7 +166,7 @@ def robot(industrial6):
     return industrial6
 
 
-@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.02, abort=0.02)
+@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1)
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
         chance = random.Random(f"{seed}-{tally.drawn['whole']}")
@@ -174,10 +193,13 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             told = [one.value for one in made.told if isinstance(one, OutputSet) and one.variable == "M2"]
             assert told == passed, (seed, lines)
             assert ended.well == is_whole, (seed, ended.what, lines)
-            assert is_whole or ended.code == ("Y1635" if reason else "Y1630")
+            assert is_whole or ended.code == (
+                "Y1604" if "waited" in reason else "Y1635" if reason else "Y1630"
+            )
             assert reason in ended.what
             tally.count("stop", stops and not reason)
-            tally.count("abort", bool(reason))
+            tally.count("abort", "because" in reason)
+            tally.count("waits", "wait" in program.kinds and "waited" not in reason)
             assert dict(ended.registers or (("N", 0), ("FLAG", 0))) == {
                 "N": state["N"],
                 "FLAG": state["FLAG"],

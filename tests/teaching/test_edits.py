@@ -215,6 +215,21 @@ def test_fields_are_changed_in_their_places():
             change(found, 2, wrong)
 
 
+def test_the_condition_of_a_wait_is_a_field():
+    text = 'INPUT DOOR M11\nP0010  WAIT  DOOR = ON AND JOB > 2  [5] (s) ! x\nP0020 WAIT NOT DOOR = ON ! y\nP0030 ABORT "no part"\nP0040 WAIT N = 1 AND (NOT (DOOR = ON))\n'
+    found = program(text)
+
+    def line(number, **fields):
+        return applied(text, change(found, number, fields).edits).splitlines()[number - 1]
+
+    assert line(2, condition="N = 3 OR JOB = 1") == "P0010  WAIT  N = 3 OR JOB = 1  [5] (s) ! x"
+    assert line(2, time="7") == "P0010  WAIT  DOOR = ON AND JOB > 2  [7] (s) ! x"
+    assert line(3, condition="DOOR = OFF") == "P0020 WAIT DOOR = OFF ! y"
+    assert line(3, time="5") == "P0020 WAIT NOT DOOR = ON [5] (s) ! y"
+    assert line(5, time="5") == "P0040 WAIT N = 1 AND (NOT (DOOR = ON)) [5] (s)"
+    assert line(4, text="no tray") == 'P0030 ABORT "no tray"'
+
+
 def test_a_long_program_is_listed_in_a_second():
     lines = "".join(
         f"P{n * 10:05d} MOVEL {n % 999}.25 1000 {n / 100:.2f} 0 0 {n % 90}\n" for n in range(10_000)

@@ -62,7 +62,7 @@ class Cursor:
     @property
     def is_decided(self) -> bool:
         """Whether an expression stands here whose value is known only when the program runs."""
-        marks = {"WHEN": _OF_CONDITIONS, "SET": {"="}}.get(self.head, set())
+        marks = {"WHEN": _OF_CONDITIONS, "WAIT": _OF_CONDITIONS, "SET": {"="}}.get(self.head, set())
         return any(one.text.upper() in marks for one in self.before)
 
     @property

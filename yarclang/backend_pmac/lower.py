@@ -23,6 +23,7 @@ from yarclang.hir import (
     SetRegister,
     Stop,
     WaitInput,
+    WaitUntil,
     When,
 )
 from yarclang.motion.plan import MotionPlan, PlannedMotion
@@ -148,7 +149,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                     yield Rest(0.0)
                 rests, written = True, None
                 yield Assignment(output.variable, value)
-            case WaitInput() | Hold() | When() | Else() | EndWhen() | SetRegister() | Finish():
+            case WaitInput() | WaitUntil() | Hold() | When() | Else() | EndWhen() | SetRegister() | Finish():
                 if not rests:
                     yield Rest(0.0)
                 yield _barrier(number, step)
@@ -193,11 +194,22 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
     }
 
 
-def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish) -> Barrier:
+def _barrier(
+    number: int, step: WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish
+) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
         case WaitInput(input=signal, value=value, timeout=timeout):
             return Barrier(number, "wait", signal.variable, value, timeout, signal.name, label)
+        case WaitUntil(condition=condition, timeout=timeout):
+            return Barrier(
+                number,
+                "wait",
+                timeout=timeout,
+                name=in_words(condition),
+                label=label,
+                condition=canonical(condition),
+            )
         case When(condition=condition, again=again):
             told = f"{AGAIN if again else ''}{canonical(condition)}"
             return Barrier(number, "when", name=called(condition), label=label, condition=told)

@@ -25,7 +25,7 @@ SEGMENTS_OFF = 1
 _SAME_TIME = 1e-6
 _DECIMALS = 9
 """Decimals of the values of inputs and outputs in a text."""
-_TIMES = {"dwell": (1,), "wait": (4,)}
+_TIMES = {"dwell": (1,), "wait": (4,), "until": (3,)}
 """Which numbers of a deed are times: a dwell [ms], how long a WAIT waits [s]."""
 _LONGEST_NAME = 80
 """Characters of a name or text that a map keeps."""
@@ -85,6 +85,8 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("set", output.variable, value)
             case hir.WaitInput(input=signal, value=value, timeout=timeout):
                 yield number, ("wait", number, signal.variable, value, timeout, _printable(signal.name))
+            case hir.WaitUntil(condition=condition, timeout=timeout):
+                yield number, ("until", number, condition, timeout, _printable(in_words(condition)))
             case hir.When(condition=condition, again=again):
                 yield number, ("when", number, condition, again, _printable(called(condition)))
             case hir.SetRegister(register=register, value=result):
@@ -125,6 +127,8 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 yield ("when", item.step, decided, again, item.name)
             case Barred(kind="set", decided=decided, register=register):
                 yield ("assign", item.step, register, decided, item.name)
+            case Barred(kind="wait", decided=decided) if decided is not None:
+                yield ("until", item.step, decided, item.timeout, item.name)
             case Barred(kind="wait", condition=condition):
                 name, _, wanted = condition.partition("=")
                 yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
@@ -196,7 +200,7 @@ def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
 def _words(deed: Deed | None) -> str:
     if deed is None:
         return "nothing"
-    if deed[0] in ("when", "assign"):
+    if deed[0] in ("when", "assign", "until"):
         return f"{deed[0]} {deed[1]} {deed[-1] or '-'}"
     return " ".join(str(part) for part in deed if part is not None)
 

@@ -60,6 +60,8 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
             return hir.Finish(origin, kind == "abort", text)
         case Barred(kind="hold"):
             return hir.Hold(origin, "")
+        case Barred(kind="wait", decided=decided, timeout=timeout) if decided is not None:
+            return hir.WaitUntil(origin, decided, timeout)
         case Barred(kind="wait"):
             return hir.WaitInput(origin, signal, 0.0, None)
     return None

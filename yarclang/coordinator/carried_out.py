@@ -17,6 +17,7 @@ from yarclang.hir import (
     Step,
     Stop,
     WaitInput,
+    WaitUntil,
     When,
 )
 from yarclang.motion.plan import MotionPlan
@@ -108,7 +109,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish)
+    return isinstance(step, WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

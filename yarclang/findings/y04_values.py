@@ -219,4 +219,13 @@ FINDINGS = (
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.1234567894 [5] (s)",
         "INPUT LEVEL M70\nP0010 WAIT LEVEL 0.123456789 [5] (s)",
     ),
+    Finding(
+        "Y0440",
+        "wait-for-nothing",
+        "error",
+        "nothing in the condition of a WAIT can change while it waits",
+        "Registers change in the program's own lines, of which none is carried out while it waits: such a WAIT would end at once or never.",
+        "REGISTER N 0..5\nP0010 WAIT N = 3 [5] (s)",
+        "REGISTER N 0..5\nINPUT FULL M11\nP0010 WAIT N = 3 OR FULL = ON [5] (s)",
+    ),
 )

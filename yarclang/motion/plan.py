@@ -8,7 +8,20 @@ from functools import cached_property
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Dwell, Else, EndWhen, Finish, Gap, Hold, Origin, Program, WaitInput, When
+from yarclang.hir import (
+    Array,
+    Dwell,
+    Else,
+    EndWhen,
+    Finish,
+    Gap,
+    Hold,
+    Origin,
+    Program,
+    WaitInput,
+    WaitUntil,
+    When,
+)
 from yarclang.lasting import Lasting, Part, Schedule, schedule_of
 from yarclang.motion.curve import Curve, Sampler
 from yarclang.motion.path import Path
@@ -67,7 +80,7 @@ class MotionPlan:
             match step:
                 case Dwell(duration=duration):
                     parts.append(float(duration))
-                case WaitInput():
+                case WaitInput() | WaitUntil():
                     parts.append("wait")
                 case Hold():
                     parts.append("hold")

@@ -228,7 +228,7 @@ def _legs(
 
 def _barrier(item: Barred, entry: Entry) -> Barrier:
     variable, value = "", 0.0
-    if item.kind == "wait":
+    if item.kind == "wait" and item.decided is None:
         variable, _, wanted = item.condition.partition("=")
         value = float(wanted)
     return Barrier(

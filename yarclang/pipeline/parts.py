@@ -32,6 +32,7 @@ from yarclang.hir import (
     Step,
     Timing,
     WaitInput,
+    WaitUntil,
     When,
 )
 from yarclang.motion.avoid.messages import inside
@@ -318,7 +319,7 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
         at: step.origin.label
         for at, step in enumerate(steps)
         if not isinstance(step, Gap)
-        and (at in moves or isinstance(step, WaitInput | SetOutput | SetRegister | Hold | Dwell))
+        and (at in moves or isinstance(step, WaitInput | WaitUntil | SetOutput | SetRegister | Hold | Dwell))
     }
     found = matching(labels, place)
     if not found:

@@ -65,8 +65,10 @@ def signal_text(signal: Signal) -> str:
     match signal:
         case OutputSet(name=name, value=value):
             return f"SET {name} {state_text(value)}"
-        case WaitEnded(place=place, name=name, value=value, waited=waited, met=met):
+        case WaitEnded(place=place, name=name, variable=variable, value=value, waited=waited, met=met):
             after = f" after {waited:.1f} s" if waited else ""
+            if not variable:  # a condition
+                return f"{place} WAIT: {name} {'holds' if met else 'still does not hold'}{after}"
             return f"{place} WAIT: {name} is {'' if met else 'still '}{state_text(value)}{after}"
         case InputChanged(name=name, value=value, cause=cause):
             return f"input {name} is {state_text(value)} ({cause})"

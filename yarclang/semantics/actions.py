@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
-from yarclang.decisions import DecisionError, Register, equals, evaluated, inputs_of, registers_of
+from yarclang.decisions import (
+    DecisionError,
+    Register,
+    equals,
+    evaluated,
+    in_words,
+    inputs_of,
+    registers_of,
+    simple,
+)
 from yarclang.diagnostics import Collector
-from yarclang.hir import Action, Output, SetRegister, Signal, When
+from yarclang.hir import Action, Output, SetRegister, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.meanings import state_value
 from yarclang.semantics.files import values_of
@@ -71,6 +80,38 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
         return None
     condition = equals(signal.variable, signal.name, value)
     return When(origin_of(statement, "WHEN", findings), condition)
+
+
+def read_wait(
+    statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
+) -> WaitInput | WaitUntil | None:
+    """WAIT DOOR = ON AND JOB > 2 [5]."""
+    assert statement.expression is not None
+    before = len(findings.found)
+    refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)
+    try:
+        condition = condition_of(statement.expression, scope)
+    except EvaluationError as error:
+        findings.add_error(error, statement.span(error.place))
+        return None
+    if not inputs_of(condition):
+        message = "no input stands in this condition: it doesn't change while the program waits"
+        help_ = "WHEN decides by registers; WAIT stands until an input changes"
+        findings.add("Y0440", message, statement.span(statement.expression.place), help_)
+        return None
+    seconds = _seconds(statement, ActionForm(time="may"), scope, defaults, findings)
+    if any(found.is_error for found in findings.found[before:]):
+        return None
+    if seconds is None:
+        message = "this waits for ever if the condition never holds"
+        help_ = f"give a time: WAIT {in_words(condition)} [5] (s)"
+        findings.add("Y1003", message, statement.head_span, help_)
+    origin = origin_of(statement, "WAIT", findings)
+    compared = simple(condition)
+    if compared is not None:
+        one, wanted = compared
+        return WaitInput(origin, Signal(one.name, one.variable), wanted, seconds)
+    return WaitUntil(origin, condition, seconds)
 
 
 def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> SetRegister | None:

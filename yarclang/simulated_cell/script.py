@@ -14,7 +14,7 @@ from yarclang.cell.model import Cell
 from yarclang.decisions import inputs_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Program, SetOutput, SetRegister, WaitInput, When
+from yarclang.hir import Gap, Program, SetOutput, SetRegister, WaitInput, WaitUntil, When
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -96,8 +96,8 @@ def known_in(
             places.add(step.origin.label)
         if isinstance(step, WaitInput):
             inputs[step.input.name.upper()] = step.input.variable
-        elif isinstance(step, When | SetRegister):
-            for read in inputs_of(step.condition if isinstance(step, When) else step.value):
+        elif isinstance(step, When | WaitUntil | SetRegister):
+            for read in inputs_of(step.value if isinstance(step, SetRegister) else step.condition):
                 inputs[read.name.upper()] = read.variable
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable

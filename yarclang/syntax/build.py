@@ -77,8 +77,8 @@ def statement(text: str, tree: Any) -> Statement:
             base = FrameName(str(children[0]), place_of(children[0]))
         elif kind == "option":
             options.append(_option(*_items(rows, children)))
-        else:  # call, sub, let, condition, lone
-            if kind in {"let", "condition"}:
+        else:  # call, sub, let, condition, waits, lone
+            if kind in {"let", "condition", "waits"}:
                 expression = _sound(children[-1])
                 children = children[: 2 if kind == "let" else 1]
             name, *values = _items(rows, children)
@@ -145,7 +145,22 @@ def _items(rows: Rows, children: Any) -> list[Any]:
 
 _LEAVES: dict[str | None, Any] = {
     **dict.fromkeys(
-        ["WORD", "OPTION", "VEL", "ACC", "CALL", "SUB", "LET", "SETS", "IF", "WHENS", "LONE", "NAME"], Word
+        [
+            "WORD",
+            "OPTION",
+            "VEL",
+            "ACC",
+            "CALL",
+            "SUB",
+            "LET",
+            "SETS",
+            "IF",
+            "WHENS",
+            "WAITS",
+            "LONE",
+            "NAME",
+        ],
+        Word,
     ),
     "STRING": Text,
     "FRAME": FrameName,

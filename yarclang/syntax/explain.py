@@ -24,7 +24,7 @@ _LET = "write LET PITCH = 60 (mm)"
 _SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit behind its name"
 _CALL = "arguments stand behind the name with blanks between: CALL DRILL {HOLE} 20 1.5"
 
-_BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "SETS", "IF", "WHENS", "LONE"}
+_BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "SETS", "IF", "WHENS", "WAITS", "LONE"}
 _RUN = re.compile(r'[^\s;\[\](){}!"]*')
 _CUT_FRAME = re.compile(r'([^{}!"]*+[!"])[^{}]*+\}')
 

@@ -78,6 +78,10 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
         return Fault("Y0101", "the condition behind IF is missing", "write IF PITCH > 50", place)
     if kind_of(last) == "WHENS":
         return Fault("Y0101", "the condition behind WHEN is missing", "write WHEN N < 3", place)
+    if kind_of(last) == "WAITS":
+        return Fault(
+            "Y0101", "the condition behind WAIT is missing", "write WAIT DOOR = ON AND JOB > 2", place
+        )
     if kind_of(last) == "ASSIGN":
         return Fault("Y0101", "the value behind `=` is missing", "write LET PITCH = 60 (mm)", place)
     help_ = "write a number, a name, or an expression in brackets"

@@ -136,6 +136,7 @@ def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, in
         places.append(statement.moving.place)
     if "value" in before:
         places += [item.place for point in statement.waypoints[-1:] for item in point.items]
+        places += [statement.expression.place] if statement.expression is not None else []
     for name, one in (("time", statement.time), ("units", statement.units), ("base", statement.base)):
         if one is not None and name in before:
             places.append(one.place)

@@ -186,12 +186,18 @@ class Reader:
         values = [value for point in statement.waypoints for value in point.values]
         if (spec := actions().get(word)) is not None:
             form = spec.form_of(len(values))
-            if form is not None:
+            if statement.expression is not None and word == "WAIT":
+                yield self._expression(statement, word)
+            elif form is not None:
                 yield from slot_fields(form.slots, values)
             if spec.takes_time:
                 place = statement.time.place if statement.time else None
                 field = Field(
-                    "time", "At most" if values else "Time", "number", _inner(statement), self._unit("time")
+                    "time",
+                    "At most" if values or statement.expression else "Time",
+                    "number",
+                    _inner(statement),
+                    self._unit("time"),
                 )
                 yield Placed(field, "time", place, "[@]")
                 yield _units_field(statement)
@@ -252,10 +258,12 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET, SET, IF or WHEN: all of the code after the equals sign or the word."""
+    """Return the place of the expression of a LET, SET, IF, WHEN or WAIT: all of the code after the equals sign or the word, up to a time."""
     from yarclang.syntax.lines import code_of
 
     code = code_of(sketch.source.line(statement.line)).rstrip()
+    if statement.time is not None:
+        code = code[: statement.time.place.start - 1].rstrip()
     begin = statement.name.place.end - 1
     if statement.name.name in ("LET", "SET"):
         begin = code.index("=", begin) + 1

@@ -25,6 +25,7 @@ from yarclang.hir import (
     Step,
     TimedMove,
     WaitInput,
+    WaitUntil,
     When,
 )
 from yarclang.lint.registry import everything
@@ -211,6 +212,9 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
         case WaitInput(input=signal, value=value, timeout=timeout):
             longest = "for ever" if timeout is None else f"at most {timeout:g} s"
             return (("waits for", f"{signal.name} = {value:g}, {longest}"),)
+        case WaitUntil(condition=condition, timeout=timeout):
+            longest = "for ever" if timeout is None else f"at most {timeout:g} s"
+            return (("waits for", f"{in_words(condition)}, {longest}"),)
         case Hold(text=text):
             return (("waits for", f"the operator{': ' * bool(text)}{text}"),)
         case When(condition=condition):

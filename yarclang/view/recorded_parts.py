@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from yarclang.hir import Else, EndWhen, Hold, Motion, Program, SetRegister, Step, WaitInput, When
+from yarclang.hir import Else, EndWhen, Hold, Motion, Program, SetRegister, Step, WaitInput, WaitUntil, When
 from yarclang.pipeline.executed import Executed
 from yarclang.report.carried import Carried, begins_in_text, carried_in_text
 from yarclang.report.runs.log import RecordedRun
@@ -108,7 +108,7 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
-        if isinstance(step, WaitInput | Hold | When | Else | EndWhen | SetRegister):
+        if isinstance(step, WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister):
             return True
     return False
 

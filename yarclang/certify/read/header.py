@@ -9,7 +9,7 @@ from sys import intern
 from yarclang.certify.read.deciding import read_assignment, read_condition
 from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.text import Barred, Entry, Unreadable
-from yarclang.decisions import AGAIN, LARGEST, LONGEST_NAME, Register, Value, registers_of
+from yarclang.decisions import AGAIN, LARGEST, LONGEST_NAME, Register, Value, inputs_of, registers_of
 from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
@@ -192,6 +192,10 @@ def _decided(lines: Lines, kind: str, condition: str) -> tuple[Value | None, boo
         assigned = read_assignment(condition)
         if assigned is not None:
             return assigned[1], False, assigned[0]
+    elif kind == "wait" and _WAITED.fullmatch(condition) is None:
+        found = read_condition(condition)
+        if found is not None and inputs_of(found):
+            return found, False, ""
     elif (_WAITED.fullmatch(condition) is not None) if kind == "wait" else condition == "-":
         return None, False, ""
     raise Refusal(lines.line, f"names a condition that no '{kind}' has: {shown(lines.peek())}", "Y1151")

@@ -24,6 +24,7 @@ from yarclang.hir import (
     TimedMove,
     Timing,
     WaitInput,
+    WaitUntil,
     When,
 )
 from yarclang.report.distances import distances_of
@@ -102,6 +103,9 @@ def _told(inspected: Inspected, step: Step) -> str | None:
         case WaitInput(input=signal, value=value, timeout=timeout):
             until = f", at most {timeout:g} s" if timeout is not None else ", however long"
             return f"the robot stands until {signal.name} ({signal.variable}) is {_state(value)}{until}"
+        case WaitUntil(condition=condition, timeout=timeout):
+            until = f", at most {timeout:g} s" if timeout is not None else ", however long"
+            return f"the robot stands until {in_words(condition)}{until}"
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition):

@@ -145,7 +145,10 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
         operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
         case "wait":
-            yield from _wait_for_input(operation, barrier)
+            if barrier.decided is None:
+                yield from _wait_for_input(operation, barrier)
+            else:
+                yield from _wait_until(operation, barrier, barrier.decided, held)
         case "hold":
             yield from _wait_for_operator(operation, job, barrier)
         case "when":
@@ -256,6 +259,36 @@ def _wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
         (value,) = yield from operation.numbers(barrier.variable, 1)
     _tell_end(operation, barrier, value, operation.now - since)
     operation.go(Event.END)
+
+
+def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[None]:
+    """Until a condition holds, or its time is over. At each look all inputs are read, each once."""
+    since, place = operation.now, barrier.label or f"line {barrier.source_line}"
+    name = barrier.name or in_words(condition)
+    read = yield from _read(operation, condition)
+    holds = _evaluated(barrier, condition, replace(held, inputs=read))
+    operation.notices.append(WaitBegan(since, place, name, "", 1.0, holds))
+    waits = not holds
+    if waits:
+        operation.go(Event.HOLD, f"{_title(barrier)} waits until {name}")
+    while not holds:
+        waited = operation.now - since
+        if barrier.timeout is not None and waited > barrier.timeout:
+            operation.notices.append(WaitEnded(operation.now, place, name, "", 0.0, waited, met=False))
+            known = [f"{one} is {held.registers[one]}" for one in registers_of(condition)]
+            known += [f"{one.variable} is {state_text(read[one.variable])}" for one in inputs_of(condition)]
+            raise Trouble(
+                f"{_title(barrier)} has waited {barrier.timeout:g} s until {name}: {', '.join(known)}",
+                "look at the inputs, then go on with --from",
+                "Y1604",
+            )
+        yield Wait(operation.now + _LOOK)
+        yield from _obey(operation)
+        read = yield from _read(operation, condition)
+        holds = _evaluated(barrier, condition, replace(held, inputs=read))
+    operation.notices.append(WaitEnded(operation.now, place, name, "", 1.0, operation.now - since, met=True))
+    if waits:
+        operation.go(Event.END)
 
 
 def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:

@@ -14,7 +14,7 @@ from yarclang.decisions import Register
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Else, EndWhen, Finish, Gap, Origin, Output, Step, Stop, When
 from yarclang.memory import Forgetful
-from yarclang.semantics.actions import read_action, read_assignment, read_when
+from yarclang.semantics.actions import read_action, read_assignment, read_wait, read_when
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
 from yarclang.semantics.control.calling import Calls
@@ -370,6 +370,9 @@ class _Unroller:
         if word == "SET" and statement.expression is not None:
             assigned = read_assignment(statement, scope, file.findings)
             steps: tuple[Step, ...] = () if assigned is None else (assigned,)
+        elif word == "WAIT" and statement.expression is not None:
+            waits = read_wait(statement, scope, file.defaults, file.findings)
+            steps = () if waits is None else (waits,)
         elif (action := actions().get(word)) is not None:
             steps = read_action(statement, action, scope, file.defaults, file.findings) or ()
         else:

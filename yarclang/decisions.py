@@ -7,6 +7,7 @@ every operation inside another one in brackets, registers with a `$`, inputs by 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 
@@ -189,6 +190,24 @@ def leaves(value: Value) -> Iterator[Value]:
             yield from leaves(right)
         case _:
             yield value
+
+
+_IN_BRACES = re.compile(r"\{([^{}]*)\}")
+
+
+def names_in(text: str) -> tuple[str, ...]:
+    """Return what stands in braces in a text, each in capitals: names of registers, if the text is right."""
+    return tuple(one.strip().upper() for one in _IN_BRACES.findall(text))
+
+
+def filled(text: str, registers: Mapping[str, int]) -> str:
+    """Return a text with the values of registers for their names in braces; what is no register stays as it is."""
+
+    def value(found: re.Match[str]) -> str:
+        held = registers.get(found[1].strip().upper())
+        return found[0] if held is None else str(held)
+
+    return _IN_BRACES.sub(value, text)
 
 
 def in_words(value: Value) -> str:

@@ -476,6 +476,14 @@ class Hold:
 
 
 @frozen
+class Say:
+    """The operator is told a text, and the program goes on; `{N}` in it stands for what the register N holds."""
+
+    origin: Origin
+    text: str
+
+
+@frozen
 class When:
     """The steps up to the next Else or EndWhen of the same depth are done if a condition holds.
 
@@ -540,7 +548,7 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish
+Action = Dwell | SetOutput | WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish
 Step = Motion | Action | Stop | Gap
 
 

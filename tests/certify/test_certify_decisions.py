@@ -368,3 +368,27 @@ def test_numbers_are_told_with_all_their_digits():
     _, diagnostics = compiled("REGISTER N 0..1000000\nP10 SET N = 1000001\n", "INDUSTRIAL6")
     assert any("never 1000001" in one.message for one in diagnostics)
     assert state_text(1000002.0) == "1000002"
+
+
+SAID = """REGISTER N 0..5
+P10 SET N = 2
+P20 SAY "box {N}"
+P30 MOVEJ 5 0 0 0 0 0 [1] (deg,s)
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (" say 1 - - box {N}", " say 1 - - box 2"),
+        (" say 1 - - box {N}", " say 1 - - -"),
+        (" say 1 - - box {N}", " hold 1 - - box {N}"),
+        (" say 1 - - box {N}", " say 1 - 5 box {N}"),
+        (" say 1 - - box {N}", " say 1 $N - box {N}"),
+    ],
+)
+def test_a_forged_saying_is_refused(old, new):
+    made, _ = compiled(SAID, "INDUSTRIAL6")
+    assert not [one for one in judged(made, made.text).diagnostics if one.is_error]
+    assert made.text.count(old) == 1
+    assert any(one.is_error for one in judged(made, made.text.replace(old, new)).diagnostics)

@@ -4,6 +4,7 @@ import pytest
 from programs import compiled
 
 from tests.runtime.test_legs import HEAD, job, joints, value, world
+from yarclang.decisions import filled
 from yarclang.diagnostics import Diagnostic
 from yarclang.lasting import Lasting, schedule_of
 from yarclang.pipeline.parts import beginning, part
@@ -254,7 +255,7 @@ def test_a_new_run_begins_anew(robot):
 
 @pytest.mark.parametrize(
     "lines",
-    [("P10 SET N = 1",), ("P10 WAIT JOB = 1 OR EMPTY = ON [5] (s)",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+    [("P10 SET N = 1",), ('P10 SAY "a"',), ("P10 WAIT JOB = 1 OR EMPTY = ON [5] (s)",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
 )  # fmt: skip
 def test_a_program_buffer_can_not_decide(robot, lines):
     text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"
@@ -365,3 +366,19 @@ def test_one_input_and_one_value_is_the_wait_that_there_was(robot):
     kept = ["\n".join(one for one in text.splitlines() if "sha256" not in one) for text in texts]
     assert kept[0] == kept[2]
     assert kept[1] == kept[3]
+
+
+def test_the_operator_is_told_and_the_program_goes_on(robot):
+    made, ended = performed(
+        robot, "SET N = 2", 'P20 SAY "box {n} of {N}"', "SET N = 3", 'P40 SAY "box { N }"', "SET LAMP 7"
+    )
+    assert ended.well
+    told = [one.text for one in made.told if isinstance(one, Remark) and "SAY" in one.text]
+    assert told == ["P0020 SAY: box 2 of 2", "P0040 SAY: box 3"]
+    assert value(made, "M2") == 7.0
+    assert made.now < 2.0
+
+
+def test_a_text_with_braces_around_no_register_is_told_as_it_stands():
+    """A text that was judged without its program may have them."""
+    assert filled("a {B} {} {{N}} {N", {"N": 4}) == "a {B} {} {4} {N"

@@ -9,6 +9,7 @@ import pytest
 
 from tests.floors import exercises
 from tests.runtime.test_legs import job, world
+from yarclang.runtime.notices import Remark
 from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.signals import OutputSet
 
@@ -62,11 +63,9 @@ class Drawn:
         return lines, carried_out
 
     def part(self, depth):
-        kinds = (
-            ("mark", "mark", "set", "when", "case", "repeat", "wait")
-            if depth
-            else ("mark", "mark", "set", "wait")
-        )
+        still, parting = ("mark", "set"), ("when", "case", "repeat")
+        kinds = (*still, *still, *still, *parting, *parting, *parting) if depth else (*still, "mark")
+        kinds = (*kinds, "wait", "say")
         kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
@@ -109,6 +108,14 @@ class Drawn:
             raise Ends(reason)
 
         return lines, carried_out
+
+    def say(self, _):
+        """The operator is told what a register holds at this place."""
+
+        def carried_out(state, passed):
+            state["said"].append(f"N is {state['N']}")
+
+        return [f'{self.number()} SAY "N is {{N}}"'], carried_out
 
     def wait(self, _):
         """Nothing changes the inputs here, so that the condition holds at once or never."""
@@ -166,7 +173,7 @@ def robot(industrial6):
     return industrial6
 
 
-@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1)
+@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1, say=0.1)
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
         chance = random.Random(f"{seed}-{tally.drawn['whole']}")
@@ -175,7 +182,7 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
         run = job(robot, *HEAD, *lines)
         for _ in range(2):
             state = {"N": 0, "FLAG": 0, "JOB": chance.randint(0, 6), "EMPTY": chance.randint(0, 1)}
-            passed = []
+            passed, state["said"] = [], []
             made = world(robot)
             for name, variable in (("JOB", "M70"), ("EMPTY", "M71")):
                 made.machine.command(f"{variable}->*", 7)
@@ -192,6 +199,9 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
                 is_whole = not reason
             told = [one.value for one in made.told if isinstance(one, OutputSet) and one.variable == "M2"]
             assert told == passed, (seed, lines)
+            remarks = [one.text for one in made.told if isinstance(one, Remark)]
+            assert [one.partition("SAY: ")[2] for one in remarks if "SAY: " in one] == state["said"]
+            tally.count("say", bool(state["said"]))
             assert ended.well == is_whole, (seed, ended.what, lines)
             assert is_whole or ended.code == (
                 "Y1604" if "waited" in reason else "Y1635" if reason else "Y1630"

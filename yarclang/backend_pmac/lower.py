@@ -19,6 +19,7 @@ from yarclang.hir import (
     Gap,
     Hold,
     Motion,
+    Say,
     SetOutput,
     SetRegister,
     Stop,
@@ -149,7 +150,17 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                     yield Rest(0.0)
                 rests, written = True, None
                 yield Assignment(output.variable, value)
-            case WaitInput() | WaitUntil() | Hold() | When() | Else() | EndWhen() | SetRegister() | Finish():
+            case (
+                WaitInput()
+                | WaitUntil()
+                | Hold()
+                | Say()
+                | When()
+                | Else()
+                | EndWhen()
+                | SetRegister()
+                | Finish()
+            ):
                 if not rests:
                     yield Rest(0.0)
                 yield _barrier(number, step)
@@ -195,7 +206,7 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
 
 
 def _barrier(
-    number: int, step: WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish
+    number: int, step: WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish
 ) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
@@ -217,6 +228,8 @@ def _barrier(
             name = f"{register} = {in_words(value)}"
             told = f"${register}:={canonical(value)}"
             return Barrier(number, "set", name=name, label=label, condition=told)
+        case Say(text=text):
+            return Barrier(number, "say", name=text, label=label)
         case Hold(text=text):
             return Barrier(number, "hold", name=text, label=label)
         case Finish(fails=fails, text=text):

@@ -92,6 +92,8 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
             case hir.SetRegister(register=register, value=result):
                 name = _printable(f"{register} = {in_words(result)}")
                 yield number, ("assign", number, register, result, name)
+            case hir.Say(text=text):
+                yield number, ("say", number, _printable(text))
             case hir.Hold(text=text):
                 yield number, ("hold", number, _printable(text))
             case hir.Else():
@@ -132,7 +134,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
             case Barred(kind="wait", condition=condition):
                 name, _, wanted = condition.partition("=")
                 yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
-            case Barred(kind="hold" | "abort"):
+            case Barred(kind="hold" | "abort" | "say"):
                 yield (item.kind, item.step, item.name)
             case Barred():
                 yield (item.kind, item.step)

@@ -58,6 +58,8 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
             return hir.EndWhen(origin)
         case Barred(kind="stop" | "abort" as kind, name=text):
             return hir.Finish(origin, kind == "abort", text)
+        case Barred(kind="say", name=text):
+            return hir.Say(origin, text)
         case Barred(kind="hold"):
             return hir.Hold(origin, "")
         case Barred(kind="wait", decided=decided, timeout=timeout) if decided is not None:

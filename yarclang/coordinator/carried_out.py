@@ -12,6 +12,7 @@ from yarclang.hir import (
     Finish,
     Hold,
     Motion,
+    Say,
     SetOutput,
     SetRegister,
     Step,
@@ -109,7 +110,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister | Finish)
+    return isinstance(step, WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

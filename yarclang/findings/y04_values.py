@@ -228,4 +228,13 @@ FINDINGS = (
         "REGISTER N 0..5\nP0010 WAIT N = 3 [5] (s)",
         "REGISTER N 0..5\nINPUT FULL M11\nP0010 WAIT N = 3 OR FULL = ON [5] (s)",
     ),
+    Finding(
+        "Y0441",
+        "no-register-in-braces",
+        "error",
+        "what stands in braces in a SAY is no register",
+        "Braces in the text of a SAY stand for what a register holds when it is said. Anything else in them would be told as it stands there.",
+        'REGISTER N 0..5\nP0010 SAY "box {M}"',
+        'REGISTER N 0..5\nP0010 SAY "box {N}"',
+    ),
 )

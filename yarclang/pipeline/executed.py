@@ -24,7 +24,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MS
 
-Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort"]
+Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort", "say"]
 
 
 @frozen(eq=False)
@@ -151,6 +151,7 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "end": "the ways meet",
         "set": item.name,
         "stop": "the program ends",
+        "say": f"tells the operator: {item.name}",
         "abort": f"the program ends as a fault: {item.name}",
     }[item.kind]
     place, name, line = entry.index, entry.name, entry.source_line

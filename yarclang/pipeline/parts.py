@@ -26,6 +26,7 @@ from yarclang.hir import (
     JointMove,
     Origin,
     Program,
+    Say,
     SetOutput,
     SetRegister,
     SplineMove,
@@ -319,7 +320,10 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
         at: step.origin.label
         for at, step in enumerate(steps)
         if not isinstance(step, Gap)
-        and (at in moves or isinstance(step, WaitInput | WaitUntil | SetOutput | SetRegister | Hold | Dwell))
+        and (
+            at in moves
+            or isinstance(step, WaitInput | WaitUntil | Say | SetOutput | SetRegister | Hold | Dwell)
+        )
     }
     found = matching(labels, place)
     if not found:

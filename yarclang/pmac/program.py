@@ -58,7 +58,7 @@ class Stand:
     point: NDArray[np.float64]
 
 
-BarrierKind = Literal["wait", "hold", "when", "else", "end", "set", "stop", "abort"]
+BarrierKind = Literal["wait", "hold", "when", "else", "end", "set", "stop", "abort", "say"]
 
 
 @frozen

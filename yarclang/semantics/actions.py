@@ -10,11 +10,12 @@ from yarclang.decisions import (
     evaluated,
     in_words,
     inputs_of,
+    names_in,
     registers_of,
     simple,
 )
 from yarclang.diagnostics import Collector
-from yarclang.hir import Action, Output, SetRegister, Signal, WaitInput, WaitUntil, When
+from yarclang.hir import Action, Output, Say, SetRegister, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.meanings import state_value
 from yarclang.semantics.files import values_of
@@ -57,7 +58,24 @@ def read_action(
     if any(found.is_error for found in findings.found[before:]):
         return None
     known = tuple(value for value in values if value is not None)
-    return spec.build(ActionArguments(origin, known, seconds, report))
+    steps = spec.build(ActionArguments(origin, known, seconds, report))
+    if all(
+        _says_registers(step, given[0], scope, statement, findings) for step in steps if isinstance(step, Say)
+    ):
+        return steps
+    return None
+
+
+def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement, findings: Collector) -> bool:
+    """Return True if all that stands in braces in a text are registers; a finding tells the first that isn't."""
+    wrong = next((one for one in names_in(step.text) if not isinstance(scope.name(one), Register)), None)
+    if wrong is None:
+        return True
+    known = sorted(set(scope.names(Register)))
+    subject = unknown(wrong, known)
+    help_ = subject.question or (f"there are {', '.join(known)}" if known else "declare it: REGISTER N 0..9")
+    findings.add("Y0441", f"{{{wrong}}} is no register", statement.span(value.place), help_, subject=subject)
+    return False
 
 
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:

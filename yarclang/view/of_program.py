@@ -20,6 +20,7 @@ from yarclang.hir import (
     Hold,
     Motion,
     Origin,
+    Say,
     SetOutput,
     SetRegister,
     Step,
@@ -221,6 +222,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"
             return (("if", f"{said}; both ways are shown one after the other"),)
+        case Say(text=text):
+            return (("tells", text),)
         case Finish(fails=fails, text=text):
             return (("ends", f"the program, as a fault: {text}" if fails else "the program"),)
         case SetRegister(register=register, value=number):

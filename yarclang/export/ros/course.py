@@ -20,7 +20,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
-Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort"]
+Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort", "say"]
 
 
 @frozen
@@ -191,6 +191,7 @@ class _Making:
             "end": "both cases go on from here",
             "set": f"set the register {item.name}",
             "stop": "end the program",
+            "say": f"tell the operator: {item.name}",
             "abort": f"end the program as a fault: {item.name}",
         }[item.kind]
         entry = self._entries[item.step]

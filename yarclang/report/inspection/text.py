@@ -18,6 +18,7 @@ from yarclang.hir import (
     JointGoal,
     Motion,
     PoseDelta,
+    Say,
     SetOutput,
     SetRegister,
     Step,
@@ -114,6 +115,8 @@ def _told(inspected: Inspected, step: Step) -> str | None:
                 return f"the way parts: is {in_words(condition)}?"
             read, wanted = compared
             return f"the way parts: is {read.name} ({read.variable}) {_state(wanted)}?"
+        case Say(text=text):
+            return f"the operator is told: {printable(text)}"
         case Finish(fails=fails, text=text):
             return f"the program ends as a fault: {printable(text)}" if fails else "the program ends"
         case SetRegister(register=register, value=number):

@@ -9,6 +9,7 @@ from yarclang.decisions import (
     DecisionError,
     Value,
     evaluated,
+    filled,
     in_words,
     inputs_of,
     registers_of,
@@ -156,6 +157,8 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
             return place + 1 if holds else _behind(job.legs, place, "else", "end")
         case "set":
             yield from _set(operation, job, barrier, held)
+        case "say":
+            operation.remark(f"{_title(barrier)}: {filled(barrier.name, held.registers)}")
         case "abort":
             what = f"{_title(barrier)} ends the program: {barrier.name}"
             raise Trouble(what, "see to its reason, then start the program anew", "Y1635")

@@ -1,0 +1,20 @@
+"""SAY."""
+
+from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
+from yarclang.hir import Action, Say
+from yarclang.words.spec import Slot
+
+
+def _build(arguments: ActionArguments) -> tuple[Action, ...]:
+    return (Say(arguments.origin, "".join(map(str, arguments.values))),)
+
+
+COMMAND = ActionSpec(
+    name="SAY",
+    title="Say",
+    summary="tells the operator something, and goes on",
+    wants="a text in quotes",
+    build=_build,
+    forms=(ActionForm((Slot.TEXT,)),),
+    examples=('SAY "the tray is full"',),
+)

@@ -57,12 +57,15 @@ def drawn(arm, random, most=5):
     poses = 0
 
     def written(shift, rpy):
-        """The values of a pose, of every third motion under a name that stands for it."""
+        """The values of a pose: of every third motion under a name that stands for it, of others out of a table."""
         nonlocal poses
         text = _numbers([*shift, *rpy])
-        if step % 3:
+        if step % 3 == 2:
             return text
         poses += 1
+        if step % 3 == 1:
+            lines.append(f"TABLE VALUES{poses} {text}")
+            return " ".join(f"$(VALUES{poses}[{number}])" for number in range(6))
         lines.append(f"POSE AT{poses} {text}")
         return f"AT{poses}"
 

@@ -18,6 +18,7 @@ FRAME {TOOL} 0 0 100 0 0 0 {FLANGE}
 FRAME {TABLE} 800 200 300 0 0 90 {B}
 USE PICKPLACE
 LET PITCH = 60 (mm)
+TABLE HEIGHTS 10 20 (mm)
 JOINTS READY 0 -10 -20 0 -60 0
 POSE SPOT 0 1174.4 1176 0 0 0
 INPUT DOOR M11
@@ -60,7 +61,10 @@ def behind(half: str, view_of=looked_at) -> list[str]:
         ("P0100 MOVEL {TA", ["{TABLE}"], []),
         ("P0100 MOVEJ ", ["READY", "HOME"], ["GRIP"]),
         ("P0100 MOVEL 0 0 $", ["PITCH"], ["READY", "DEPTH", "SIN"]),
-        ("P0100 MOVEL 0 0 $(PITCH*", ["PITCH", "SIN", "PI"], ["READY"]),
+        ("P0100 MOVEL 0 0 $(PITCH*", ["PITCH", "SIN", "PI", "HEIGHTS"], ["READY"]),
+        ("P0100 MOVEL 0 0 $", [], ["HEIGHTS"]),
+        ("P0100 MOVEL 0 0 $(HEIGHTS[", ["PITCH", "HEIGHTS", "SIN"], ["MIN [", "V", "READY"]),
+        ("LET A = HEIGHTS[", ["PITCH", "HEIGHTS"], ["V", "READY"]),
         ("P0100 MOVEL 0 0 0 0 0 0 ", ["BLEND", "ACC", "TOL", "{TABLE}", "[MIN]", "[V 250]"], ["READY"]),
         ("P0100 MOVEJ 0 0 0 0 0 0 ", ["[MIN]"], ["[V 250]"]),
         ("P0100 MOVEL 0 0 0 0 0 0 BLEND 5 ", ["ACC"], ["BLEND"]),

@@ -17,6 +17,8 @@ PROGRAM = (
 FRAME {TABLE} 0 900 600 0 0 90 {B}
 FRAME {HOLE} 120 0 50 0 0 0 {TABLE}     ! a bore
 LET PITCH = 60 (mm)
+TABLE HEIGHTS 10 20 30 (mm)
+TABLE SPOTS 0 0; 1 1; 2 2
 JOINTS READY 0 -10 -20 0 -60 0
 POSE P1 100 100 400 0 0 0 {TABLE}
 INPUT DOOR M11
@@ -172,6 +174,13 @@ def test_a_motion_that_flows_has_no_shortest_time_of_its_own():
         assert "at least" not in hints[line].tooltip, place
         assert "s, at least" not in hovered(view, place)
         assert "takes" in hovered(view, place)
+
+
+def test_a_table_tells_its_indices(planned):
+    text = hovered(planned, "TABLE HEIGHTS", 7)
+    assert "a table" in text
+    assert "3 numbers, with the indices 0 to 2" in text
+    assert "3 rows of 2 numbers" in hovered(planned, "TABLE SPOTS", 7)
 
 
 def test_a_pose_tells_where_it_is_in_its_frame_and_in_the_base(planned):

@@ -36,7 +36,7 @@ GO = "P0010 MOVEJ $A 0 0 0 0 0"
         ("SUB S {TCP}\nEND\nP0020 STOP", ["Y0211"]),
         ("SUB S T\nP0005 MOVEJ 1 0 0 0 0 0\nEND\nSUB U\nP0006 CALL S 1\nEND\nP0020 CALL U", []),
         ("SUB U\nP0006 CALL S\nEND\nSUB S\nP0007 MOVEJ 1 0 0 0 0 0\nEND\nP0020 CALL U", ["Y0210"]),
-        ("LET TABLE = 1\nFRAME {TABLE} 1 2 3 0 0 0\nP0010 MOVEJ $TABLE 0 0 0 0 0", []),
+        ("LET GRID = 1\nFRAME {GRID} 1 2 3 0 0 0\nP0010 MOVEJ $GRID 0 0 0 0 0", []),
         ("FRAME {A} 1 2 3 0 0 0\nFRAME {A} 1 2 3 0 0 0\nP0010 STOP", ["Y0206"]),
         ("FRAME {B} 1 2 3 0 0 0\nP0010 STOP", ["Y0211"]),
         ("FRAME {FLANGE} 1 2 3 0 0 0\nP0010 STOP", ["Y0211"]),
@@ -99,3 +99,12 @@ def test_modules_in_a_circle_are_told_in_the_file_that_closes_it(tmp_path):
     assert one.code == "Y0213"
     assert "A > C > A" in one.message
     assert one.source.name.endswith("c.yarc")
+
+
+def test_a_modules_table_has_its_name_in_front(tmp_path):
+    text = "USE PALLET\nP0010 MOVEJ $(PALLET.WIDTHS[1]) 0 0 0 0 0"
+    program, found = with_modules(tmp_path, text, pallet="TABLE WIDTHS 1 20\nSUB GO\nP0010 STOP\nEND")
+    assert codes(found) == []
+    assert program.steps[0].goal.q[0] == pytest.approx(20 * 3.141592653589793 / 180)
+    text = "USE PALLET\nP0010 MOVEJ $(PALLET.WIDTHS[2]) 0 0 0 0 0"
+    assert codes(with_modules(tmp_path, text)[1]) == ["Y0456"]

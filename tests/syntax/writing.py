@@ -74,7 +74,7 @@ LEVELS = (
 """Operators from weak to strong."""
 
 
-PRIMARIES = ("number", "name", "name", "quantity", "PI", "bracket", "function")
+PRIMARIES = ("number", "name", "name", "quantity", "PI", "bracket", "function", "element")
 PYTHONIC = ("whole", "word", "word", "PI", "bracket", "function")
 """Those that Python reads as well."""
 
@@ -123,6 +123,9 @@ def primary(draw, depth, primaries):
         given = draw(st.integers(least, most or 4))
         arguments = [draw(expression(0, depth - 1, primaries)) for _ in range(given)]
         return f"{function.lower()}{draw(gap)}({f'{draw(gap)},{draw(gap)}'.join(arguments)})"
+    if kind == "element" and depth:
+        indices = [draw(expression(0, depth - 1, primaries)) for _ in range(draw(st.integers(1, 2)))]
+        return f"{draw(name)}{draw(gap)}[{f'{draw(gap)},{draw(gap)}'.join(indices)}{draw(gap)}]"
     return draw(unsigned if kind != "whole" else whole)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
@@ -25,6 +25,7 @@ Kind = Literal[
     "declaration",
     "frame",
     "number",
+    "table",
     "joints",
     "pose",
     "input",
@@ -88,6 +89,14 @@ class NameMaker:
             if symbol.kind in _AMOUNTS and not symbol.is_frame:
                 yield self._symbol(symbol)
         yield from self._of_modules("number")
+
+    def tables(self) -> Iterator[Candidate]:
+        """Tables, with a place for the index."""
+        for symbol in self.symbols():
+            if symbol.kind == "table":
+                yield replace(self._symbol(symbol), text=f"{symbol.name}[${{1:0}}]")
+        for one in self._of_modules("table"):
+            yield replace(one, text=f"{one.label}[${{1:0}}]")
 
     def functions(self) -> Iterator[Candidate]:
         """What expressions may have besides."""

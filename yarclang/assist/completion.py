@@ -64,6 +64,7 @@ class _Maker(NameMaker):
             yield from self.numbers()
         elif cursor.is_expression:
             yield from self.numbers()
+            yield from self.tables()
             if cursor.is_decided:
                 yield from self.known(Register, "register")
                 yield from self.known(Input, "input")

@@ -53,11 +53,22 @@ class Cursor:
     @property
     def is_expression(self) -> bool:
         """Whether an expression stands here."""
-        if self.bracket == "$(":
+        if self.bracket == "$(" or (self.bracket == "[" and self._is_index):
             return True
         if self.head == "IF":
             return True
         return self.is_decided or (self.head == "LET" and any(one.text == "=" for one in self.before))
+
+    @property
+    def _is_index(self) -> bool:
+        """True if the open `[` stands inside an expression, behind a table's name."""
+        opened: list[str] = []
+        for one in self.before:
+            if one.text in {"[", "(", "$("}:
+                opened.append(one.text)
+            elif one.text in _CLOSING and opened:
+                opened.pop()
+        return "$(" in opened
 
     @property
     def is_decided(self) -> bool:

@@ -13,7 +13,18 @@ from yarclang.syntax.ast import Block, Node, Statement
 from yarclang.syntax.lines import code_of
 
 Kind = Literal[
-    "frame", "number", "joints", "pose", "register", "input", "output", "sub", "module", "block", "command"
+    "frame",
+    "number",
+    "table",
+    "joints",
+    "pose",
+    "register",
+    "input",
+    "output",
+    "sub",
+    "module",
+    "block",
+    "command",
 ]
 
 

@@ -26,11 +26,12 @@ from yarclang.syntax.expressions import Expression, Name, parts_of
 from yarclang.syntax.words import CONSTANTS, STATES
 
 Kind = Literal[
-    "frame", "number", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
+    "frame", "number", "table", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
 ]
 
 _BY_WORD: dict[str, Kind] = {
     "LET": "number",
+    "TABLE": "table",
     "REGISTER": "register",
     "JOINTS": "joints",
     "POSE": "pose",

@@ -34,6 +34,7 @@ Tint = Literal[
 _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
+    "table": "variable",
     "joints": "joints",
     "register": "variable",
     "pose": "pose",

@@ -73,7 +73,16 @@ class Function:
         return self.word.name
 
 
-Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function
+@frozen
+class Element:
+    """A number of a TABLE, with one index or two: `HEIGHTS[I]`, `SPOTS[I, 1]`."""
+
+    table: Name
+    indices: tuple[Expression, ...]
+    place: Place
+
+
+Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | Element
 
 
 def is_too_deep(expression: Expression) -> bool:
@@ -99,5 +108,7 @@ def parts_of(expression: Expression) -> tuple[Expression, ...]:
             return (expression.inner,)
         case Function():
             return expression.arguments
+        case Element():
+            return expression.table, *expression.indices
         case _:
             return ()

@@ -9,6 +9,7 @@ from yarclang.syntax.expressions import (
     Binary,
     BinaryOperator,
     Bracket,
+    Element,
     Expression,
     Function,
     Name,
@@ -65,6 +66,13 @@ class Nodes:
         values = tuple(one for one in arguments if getattr(one, "type", None) != "COMMA")
         _check_function(word, values, place)
         return Function(word, values, place)
+
+    def element(self, children: list[Any]) -> Element:
+        """A number of a table, with its index or indices."""
+        token, _, *indices, closing = children
+        table = named(str(token), place_of(token))
+        values = tuple(one for one in indices if getattr(one, "type", None) != "COMMA")
+        return Element(table, values, from_to(table.place, place_of(closing)))
 
 
 def named(text: str, place: Place) -> Name:

@@ -26,7 +26,7 @@ from yarclang.syntax.ast import (
     Word,
 )
 from yarclang.syntax.blocks import DEEPEST_BLOCK
-from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary
+from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
 from yarclang.syntax.words import BLOCK_HEADS
 
 _INDENT = "  "
@@ -137,6 +137,8 @@ def print_expression(expression: Expression) -> str:
             return f"({print_expression(inner)})"
         case Function():
             return f"{expression.name}({', '.join(map(print_expression, expression.arguments))})"
+        case Element(table=table, indices=indices):
+            return f"{table.name}[{', '.join(map(print_expression, indices))}]"
         case Name():
             return expression.name
         case _:

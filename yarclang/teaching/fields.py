@@ -101,6 +101,12 @@ class Reader:
             yield _units_field(statement)
             if is_pose:
                 yield _frame("base", "Base frame", statement.base, "base")
+        elif word == "TABLE" and statement.index is None:
+            for row, point in enumerate(statement.waypoints):
+                for column, value in enumerate(point.values[1:] if row == 0 else point.values):
+                    name = f"{row}.{column}" if len(statement.waypoints) > 1 else str(column)
+                    yield _value(name, f"Number {name}", "number", value)
+            yield _units_field(statement)
         elif word == "DEFAULT":
             yield _frame("moving", "Moving frame", statement.moving, "moving")
             yield from _times(statement, has_speed=True, unit=self._unit("time"), speed="")

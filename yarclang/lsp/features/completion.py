@@ -21,6 +21,7 @@ _KINDS = {
     "declaration": types.CompletionItemKind.Keyword,
     "frame": types.CompletionItemKind.Class,
     "number": types.CompletionItemKind.Variable,
+    "table": types.CompletionItemKind.Variable,
     "joints": types.CompletionItemKind.EnumMember,
     "register": types.CompletionItemKind.Variable,
     "pose": types.CompletionItemKind.EnumMember,

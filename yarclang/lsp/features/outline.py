@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _KINDS = {
     "frame": types.SymbolKind.Class,
     "number": types.SymbolKind.Constant,
+    "table": types.SymbolKind.Array,
     "joints": types.SymbolKind.EnumMember,
     "register": types.SymbolKind.Variable,
     "pose": types.SymbolKind.EnumMember,

@@ -17,6 +17,7 @@ from yarclang.semantics.declared.meanings import (
     declare_number,
     declare_pose,
     declare_signal,
+    declare_table,
     may_be_declared,
 )
 from yarclang.semantics.declared.registers import declare_register
@@ -110,6 +111,8 @@ class Declaring:
                 declare_pose(statement, scope, file.defaults, self._robot, findings)
             case "LET":
                 declare_number(statement, scope, self._robot, findings)
+            case "TABLE":
+                declare_table(statement, scope, self._robot, findings)
             case "INPUT" | "OUTPUT":
                 output = declare_signal(statement, scope, self._robot, self._signals, findings)
                 if output is not None:

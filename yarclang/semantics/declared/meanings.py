@@ -17,7 +17,7 @@ from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import base_axes
-from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Pose, Scope, Where
+from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Pose, Scope, Table, Where
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
@@ -26,6 +26,7 @@ from yarclang.semantics.values.units import amount, joint_kinds, number_fault, r
 from yarclang.source import SourceFile
 from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
+from yarclang.syntax.leaves import from_to
 from yarclang.syntax.words import RESERVED
 from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
@@ -222,6 +223,65 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
         found = Amount(1.0)
     if allowed:
         scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
+
+
+def declare_table(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
+    """TABLE HEIGHTS 10 20 30 (mm), and TABLE SPOTS 0 0; 60 0; 60 40 (mm)."""
+    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
+    rows = [waypoint.values for waypoint in statement.waypoints]
+    word = rows[0][0] if rows else None
+    if not isinstance(word, Word) or len(rows[0]) == 1:
+        help_ = "for example TABLE HEIGHTS 10 20 30 (mm)"
+        findings.add("Y0401", "TABLE wants a name and numbers", statement.whole_span, help_)
+        return
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return
+    rows[0] = rows[0][1:]
+    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    numbers = _rows_of(statement, rows, scope, findings)
+    scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
+
+
+def _rows_of(
+    statement: Statement, rows: list[tuple[Value, ...]], scope: Scope, findings: Collector
+) -> tuple[tuple[Amount, ...], ...]:
+    """The numbers of a table; 1 stands for each that is wrong."""
+    units = list((resolve_units(statement, statement.units, findings) or {}).values())
+    if len(units) > 1 and statement.units is not None:
+        message = f"a table has one unit, {' and '.join(unit.name for unit in units)} are given"
+        findings.add("Y0306", message, statement.span(statement.units.place), "make two tables of it")
+    unit = units[0] if len(units) == 1 else None
+    width = len(rows[0])
+    for number, row in enumerate(rows):
+        if len(row) != width:
+            message = (
+                f"row {number} of the table has {len(row)} value{'s' * (len(row) > 1)}, row 0 has {width}"
+            )
+            span = statement.span(from_to(row[0].place, row[-1].place))
+            findings.add("Y0458", message, span, "give all rows as many; a semicolon begins a new row")
+            return ((Amount(1.0, unit),) * width,) * len(rows)
+    return tuple(
+        tuple(_table_value(value, unit, scope, statement, findings) for value in row) for row in rows
+    )
+
+
+def _table_value(
+    value: Value, unit: Unit | None, scope: Scope, statement: Statement, findings: Collector
+) -> Amount:
+    span = statement.span(value.place)
+    if (fault := number_fault(value)) is not None:
+        findings.add(fault[0], fault[1], span, fault[2])
+        return Amount(1.0, unit)
+    found = amount(value, scope, statement, findings)
+    if found is None:
+        return Amount(1.0, unit)
+    if unit is None or found.unit is unit:
+        return found
+    try:
+        return Amount(found.in_unit(unit), unit)
+    except AmountError as error:
+        findings.add_error(error, span)
+        return Amount(1.0, unit)
 
 
 def declare_signal(

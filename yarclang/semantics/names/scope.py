@@ -59,6 +59,26 @@ class Input:
 
 
 @frozen(eq=False)
+class Table:
+    """A TABLE: rows of numbers, all equally long. A single row, or a single column, has one index."""
+
+    rows: tuple[tuple[Amount, ...], ...]
+
+    @property
+    def sizes(self) -> tuple[int, ...]:
+        """The number of values that each index goes through."""
+        rows, columns = len(self.rows), len(self.rows[0])
+        return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
+
+    def at(self, indices: tuple[int, ...]) -> Amount:
+        """Return the number at indices, counted from 0, which are within `sizes`."""
+        if len(indices) == 2:
+            return self.rows[indices[0]][indices[1]]
+        (index,) = indices
+        return self.rows[0][index] if len(self.rows) == 1 else self.rows[index][0]
+
+
+@frozen(eq=False)
 class Routine:
     """A SUB: `sub` is what semantics/declared/declaring.py makes of it."""
 
@@ -85,10 +105,11 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | JointPosition | Pose | Register | Input | Output | Routine | Library
+Named = Amount | Table | JointPosition | Pose | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
+    Table: "a table",
     JointPosition: "a joint position",
     Register: "a register",
     Pose: "a pose",

@@ -6,10 +6,10 @@ import math
 
 from yarclang.decisions import Register
 from yarclang.diagnostics import FindingError
-from yarclang.semantics.names.scope import KINDS, Input, Scope
+from yarclang.semantics.names.scope import KINDS, Input, Scope, Table
 from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
 from yarclang.subjects import Subject, unknown
-from yarclang.syntax.expressions import Binary, Bracket, Expression, Function, Name, Unary
+from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
 from yarclang.syntax.leaves import Number, Place, Quantity
 from yarclang.units import UNITS
 
@@ -51,6 +51,8 @@ def evaluate(expression: Expression, scope: Scope) -> Amount:
             return quantity(expression)
         case Name():
             return named(expression, scope)
+        case Element():
+            return _element(expression, scope)
         case Bracket(inner=inner):
             return evaluate(inner, scope)
         case Unary(operator=operator, operand=operand):
@@ -94,6 +96,9 @@ def named(name: Name, scope: Scope) -> Amount:
         return found
     if found is not None:
         help_ = AT_RUN_TIME if isinstance(found, Register | Input) else ""
+        if isinstance(found, Table):
+            first = f"{name.text}[{', '.join('0' * len(found.sizes))}]"
+            help_ = f"{first} is its first number; outside of expressions it is written $({first})"
         raise EvaluationError(
             name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number", help_
         )
@@ -101,3 +106,51 @@ def named(name: Name, scope: Scope) -> Amount:
     subject = unknown(name.text, known)
     help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by LET")
     raise EvaluationError(name.place, "Y0210", f"no number is named {name.text}", help_, subject)
+
+
+def _element(element: Element, scope: Scope) -> Amount:
+    """The number of a table that an element names.
+
+    Raises:
+        EvaluationError: there is no such table, or it has no such number.
+    """
+    name, found = element.table, scope.name(element.table.name)
+    if not isinstance(found, Table):
+        known = sorted(set(scope.names(Table)))
+        if found is not None:
+            message = f"{name.text} is {KINDS[type(found)]}, not a table"
+            raise EvaluationError(name.place, "Y0209", message, "only a table has an index")
+        subject = unknown(name.text, known)
+        help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by TABLE")
+        raise EvaluationError(name.place, "Y0210", f"no table is named {name.text}", help_, subject)
+    sizes, given = found.sizes, len(element.indices)
+    if given != len(sizes):
+        wanted, example = ("one index", "I") if len(sizes) == 1 else ("two indices", "I, J")
+        message = f"{name.text} takes {wanted}, {given} {'is' if given == 1 else 'are'} given"
+        raise EvaluationError(element.place, "Y0457", message, f"write {name.text}[{example}]")
+    counted = ("value",) if len(sizes) == 1 else ("row", "column")
+    whole = tuple(
+        _index(index, evaluate(index, scope), size, name, what)
+        for index, size, what in zip(element.indices, sizes, counted, strict=True)
+    )
+    return found.at(whole)
+
+
+def _index(index: Expression, amount: Amount, size: int, name: Name, what: str) -> int:
+    try:
+        value = amount.plain("an index")
+    except AmountError as error:
+        raise EvaluationError.at(index.place, error) from None
+    near = round(value)
+    # 0.3/0.1 is 2.9999999999999996: the rounding of arithmetic isn't a mistake of the program
+    if abs(value - near) > _ROUNDING:
+        message = f"the index of {name.text} is {value:.10g}, and an index is an integer"
+        raise EvaluationError(index.place, "Y0457", message, "FLOOR(...) rounds down")
+    if not 0 <= near < size:
+        message = f"{name.text} has no {what} {near}: it has {size} {what}{'s' * (size > 1)}, counted from 0"
+        help_ = f"the last is {size - 1}" if size > 1 else "the only one is 0"
+        raise EvaluationError(index.place, "Y0456", message, help_)
+    return near
+
+
+_ROUNDING = 1e-9

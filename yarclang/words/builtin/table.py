@@ -1,0 +1,11 @@
+"""TABLE."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="TABLE",
+    summary="a name for several numbers, each with its index from 0",
+    example="TABLE HEIGHTS 10 25 60 (mm)",
+    declares="name",
+    proposes="values",
+)

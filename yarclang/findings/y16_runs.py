@@ -193,4 +193,18 @@ FINDINGS: tuple[Finding, ...] = (
         "a register would leave its range",
         "The program says in which range a register stays. A value outside of it, one that is no integer, or a division by zero ends the run where the robot stands, before anything is decided by it.",
     ),
+    Finding(
+        "Y1650",
+        "bit-reads-a-number",
+        "error",
+        "a bit of a group reads something else than 0 or 1",
+        "An M-variable may point to one bit of the controller's memory or to a word. A word in the place of a bit would make another number of the group, so nothing is decided by it.",
+    ),
+    Finding(
+        "Y1651",
+        "unsteady-group",
+        "error",
+        "a group of inputs never held still",
+        "Bits of a group are read one after the other, so a number counts when two looks, 20 ms apart, find the same. Where no two looks in a second do, somebody else counts on these inputs, and no number of theirs is one to decide by.",
+    ),
 )

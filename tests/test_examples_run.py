@@ -13,6 +13,7 @@ from yarclang.pipeline.stages import compile_module
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.notices import Changed, Progress, Reached, Resume
 from yarclang.runtime.pmac.performance import connect, perform
+from yarclang.runtime.signals import OutputSet
 from yarclang.runtime.state import State
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import known_in, load_script
@@ -63,8 +64,8 @@ def cell_of(name, compiled, robot):
     return SimulatedCell(script.value, known, cell=cell, robot=robot, waits=True)
 
 
-@pytest.mark.parametrize("name", NAMES)
-def test_an_example_runs_to_its_end(name):
+def carried_out(name):
+    """Run an example with its script; the world that it was run in, and its end."""
     opened = open_program(str(EXAMPLES / name), Options(robot="INDUSTRIAL6")).value
     compiled = compile_module(opened.module, opened.request).value
     robot = opened.request.robot
@@ -86,7 +87,23 @@ def test_an_example_runs_to_its_end(name):
     assert all(float(machine.command(variable, 7).items[0]) == safe for variable, safe in job.outputs)
     stops = {leg.barrier.kind for leg in job.legs if leg.barrier is not None}
     assert operator.waits or "hold" not in stops
+    return world, ended
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_an_example_runs_to_its_end(name):
+    carried_out(name)
 
 
 def test_there_are_such_examples():
-    assert len(NAMES) == 11
+    assert len(NAMES) == 12
+
+
+def test_the_called_jobs_are_those_of_their_numbers():
+    """The first number changes after it was read; the gripper is tried twice; the second job is the other one."""
+    name = "16_called_by_number.yarc"
+    world, ended = carried_out(name)
+    told = [one for one in world.told if isinstance(one, OutputSet)]
+    answers = [(one.variable, one.value) for one in told if one.variable in ("M80", "M81") and one.value]
+    assert answers == [("M80", 1.0), ("M81", 1.0)]
+    assert dict(ended.registers) == {"TRIES": 1, "LOADED": 1}

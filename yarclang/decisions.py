@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 
 from yarclang.frozen import frozen
@@ -41,6 +41,9 @@ LARGEST = 1_000_000_000
 MOST_LEAVES = 24
 """Registers, inputs and numbers in one value."""
 
+MOST_BITS = 16
+"""Single bits in a group of inputs or outputs."""
+
 LONGEST_NAME = 40
 """Characters of the name of a register."""
 
@@ -57,7 +60,10 @@ class Constant:
 
 @frozen
 class InputValue:
-    """What an input reads: the controller's `variable`; the program calls it `name`."""
+    """What an input reads: the controller's `variable`; the program calls it `name`.
+
+    Of a group all variables stand there, the lowest bit first: `M70,M71,M72`.
+    """
 
     variable: str
     name: str = field(default="", compare=False)
@@ -170,6 +176,32 @@ def _between(operator: str, one: float, other: float) -> float:
     return found
 
 
+def bits_of(variable: str) -> tuple[str, ...]:
+    """Return the variables of a group, the lowest bit first; of a single one itself."""
+    return tuple(variable.split(","))
+
+
+def group_of(variables: Iterable[str]) -> str:
+    """Return how a group of variables is written."""
+    return ",".join(variables)
+
+
+def is_group(variable: str) -> bool:
+    """Return True if several bits are read or set as one number."""
+    return "," in variable
+
+
+def shown_variable(variable: str) -> str:
+    """Return a variable as people read it; of a group the first and the last: `M70..M77`."""
+    bits = bits_of(variable)
+    return variable if len(bits) == 1 else f"{bits[0]}..{bits[-1]}"
+
+
+def largest_of(variable: str) -> int:
+    """Return the largest number that a group can be."""
+    return (1 << len(bits_of(variable))) - 1
+
+
 def inputs_of(value: Value) -> tuple[InputValue, ...]:
     """Return the inputs that are read for a value, each once, in the order in which they stand there."""
     return tuple({one.variable: one for one in leaves(value) if isinstance(one, InputValue)}.values())
@@ -216,7 +248,7 @@ def in_words(value: Value) -> str:
         case Constant(number=number):
             return f"{number:.15g}"
         case InputValue(name=name, variable=variable):
-            return name or variable
+            return name or shown_variable(variable)
         case RegisterValue(name=name):
             return name
         case Before(operator="NOT", inner=inner):
@@ -241,10 +273,10 @@ def _inside(value: Value, around: str = "") -> str:
 
 
 def simple(condition: Value) -> tuple[InputValue, float] | None:
-    """Return the input and the number of a condition that compares nothing else; None of any other."""
+    """Return the input and the number of a condition that compares nothing else; None of any other, and of a group."""
     match condition:
         case Between(operator="=", left=InputValue() as one, right=Constant(number=number)):
-            return one, number
+            return None if is_group(one.variable) else (one, number)
     return None
 
 

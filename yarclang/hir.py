@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
-from yarclang.decisions import Register, Value
+from yarclang.decisions import Register, Value, bits_of
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -425,10 +425,18 @@ class TimedMove(MotionHead):
 
 @frozen
 class Signal:
-    """An input or output: its name in the program, and the controller's variable."""
+    """An input or output: its name in the program, and the controller's variable; of a group the variables of its bits, the lowest first."""
 
     name: str
     variable: str
+
+    @property
+    def bits(self) -> tuple[Signal, ...]:
+        """The single signals: itself, or the bits of a group, which are called JOB.0, JOB.1 and so on."""
+        variables = bits_of(self.variable)
+        if len(variables) == 1:
+            return (self,)
+        return tuple(Signal(f"{self.name}.{place}", one) for place, one in enumerate(variables))
 
 
 @frozen

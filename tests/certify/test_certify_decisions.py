@@ -154,6 +154,55 @@ def test_a_wait_for_a_limit_or_a_motor_is_refused_without_the_program(until):
     assert any("waits for M161" in one.message for one in found.diagnostics if one.is_error)
 
 
+GROUPS = """INPUT JOB M70..M72
+OUTPUT GO M80..M81 1
+REGISTER N 0..7
+P10 SET N = JOB
+CASE JOB
+OF 2..4
+  P50 MOVEJ -5 0 0 0 0 0 [1] (deg,s)
+  P60 MOVEJ HOME [1] (s)
+OF 0 1 5..7
+  P70 SET GO 2
+END
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("$N:=M70,M71,M72", "$N:=M72,M71,M70"),
+        ("$N:=M70,M71,M72", "$N:=M70,M71"),
+        ("$N:=M70,M71,M72", "$N:=M70,M71,M73"),
+        ("$N:=M70,M71,M72", "$N:=M70,M71,M72,M73"),
+        ("$N:=M70,M71,M72", "$N:=M70,,M72"),
+        ("$N:=M70,M71,M72", "$N:=M70,M71,M72,"),
+        ("$N:=M70,M71,M72", "$N:=M70,M71,$N"),
+        ("$N:=M70,M71,M72", "$N:=M70"),
+        ("(M70,M71,M72>=2)&(M70,M71,M72<=4)", "(M70,M71,M72>=2)&(M70,M72,M71<=4)"),
+        ("(M70,M71,M72>=2)&(M70,M71,M72<=4)", "(M70,M71,M72>=1)&(M70,M71,M72<=4)"),
+        ("M80=0\n", "M80=1\n"),
+        ("M81=1\n", "M81=0\n"),
+        ("M81=1\n", "M82=1\n"),
+        ("M81=1\n", ""),
+        ("M80=0\n", "M80=0\nM80=0\n"),
+    ],
+)
+def test_a_forged_group_is_refused(old, new):
+    found, _ = compiled(GROUPS, "INDUSTRIAL6")
+    assert found.text.count(old) >= 1, found.text
+    result = judged(found, found.text.replace(old, new, 1))
+    assert any(one.is_error for one in result.diagnostics), (old, new)
+
+
+@pytest.mark.parametrize("variable", ["M162", "P8100", "M070"])
+def test_no_bit_of_a_group_is_a_variable_of_ours(variable):
+    found, _ = compiled(GROUPS, "INDUSTRIAL6")
+    forged = found.text.replace("M70,M71,M72", f"M70,M71,{variable}")
+    result = certify_text(forged, found.plan.robot, found.program.source)
+    assert any(one.is_error for one in result.diagnostics)
+
+
 ENDS = """INPUT DOOR M11
 OUTPUT LAMP M2
 WHEN DOOR ON
@@ -256,6 +305,7 @@ def drawn(chance, depth, *, condition):
                 Constant(float(chance.randint(-9, 99))),
                 Constant(chance.randint(-999, 999) / 8),
                 InputValue(f"M{chance.randint(0, 8191)}"),
+                InputValue(",".join(f"M{chance.randint(0, 8191)}" for _ in range(chance.randint(2, 16)))),
                 RegisterValue(chance.choice(("N", "COUNT_2", "M11X", "_"))),
             ]
         )

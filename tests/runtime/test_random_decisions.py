@@ -173,20 +173,26 @@ def robot(industrial6):
     return industrial6
 
 
-@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1, say=0.1)
+@exercises(
+    whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1, say=0.1, group=0.2
+)
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
         chance = random.Random(f"{seed}-{tally.drawn['whole']}")
         program = Drawn(chance)
         lines, carried_out = program.block(2)
-        run = job(robot, *HEAD, *lines)
+        is_group = chance.random() < 0.5
+        head = [line.replace("JOB M70", "JOB M72..M74") if is_group else line for line in HEAD]
+        run = job(robot, *head, *lines)
         for _ in range(2):
             state = {"N": 0, "FLAG": 0, "JOB": chance.randint(0, 6), "EMPTY": chance.randint(0, 1)}
             passed, state["said"] = [], []
             made = world(robot)
-            for name, variable in (("JOB", "M70"), ("EMPTY", "M71")):
+            values = {"M70": state["JOB"], "M71": state["EMPTY"]}
+            values |= {f"M{72 + bit}": state["JOB"] >> bit & 1 for bit in range(3)}
+            for variable, number in values.items():
                 made.machine.command(f"{variable}->*", 7)
-                made.machine.command(f"{variable}={state[name]}", 7)
+                made.machine.command(f"{variable}={number}", 7)
             ended = made.perform(perform(made.operation, run))
             stops, reason = False, ""
             try:
@@ -216,6 +222,7 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             }
             tally.count("whole", is_whole and len(passed) > 1)
             tally.count("ends", not is_whole)
+            tally.count("group", is_group and "JOB" in " ".join(lines))
             tally.count("when", "when" in program.kinds)
             tally.count("case", "case" in program.kinds)
             tally.count("repeat", "repeat" in program.kinds)

@@ -25,6 +25,40 @@ def entry(**keys):
     return "[[inputs]]\n" + "".join(f"{key} = {value}\n" for key, value in lines.items() if value is not None)
 
 
+GROUP = Known(
+    {"JOB.0": "M70", "JOB.1": "M71"},
+    {},
+    frozenset(),
+    signal=lambda text: signal_variable(text, ()),
+    groups={"JOB": ("M70", "M71")},
+)
+
+
+def test_a_group_changes_bit_by_bit_at_one_instant():
+    made = read(entry(input='"JOB"', to="2"), GROUP)
+    assert made.diagnostics == ()
+    assert made.value == (Change("M70", 0.0, at=2.0), Change("M71", 1.0, at=2.0))
+    assert read_setting("JOB=1", GROUP).value == (Change("M70", 1.0, at=0.0), Change("M71", 0.0, at=0.0))
+    assert read(entry(input='"JOB.1"', to="1"), GROUP).value == (Change("M71", 1.0, at=2.0),)
+
+
+@pytest.mark.parametrize(
+    ("keys", "what"),
+    [
+        ({"to": "4"}, "JOB is 4, but a group of 2 bits is an integer from 0 to 3"),
+        ({"to": "0.5"}, "JOB is 0.5"),
+        ({"to": "-1"}, "JOB is -1"),
+        ({"to": "1", "toggle": "[1, 1]"}, "only a single input toggles"),
+    ],
+)
+def test_a_group_is_an_integer_of_its_bits(keys, what):
+    found = read(entry(input='"JOB"', **keys), GROUP).diagnostics
+    assert [one.code for one in found] == ["Y1618"]
+    assert what in found[0].message
+    if "toggle" not in keys:
+        assert read_setting(f"JOB={keys['to']}", GROUP).diagnostics[0].code == "Y1618"
+
+
 def test_a_script_is_read():
     made = read(
         entry(toggle="[1.0, 2]", stuck="true")
@@ -155,6 +189,6 @@ def test_a_setting_of_another_form_is_wrong(text):
 
 
 def test_a_setting_is_read():
-    assert read_setting("part_ready=on", KNOWN).value == Change("M11", 1.0, at=0.0)
-    assert read_setting("M12=2.5", KNOWN).value == Change("M12", 2.5, at=0.0)
+    assert read_setting("part_ready=on", KNOWN).value == (Change("M11", 1.0, at=0.0),)
+    assert read_setting("M12=2.5", KNOWN).value == (Change("M12", 2.5, at=0.0),)
     assert read_setting("GRIP=1", KNOWN).diagnostics[0].code == "Y1618"

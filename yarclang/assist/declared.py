@@ -11,7 +11,7 @@ from yarclang.assist.sketch import Sketch
 from yarclang.assist.symbols import Symbol, Use
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import FRAMES, entry_text
-from yarclang.decisions import Register
+from yarclang.decisions import Register, shown_variable
 from yarclang.hir import Array, FrameLink, Gap, Output
 from yarclang.report.inspection.inspected import chain_of
 from yarclang.report.module_text import SubText, describe_module
@@ -136,12 +136,12 @@ def _value(view: View, meaning: Named | None) -> list[str]:
                 lines.append(f"- in `{{{link.name}}}`: {pose_text(inside)}")
             return [*lines, f"- in `{{B}}`: {pose_text(transform)}", *(chain_lines(link) if link else ())]
         case Input(signal):
-            return [f"- reads {signal.variable} of the controller"]
+            return [f"- reads {shown_variable(signal.variable)} of the controller"]
         case Register(low=low, high=high, first=first):
             return [f"- an integer from {low} to {high} that begins with {first}"]
         case Output(signal, safe):
             kept = "stays at a stop" if safe is None else f"{safe:g} at any stop, hold or fault"
-            return [f"- sets {signal.variable} of the controller; {kept}"]
+            return [f"- sets {shown_variable(signal.variable)} of the controller; {kept}"]
         case _:
             return []
 

@@ -33,7 +33,7 @@ def surroundings_of(
     for text in options["set"]:
         read = read_setting(text, known)
         found += read.diagnostics
-        settings += [] if read.value is None else [read.value]
+        settings += read.value or ()
     if options["inputs"] is not None:
         loaded = load_script(Path(options["inputs"]), known)
         found += loaded.diagnostics

@@ -67,13 +67,14 @@ class Around:
         if not self.is_current:
             revision = self._lines.revision
             scope = self._names.scope()
-            inputs, outputs = {}, {}
+            inputs: dict[str, str] = {}
+            outputs: dict[str, str] = {}
             for name in scope.names(Input, Output):
                 meaning = scope.name(name)
                 if isinstance(meaning, Input):
-                    inputs[name] = meaning.signal.variable
+                    inputs |= {bit.name: bit.variable for bit in meaning.signal.bits}
                 elif isinstance(meaning, Output):
-                    outputs[name] = meaning.signal.variable
+                    outputs |= {bit.name: bit.variable for bit in meaning.signal.bits}
             program = self._names.cell().value
             # a cell that can't be read any more is still the one that motions keep to
             if program is not None:

@@ -264,4 +264,24 @@ FINDINGS = (
         "TABLE SPOTS 0 0; 60\nLET X = SPOTS[0, 0]\nP0010 STOP",
         "TABLE SPOTS 0 0; 60 40\nLET X = SPOTS[0, 0]\nP0010 STOP",
     ),
+    Finding(
+        "Y0470",
+        "group-out-of-range",
+        "error",
+        "a group of bits isn't one, or can't be this number",
+        "A group is 2 to 16 variables of one letter that follow each other, the lowest bit first. It is an integer from 0 to what its bits can say; "
+        "a larger number would lose its upper bits, and name another job.",
+        "OUTPUT GO M80..M82\nP0010 SET GO 9",
+        "OUTPUT GO M80..M83\nP0010 SET GO 9",
+    ),
+    Finding(
+        "Y0471",
+        "group-for-a-bit",
+        "error",
+        "a group of bits stands where a single one belongs",
+        "WAIT looks at one input, and PULSE gives a pulse on one output. A number of several bits is a number for SET, WHEN and CASE; "
+        "that it is there, the other side says by a bit of its own, a strobe.",
+        "INPUT JOB M70..M72\nP0010 WAIT JOB 5 [5] (s)",
+        "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
+    ),
 )

@@ -200,4 +200,18 @@ FINDINGS: tuple[Finding, ...] = (
         "the program has ended the run with ABORT",
         "The program has found something that it was written not to go on with, and says what. The robot stands, outputs are safe, and the run can't be resumed: the way goes on from nowhere.",
     ),
+    Finding(
+        "Y1650",
+        "bit-reads-a-number",
+        "error",
+        "a bit of a group reads something else than 0 or 1",
+        "An M-variable may point to one bit of the controller's memory or to a word. A word in the place of a bit would make another number of the group, so nothing is decided by it.",
+    ),
+    Finding(
+        "Y1651",
+        "unsteady-group",
+        "error",
+        "a group of inputs never held still",
+        "Bits of a group are read one after the other, so a number counts when two looks, 20 ms apart, find the same. Where no two looks in a second do, somebody else counts on these inputs, and no number of theirs is one to decide by.",
+    ),
 )

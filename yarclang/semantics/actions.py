@@ -10,14 +10,16 @@ from yarclang.decisions import (
     evaluated,
     in_words,
     inputs_of,
+    is_group,
     names_in,
     registers_of,
+    shown_variable,
     simple,
 )
 from yarclang.diagnostics import Collector
 from yarclang.hir import Action, Output, Say, SetRegister, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.declared.meanings import state_value
+from yarclang.semantics.declared.meanings import group_fault, state_value
 from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import KINDS, Scope
@@ -58,6 +60,8 @@ def read_action(
     if any(found.is_error for found in findings.found[before:]):
         return None
     known = tuple(value for value in values if value is not None)
+    if not _keeps_to_groups(statement, form, known, findings):
+        return None
     steps = spec.build(ActionArguments(origin, known, seconds, report))
     if all(
         _says_registers(step, given[0], scope, statement, findings) for step in steps if isinstance(step, Say)
@@ -76,6 +80,26 @@ def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement,
     help_ = subject.question or (f"there are {', '.join(known)}" if known else "declare it: REGISTER N 0..9")
     findings.add("Y0441", f"{{{wrong}}} is no register", statement.span(value.place), help_, subject=subject)
     return False
+
+
+def _keeps_to_groups(
+    statement: Statement, form: ActionForm, values: tuple[Signal | float | str, ...], findings: Collector
+) -> bool:
+    """Whether groups are given numbers, and stand nowhere else; a finding says what is wrong."""
+    groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
+    for one in groups:
+        if form.slots != (Slot.OUTPUT, Slot.STATE):
+            message = (
+                f"{one.name} is a group of {len(one.bits)} bits, and {statement.name.name} takes a single one"
+            )
+            help_ = f"declare the bit by a name of its own; {shown_variable(one.variable)} is a number for SET, WHEN and CASE"
+            findings.add("Y0471", message, statement.whole_span, help_)
+            return False
+        number = next(value for value in values if isinstance(value, float))
+        if fault := group_fault(one, number):
+            findings.add("Y0470", fault, statement.whole_span, "check the number, or the bits")
+            return False
+    return True
 
 
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:

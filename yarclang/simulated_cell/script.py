@@ -7,14 +7,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import field, replace
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from yarclang.cell.model import Cell
-from yarclang.decisions import inputs_of
+from yarclang.decisions import bits_of, group_of, inputs_of, is_group, largest_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Program, SetOutput, SetRegister, WaitInput, WaitUntil, When
+from yarclang.hir import Gap, Program, SetOutput, SetRegister, Signal, WaitInput, WaitUntil, When
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -66,6 +67,7 @@ class Known:
         places: the places of the program's commands; None if the program isn't known yet.
         has_places: False if no program is ever known, so that a script can't name a place.
         signal: tells what a text in upper case names as the variable of an input or output.
+        groups: the variables of each group of inputs, the lowest bit first, by its name; its bits are inputs as well, JOB.0 and so on.
     """
 
     inputs: Mapping[str, str]
@@ -73,6 +75,7 @@ class Known:
     places: frozenset[str] | None = None
     has_places: bool = True
     signal: Callable[[str], SignalVariable] = known_signal
+    groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 def known_in(
@@ -82,6 +85,7 @@ def known_in(
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
     places: set[str] = set()
+    groups: dict[str, tuple[str, ...]] = {}
     if cell is not None:
         inputs.update(cell.inputs)
         outputs.update({name: one.variable for name, one in cell.outputs.items()})
@@ -98,10 +102,13 @@ def known_in(
             inputs[step.input.name.upper()] = step.input.variable
         elif isinstance(step, When | WaitUntil | SetRegister):
             for read in inputs_of(step.value if isinstance(step, SetRegister) else step.condition):
-                inputs[read.name.upper()] = read.variable
+                signal_read = Signal(read.name.upper(), read.variable)
+                inputs |= {bit.name: bit.variable for bit in signal_read.bits}
+                if is_group(read.variable):
+                    groups[signal_read.name] = bits_of(read.variable)
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable
-    return Known(inputs, outputs, frozenset(places), signal=signal)
+    return Known(inputs, outputs, frozenset(places), signal=signal, groups=groups)
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
@@ -149,13 +156,34 @@ def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
             file.say("Y1618", (*path, "stuck"), message, "Remove one of both.", at_key=True)
         if change.stuck:
             stuck.add(change.variable)
-        changes.append(change)
+        changes += _of_bits(change)
     found = in_order(file.findings)
     return Result(None if has_errors(found) else tuple(changes), found)
 
 
-def read_setting(text: str, known: Known) -> Result[Change]:
-    """Read `CLAMP=1`: an input and the value that it has from the start.
+def _of_bits(change: Change) -> tuple[Change, ...]:
+    """Return the changes of the bits of a group, all at once; of a single input itself."""
+    if not is_group(change.variable):
+        return (change,)
+    return tuple(
+        replace(change, variable=bit, value=float(int(change.value) >> place & 1))
+        for place, bit in enumerate(bits_of(change.variable))
+    )
+
+
+def _group_fault(name: str, variable: str, number: float, *, toggles: bool = False) -> str:
+    """Return why a group can't be set so; empty if it can."""
+    if not is_group(variable):
+        return ""
+    if toggles:
+        return f"{name} is a group of bits, and only a single input toggles."
+    if number.is_integer() and 0 <= number <= largest_of(variable):
+        return ""
+    return f"{name} is {number:.15g}, but a group of {len(bits_of(variable))} bits is an integer from 0 to {largest_of(variable)}."
+
+
+def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:
+    """Read `CLAMP=1`: an input and the value that it has from the start; of a group, those of its bits.
 
     Returns:
         None with a finding if the name isn't known.
@@ -167,7 +195,9 @@ def read_setting(text: str, known: Known) -> Result[Change]:
     variable = input_variable(name, known)
     if isinstance(variable, Diagnostic):
         return Result(None, (variable,))
-    return Result(Change(variable, number, at=0.0))
+    if fault := _group_fault(name[:40], variable, number):
+        return Result(None, (Diagnostic("Y1618", fault, help="Check the number."),))
+    return Result(_of_bits(Change(variable, number, at=0.0)))
 
 
 def check_setting(text: str) -> tuple[str, float]:
@@ -196,11 +226,13 @@ def value_of(text: str) -> float | None:
 
 
 def input_variable(text: str, known: Known) -> str | Diagnostic:
-    """Return the variable of an input by its name or its variable, or a finding without a place."""
+    """Return the variable of an input by its name or its variable (of a group all of them), or a finding without a place."""
     name = text.strip().upper()
     shown = name[:40]
     if name in known.inputs:
         return known.inputs[name]
+    if name in known.groups:
+        return group_of(known.groups[name])
     if name in known.outputs:
         return Diagnostic("Y1618", f"{shown} is an output, which the program sets.", help="Name an input.")
     variable = known.signal(name)
@@ -208,7 +240,7 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
         if variable.is_taken:
             remedy = f"{variable.remedy.capitalize()}."
             return Diagnostic("Y0413", f"{shown} {variable.fault}.", help=remedy)
-        remedy, subject = did_you_mean(name, known.inputs)
+        remedy, subject = did_you_mean(name, (*known.inputs, *known.groups))
         remedy = f"{remedy} A variable such as M11 is an input as well."
         return Diagnostic("Y1617", f"No input is named {shown}.", help=remedy, subject=subject)
     if variable.name in known.outputs.values():
@@ -253,6 +285,11 @@ def _change(table: InputTable, path: Path, known: Known, file: TomlFile) -> Chan
     if table.toggle is not None and len(table.toggle) != 2:
         message = f"toggle has {len(table.toggle)} times, not 2."
         file.say("Y1618", (*path, "toggle"), message, "Write toggle = [1.0, 2.0]: how long so, how long not.")
+        good = False
+    if isinstance(variable, str) and (
+        fault := _group_fault(table.input[:40], variable, table.to, toggles=table.toggle is not None)
+    ):
+        file.say("Y1618", (*path, "input"), fault, "Check the number, or name a bit, as JOB.0.")
         good = False
     output = None if table.output is None else _output(table.output, (*path, "output"), known, file)
     good &= table.output is None or output is not None

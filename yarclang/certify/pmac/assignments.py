@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Set
 
 from yarclang.certify.read.text import Barred, ControllerText, assignments_of
-from yarclang.decisions import inputs_of
+from yarclang.decisions import bits_of, inputs_of
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.pmac.variables import signal_variable
 from yarclang.robot.model import Robot
@@ -39,7 +39,7 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
         if item.decided is None:
             read = [item.condition.partition("=")[0]]
         else:
-            read = [one.variable for one in inputs_of(item.decided)]
+            read = [bit for one in inputs_of(item.decided) for bit in bits_of(one.variable)]
         for variable in read:
             if reason := _why_not(variable, robot):
                 yield f"line {item.line} waits for {variable}, which {reason}"

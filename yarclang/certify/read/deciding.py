@@ -7,6 +7,7 @@ import re
 from yarclang.decisions import (
     DEEPEST,
     LONGEST_NAME,
+    MOST_BITS,
     Before,
     Between,
     Constant,
@@ -16,7 +17,8 @@ from yarclang.decisions import (
 )
 
 _TOKEN = re.compile(
-    r"(?P<number>-?[0-9]{1,10}(?:\.[0-9]{1,9})?)|(?P<input>[MPQ][0-9]{1,4})"
+    r"(?P<number>-?[0-9]{1,10}(?:\.[0-9]{1,9})?)|"
+    rf"(?P<input>[MPQ][0-9]{{1,4}}(?:,[MPQ][0-9]{{1,4}}){{0,{MOST_BITS - 1}}})"
     rf"|\$(?P<register>[A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}})|(?P<opens>\()"
 )
 _NEGATIVE = re.compile(r"-[0-9]")

@@ -1,6 +1,7 @@
 """SET."""
 
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
+from yarclang.decisions import is_group
 from yarclang.hir import Action, SetOutput, Signal
 from yarclang.words.spec import Slot
 
@@ -9,7 +10,12 @@ def _build(arguments: ActionArguments) -> tuple[Action, ...]:
     output, value = arguments.values
     assert isinstance(output, Signal)
     assert isinstance(value, float)
-    return (SetOutput(arguments.origin, output, value),)
+    if not is_group(output.variable):
+        return (SetOutput(arguments.origin, output, value),)
+    return tuple(
+        SetOutput(arguments.origin, bit, float(int(value) >> place & 1))
+        for place, bit in enumerate(output.bits)
+    )
 
 
 COMMAND = ActionSpec(

@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from functools import partial
 
 from yarclang.coordinator.client.part import Part
+from yarclang.decisions import bits_of, is_group, largest_of, shown_variable
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.runtime.actions import Trouble
 from yarclang.simulated_cell.script import input_variable
@@ -31,7 +32,10 @@ class Signals(Part):
         signal = self._coordinator.names.signal(name)
         if signal.value is None:
             return Result(None, signal.diagnostics)
-        return Result(await self._ask_number(signal.value.variable))
+        bits = [await self._ask_number(bit) for bit in bits_of(signal.value.variable)]
+        return Result(
+            bits[0] if len(bits) == 1 else sum(value * (1 << place) for place, value in enumerate(bits))
+        )
 
     async def set(self, name: str, value: float | str) -> Result[float]:
         """Give an output that the session declares a value, at once: a number, `ON` or `OFF`.
@@ -49,17 +53,22 @@ class Signals(Part):
         output = coordinator.names.output(name)
         if output.value is None:
             return Result(None, output.diagnostics)
-        variable = output.value.variable
+        group = output.value.variable
+        each = _of_bits(group, number)
         operation = coordinator.engine.operation
         made = coordinator.names.cell().value
         cell = None if made is None else made.cell
-        moves = cell is not None and bool(cell.parts) and variable in (*cell.grips, *cell.removals)
-        here = await coordinator.stands() if moves else None
-        await coordinator.engine.ask(lambda: coordinator.engine.scripts.write(operation, variable, number))
-        value = await self._ask_number(variable)
-        if here is not None:
-            coordinator.carrying.kept.set(cell, variable, value, here)
-        return Result(value)
+        told = 0.0
+        for place, (variable, wanted) in enumerate(each):
+            moves = cell is not None and bool(cell.parts) and variable in (*cell.grips, *cell.removals)
+            here = await coordinator.stands() if moves else None
+            write = partial(coordinator.engine.scripts.write, operation, variable, wanted)
+            await coordinator.engine.ask(write)
+            value = await self._ask_number(variable)
+            if here is not None:
+                coordinator.carrying.kept.set(cell, variable, value, here)
+            told += value * (1 << place)
+        return Result(told)
 
     def set_input(self, name: str, value: float | str) -> Result[float]:
         """Give an input of a simulated robot a value, also while a program runs: an input of the session, of a program that was run, or a variable of the controller.
@@ -86,7 +95,8 @@ class Signals(Part):
             variable = input_variable(name, known)
         if isinstance(variable, Diagnostic):
             raise Trouble(variable.clause, variable.help, variable.code)
-        surroundings.set(variable, number)
+        for bit, value_of_bit in _of_bits(variable, number):
+            surroundings.set(bit, value_of_bit)
         return Result(number)
 
     @property
@@ -113,6 +123,24 @@ class Signals(Part):
         engine = self._coordinator.engine
         (value,) = await engine.ask(lambda: engine.scripts.read(engine.operation, (variable,)))
         return value
+
+
+def _of_bits(variable: str, number: float) -> tuple[tuple[str, float], ...]:
+    """Return which variables get which values: one, or the bits of a group.
+
+    Raises:
+        Trouble: a group can't be this number.
+    """
+    if not is_group(variable):
+        return ((variable, number),)
+    bits = bits_of(variable)
+    if not number.is_integer() or not 0 <= number <= largest_of(variable):
+        raise Trouble(
+            f"the group {shown_variable(variable)} is an integer from 0 to {largest_of(variable)}, not {number:.15g}",
+            "check the number",
+            "Y0470",
+        )
+    return tuple((bit, float(int(number) >> place & 1)) for place, bit in enumerate(bits))
 
 
 def _number(value: float | str) -> float:

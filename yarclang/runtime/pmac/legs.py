@@ -8,11 +8,14 @@ from dataclasses import dataclass, replace
 from yarclang.decisions import (
     DecisionError,
     Value,
+    bits_of,
     evaluated,
     filled,
     in_words,
     inputs_of,
+    is_group,
     registers_of,
+    shown_variable,
     simple,
 )
 from yarclang.frozen import frozen
@@ -35,6 +38,9 @@ _TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
 
 _LOOK = 0.02
 """Time between two looks at an input [s]."""
+
+_UNSTEADY = 1.0
+"""How long a group may change from look to look [s]."""
 
 Perform = Callable[[Operation, Job], Script[Ended]]
 
@@ -171,7 +177,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     """Decide a WHEN. Each input is read once; the ways of a CASE are decided with what was read at the first of them."""
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if not barrier.again:
-        held.inputs = yield from _read(operation, barrier.decided)
+        held.inputs = yield from _read(operation, barrier, barrier.decided)
     holds = bool(_evaluated(barrier, barrier.decided, held))
     compared = simple(barrier.decided)
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
@@ -181,7 +187,8 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
         return holds
     known = [f"{name} is {held.registers[name]}" for name in registers_of(barrier.decided)]
     known += [
-        f"{one.variable} is {state_text(held.inputs[one.variable])}" for one in inputs_of(barrier.decided)
+        f"{shown_variable(one.variable)} is {_said(one.variable, held.inputs[one.variable])}"
+        for one in inputs_of(barrier.decided)
     ]
     operation.remark(
         f"{_title(barrier)}: {barrier.name or said} {'holds' if holds else 'does not hold'}, {', '.join(known)}: {_TAKEN[holds]}"
@@ -193,7 +200,7 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
     """Give a register its value, or end the run if that is out of range."""
     assert barrier.decided is not None  # as above
     register = next(one for one in job.registers if one.name == barrier.register)
-    held.inputs = yield from _read(operation, barrier.decided)
+    held.inputs = yield from _read(operation, barrier, barrier.decided)
     value = _evaluated(barrier, barrier.decided, held)
     if not value.is_integer() or not register.low <= value <= register.high:
         raise Trouble(
@@ -205,12 +212,48 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
     operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
 
 
-def _read(operation: Operation, value: Value) -> Script[dict[str, float]]:
-    """Read the inputs of a value, each once."""
+def _read(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
+    """Read the inputs of a value, each once; a group until it holds still."""
     found: dict[str, float] = {}
     for one in inputs_of(value):
-        (found[one.variable],) = yield from operation.numbers(one.variable, 1)
+        if is_group(one.variable):
+            found[one.variable] = yield from _read_group(operation, barrier, one.variable)
+        else:
+            (found[one.variable],) = yield from operation.numbers(one.variable, 1)
     return found
+
+
+def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
+    """Read the bits of a group as one number.
+
+    They are asked for in one question, and yet a PLC may change them in between, or not all of them in the same of its cycles: a number
+    counts when a second look, `_LOOK` later, finds the same one. Orders stay in their queue meanwhile: a HOLD is for the motion behind.
+    """
+    bits, since = bits_of(group), operation.now
+    before: tuple[float, ...] | None = None
+    while True:
+        read = yield from operation.numbers("".join(bits), len(bits))
+        for bit, value in zip(bits, read, strict=True):
+            if value not in (0.0, 1.0):
+                raise Trouble(
+                    f"{_title(barrier)}: {bit} of the group {shown_variable(group)} reads {value:.15g}, and a bit is 0 or 1",
+                    f"let {bit} point to one bit, or declare it as an input of its own",
+                    "Y1650",
+                )
+        if read == before:
+            return float(sum(int(value) << place for place, value in enumerate(read)))
+        if operation.now - since > _UNSTEADY:
+            raise Trouble(
+                f"{_title(barrier)}: the group {shown_variable(group)} changes all the time: no two looks in {_UNSTEADY:g} s were equal",
+                "let the other side keep the number until the robot has gone on",
+                "Y1651",
+            )
+        before = read
+        yield Wait(operation.now + _LOOK)
+
+
+def _said(variable: str, value: float) -> str:
+    return f"{value:.0f}" if is_group(variable) else state_text(value)
 
 
 def _evaluated(barrier: Barrier, value: Value, held: Held) -> float:
@@ -268,7 +311,7 @@ def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: 
     """Until a condition holds, or its time is over. At each look all inputs are read, each once."""
     since, place = operation.now, barrier.label or f"line {barrier.source_line}"
     name = barrier.name or in_words(condition)
-    read = yield from _read(operation, condition)
+    read = yield from _read(operation, barrier, condition)
     holds = _evaluated(barrier, condition, replace(held, inputs=read))
     operation.notices.append(WaitBegan(since, place, name, "", 1.0, holds))
     waits = not holds
@@ -279,7 +322,10 @@ def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: 
         if barrier.timeout is not None and waited > barrier.timeout:
             operation.notices.append(WaitEnded(operation.now, place, name, "", 0.0, waited, met=False))
             known = [f"{one} is {held.registers[one]}" for one in registers_of(condition)]
-            known += [f"{one.variable} is {state_text(read[one.variable])}" for one in inputs_of(condition)]
+            known += [
+                f"{shown_variable(one.variable)} is {_said(one.variable, read[one.variable])}"
+                for one in inputs_of(condition)
+            ]
             raise Trouble(
                 f"{_title(barrier)} has waited {barrier.timeout:g} s until {name}: {', '.join(known)}",
                 "look at the inputs, then go on with --from",
@@ -287,7 +333,7 @@ def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: 
             )
         yield Wait(operation.now + _LOOK)
         yield from _obey(operation)
-        read = yield from _read(operation, condition)
+        read = yield from _read(operation, barrier, condition)
         holds = _evaluated(barrier, condition, replace(held, inputs=read))
     operation.notices.append(WaitEnded(operation.now, place, name, "", 1.0, operation.now - since, met=True))
     if waits:

@@ -5,7 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from yarclang.decisions import LARGEST, Between, Constant, InputValue, Register, RegisterValue, Value
+from yarclang.decisions import (
+    LARGEST,
+    Between,
+    Constant,
+    InputValue,
+    Register,
+    RegisterValue,
+    Value,
+    is_group,
+    largest_of,
+)
 from yarclang.diagnostics import Collector
 from yarclang.semantics.declared.registers import integer_of, range_of
 from yarclang.semantics.files import values_of
@@ -81,7 +91,9 @@ def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value
         case Register() as register:
             return RegisterValue(register.name), register
         case Input(signal=signal):
-            return InputValue(signal.variable, signal.name), None
+            # a group is in its range as a register is: each of its bits is 0 or 1, or the run ends
+            whole = Register(signal.name, 0, largest_of(signal.variable), 0)
+            return InputValue(signal.variable, signal.name), whole if is_group(signal.variable) else None
         case None:
             known = sorted(set(scope.names(Register, Input)))
             subject = unknown(word.text, known)

@@ -114,9 +114,7 @@ class Declaring:
             case "TABLE":
                 declare_table(statement, scope, self._robot, findings)
             case "INPUT" | "OUTPUT":
-                output = declare_signal(statement, scope, self._robot, self._signals, findings)
-                if output is not None:
-                    self.outputs.append(output)
+                self.outputs += declare_signal(statement, scope, self._robot, self._signals, findings)
             case "REGISTER" if not self._context.index_needed:
                 message = "REGISTER belongs into a program: each line that is typed is carried out by itself"
                 findings.add("Y0208", message, span, "write a file, and run it")

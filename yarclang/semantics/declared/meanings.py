@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import Values
-from yarclang.decisions import DECIMALS, is_printed
+from yarclang.decisions import DECIMALS, MOST_BITS, group_of, is_group, is_printed, largest_of
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
@@ -35,6 +35,7 @@ FIXED_FRAMES = (BASE, "FLANGE", "TCP")
 """They come from the robot."""
 
 _INDEX = re.compile(r"P[0-9]+")
+_GROUP = re.compile(r"([A-Z]+)([0-9]{1,6})\.\.([A-Z]+)([0-9]{1,6})")
 
 
 def is_word(name: str, *, of_pose: bool = False) -> bool:
@@ -286,8 +287,8 @@ def _table_value(
 
 def declare_signal(
     statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
-) -> Output | None:
-    """INPUT DOOR M11, OUTPUT GLUE M1 OFF; an output is given back."""
+) -> tuple[Output, ...]:
+    """INPUT DOOR M11, OUTPUT GLUE M1 OFF, INPUT JOB M70..M77; outputs are given back, of a group each bit."""
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = values_of(statement)
@@ -297,28 +298,68 @@ def declare_signal(
         example = "INPUT DOOR M11" if kind == "INPUT" else "OUTPUT GLUE M1 OFF"
         message = f"{kind} wants a name and the controller's variable"
         findings.add("Y0401", message, statement.whole_span, f"for example {example}")
-        return None
+        return ()
     word, variable = words
     assert isinstance(word, Word)
     assert isinstance(variable, Word)
     if not may_be_declared(statement, word, scope, robot, findings):
-        return None
-    span = statement.span(variable.place)
-    found = robot.controller.signal(variable.name)
-    if found.name is None:
-        findings.add("Y0413", f"{variable.text} {found.fault}", span, found.remedy)
-        return None
-    signal = Signal(word.name, found.name)
+        return ()
+    found = _variables(variable, statement, robot, findings)
+    if not found:
+        return ()
+    signal = Signal(word.name, group_of(found))
     where = Where(findings.source, statement.span(word.place))
     if kind == "INPUT":
         scope.declare(word.name, Input(signal), where)
-        findings.found += signals.add("input", signal, None, where)
-        return None
+        # of a group one bit that is another's says it all
+        findings.found += [one for bit in signal.bits for one in signals.add("input", bit, None, where)][:1]
+        return ()
     safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
-    output = Output(signal, safe)
-    scope.declare(word.name, output, where)
-    findings.found += signals.add("output", signal, safe, where)
-    return output
+    if safe is not None and (fault := group_fault(signal, safe)):
+        findings.add("Y0470", fault, statement.span(values[2].place), "check the number, or the bits")
+        safe = None
+    scope.declare(word.name, Output(signal, safe), where)
+    outputs = tuple(
+        Output(bit, safe if not is_group(signal.variable) or safe is None else float(int(safe) >> place & 1))
+        for place, bit in enumerate(signal.bits)
+    )
+    findings.found += [
+        found for one in outputs for found in signals.add("output", one.signal, one.safe, where)
+    ][:1]
+    return outputs
+
+
+def group_fault(signal: Signal, number: float) -> str:
+    """Return why a group can't be a number; empty if it can, or if it is a single signal."""
+    if not is_group(signal.variable):
+        return ""
+    largest = largest_of(signal.variable)
+    if number.is_integer() and 0 <= number <= largest:
+        return ""
+    return f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and never {number:.15g}"
+
+
+def _variables(word: Word, statement: Statement, robot: Robot, findings: Collector) -> tuple[str, ...]:
+    """Return the controller's variables that a word names: M11, or M70..M77; none with a finding if it names none."""
+    span = statement.span(word.place)
+    names = [word.name]
+    if ".." in word.name:
+        group = _GROUP.fullmatch(word.name)
+        first, last = (int(group[2]), int(group[4])) if group is not None else (0, 0)
+        if group is None or group[1] != group[3] or not first < last < first + MOST_BITS:
+            message = f"{word.text} is no group: it has 2 to {MOST_BITS} variables of one letter, the lowest bit first"
+            findings.add("Y0470", message, span, "for example INPUT JOB M70..M77")
+            return ()
+        names = [f"{group[1]}{number}" for number in range(first, last + 1)]
+    found: list[str] = []
+    for name in names:
+        one = robot.controller.signal(name)
+        if one.name is None:
+            text = word.text if len(names) == 1 else f"{name} of {word.text}"
+            findings.add("Y0413", f"{text} {one.fault}", span, one.remedy)
+            return ()
+        found.append(one.name)
+    return tuple(found)
 
 
 def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:

@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="OUTPUT",
-    summary="a name for a variable of the controller that is set; OFF: at any stop",
+    summary="a name for a variable of the controller, or several bits, that is set; OFF: at any stop",
     example="OUTPUT GLUE M1 OFF",
     declares="name",
 )

@@ -158,3 +158,22 @@ def test_lines_that_end_are_told_with_the_joint(tmp_path):
     assert " of 6 lines" in lines.found
     assert "ends after" in lines.found
     assert "J5 is at its limit" in lines.found
+
+
+@pytest.mark.parametrize(
+    ("rpy", "verdict", "words"),
+    [
+        ("[0, 0, 0]", "note", "neither out nor back"),
+        ("[-90, 0, 0]", "note", "out along the tool"),
+        ("[90, 0, 0]", "ok", "back along the tool"),
+    ],
+)
+@pytest.mark.parametrize("place", ["[0, 100, 0]", "[0, 0, 0]"])
+def test_the_tools_axis_is_told(place, rpy, verdict, words, tmp_path):
+    """The arm's tool leads along y of its flange, which the wrist says as well as the tool's tip."""
+    old = "xyz = [0, 100, 0]  # mm\nrpy = [0, 0, 0]    #"
+    robot = changed(tmp_path, (old, f"xyz = {place}  # mm\nrpy = {rpy}    #"))
+    (axis,) = [item for item in check_robot(robot).items if item.subject == "tool axis"]
+    assert axis.verdict == verdict
+    assert words in axis.found
+    assert "rpy in [frames.TCP]" in axis.remedy or verdict == "ok"

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.robot.checklist.item import Item
-from yarclang.robot.kinematics.fk import flange_poses, tool_poses
+from yarclang.robot.kinematics.fk import flange_poses, lines_of, tool_poses
 from yarclang.robot.kinematics.geometry import nominal_form, parallel_arm, wristed_arm
 from yarclang.robot.kinematics.inverse import has_all
 from yarclang.robot.kinematics.reach import arm_length
@@ -53,6 +53,12 @@ USUAL_SIZE = (0.05, 10.0)
 
 LONG_TOOL = 2.0
 """A tool longer than this [m] is a mistake in the unit."""
+
+SHORT_TOOL = 5e-3
+"""A way shorter than this [m] doesn't say where the tool leads."""
+
+ALONG = 0.9
+"""Cosine of the angle between z of TCP and the tool, above which one leads along the other."""
 
 
 def geometry_items(robot: Robot) -> Iterator[Item]:
@@ -275,4 +281,45 @@ def _frames(robot: Robot) -> Iterator[Item]:
         yield Item(
             "TCP", "note" if same else "ok", found, "give the tool's tip in [frames.TCP]" if same else ""
         )
+    yield from _tool_axis(robot)
     yield Item("frames", "ok", f"on the flange: {', '.join(names)}")
+
+
+def _tool_axis(robot: Robot) -> Iterator[Item]:
+    """Which way z of TCP leads, seen from where the tool is mounted: places of PICKPLACE and PALLET depend on it."""
+    out = _outwards(robot)
+    if out is None:
+        return
+    z = (robot.chain.base_from_flange @ robot.flange_from_frame["TCP"])[:3, 2]
+    share = float(z @ out)
+    if share <= -ALONG:
+        found = "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"
+        yield Item("tool axis", "ok", found)
+        return
+    if share >= ALONG:
+        way, turn = "out along the tool, into the work", "by 180 deg about x"
+    else:
+        way, turn = "neither out nor back along the tool", "so that z leads back"
+    remedy = f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame that is turned so"
+    yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
+
+
+def _outwards(robot: Robot) -> Array | None:
+    """Return the direction out of the arm (3,) in {B}, all joints at 0: from FLANGE to TCP; without a tool, along the last
+    axis from the joint before.
+    """
+    frame = robot.flange_from_frame.get("TCP")
+    if frame is None:
+        return None
+    flange = robot.chain.base_from_flange
+    way = flange[:3, :3] @ frame[:3, 3]
+    if np.linalg.norm(way) < SHORT_TOOL:
+        lines = lines_of(robot.chain)
+        if robot.size < 2 or lines.turn[-2] == 0.0:
+            return None
+        from_axis = flange[:3, 3] - lines.points[-2]
+        way = from_axis - lines.axes[-2] * (from_axis @ lines.axes[-2])
+        if lines.turn[-1] != 0.0:  # an offset of the wrist isn't the tool's direction
+            way = lines.axes[-1] * (way @ lines.axes[-1])
+    length = float(np.linalg.norm(way))
+    return way / length if length >= SHORT_TOOL else None

@@ -92,8 +92,6 @@ def _fault(kind: str, content: bytes) -> str:
     word = {".stl": b"vertex", ".obj": b"v"}.get(kind)
     if word is None:
         return ""
-    if kind == ".stl" and re.search(rb"vertex", content, re.IGNORECASE) is None:
-        return "has no triangle"
     found = re.search(rb"^[ \t]*" + word + rb"[ \t][^\n]*(?:nan|inf)", content, re.IGNORECASE | re.MULTILINE)
     return "has a corner that is no finite number" if found else ""
 

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
+import time
 from pathlib import Path
 
 import pytest
 from conftest import EXAMPLES
 
-from tests.robot.made_arms import yarc
+from tests.robot.made_arms import DATA, REAL, made, yarc
 from yarclang.robot.checklist import check_robot
+from yarclang.robot.checklist.geometry import geometry_items
 from yarclang.robot.description import list_robots, stdlib_folder
 
 INDUSTRIAL6 = stdlib_folder() / "robots" / "industrial6"
@@ -129,11 +131,49 @@ def test_the_old_name_is_told():
 
 
 def test_lines_and_times_are_tried(tmp_path):
-    """With a wrist that hardly moves no line at a fixed orientation is followed."""
+    """A healthy arm follows all; with a wrist that hardly moves no line at a fixed orientation is."""
     result = yarc("robot", "check", "INDUSTRIAL6")
-    assert " of 12 lines of" in result.output
+    assert "all 12 lines of" in result.output
     assert "µs a pose, of 500 at once" in result.output
     narrow = changed(tmp_path, ("position = [-120, 120]", "position = [-0.2, 0.2]"))
     (lines,) = [item for item in check_robot(narrow).items if item.subject == "lines"]
     assert lines.verdict == "to do"
+    assert "J5 is at its limit" in lines.found
     assert "yarc reach" in lines.remedy
+
+
+def test_seven_joints_follow_their_lines_quickly(tmp_path):
+    file, more, _ = REAL["panda"]
+    robot = made(DATA / file, tmp_path / "r", *more)
+    begun = time.process_time()
+    (lines,) = [item for item in geometry_items(robot) if item.subject == "lines"]
+    assert time.process_time() - begun < 3
+    assert "all 12 lines" in lines.found
+
+
+def test_lines_that_end_are_told_with_the_joint(tmp_path):
+    narrow = changed(tmp_path, ("position = [-120, 120]", "position = [-6, 6]"))
+    (lines,) = [item for item in check_robot(narrow).items if item.subject == "lines"]
+    assert lines.verdict == "note"
+    assert " of 6 lines" in lines.found
+    assert "ends after" in lines.found
+    assert "J5 is at its limit" in lines.found
+
+
+@pytest.mark.parametrize(
+    ("rpy", "verdict", "words"),
+    [
+        ("[0, 0, 0]", "note", "neither out nor back"),
+        ("[-90, 0, 0]", "note", "out along the tool"),
+        ("[90, 0, 0]", "ok", "back along the tool"),
+    ],
+)
+@pytest.mark.parametrize("place", ["[0, 100, 0]", "[0, 0, 0]"])
+def test_the_tools_axis_is_told(place, rpy, verdict, words, tmp_path):
+    """The arm's tool leads along y of its flange, which the wrist says as well as the tool's tip."""
+    old = "xyz = [0, 100, 0]  # mm\nrpy = [0, 0, 0]    #"
+    robot = changed(tmp_path, (old, f"xyz = {place}  # mm\nrpy = {rpy}    #"))
+    (axis,) = [item for item in check_robot(robot).items if item.subject == "tool axis"]
+    assert axis.verdict == verdict
+    assert words in axis.found
+    assert "rpy in [frames.TCP]" in axis.remedy or verdict == "ok"

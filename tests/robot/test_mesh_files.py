@@ -14,7 +14,7 @@ from yarclang.robot.new.meshes import NoMeshError, read_mesh
 TRIANGLE = struct.pack("<12fH", 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0)
 BINARY = b"\0" * 80 + struct.pack("<I", 1) + TRIANGLE
 TEXT = (
-    b"solid a b\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5e-3 0 0\n   vertex -0 +1 nan\n  endloop\n"
+    b"solid a b\n facet normal nan 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1.5e-3 0 0\n   vertex -0 +1 2\n  endloop\n"
     b" endfacet\nendsolid a b\n"
 )
 OBJ = b"# made\nmtllib a.mtl\no part\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\ns off\nusemtl x\nf 1//1 2//1 \\\n3//1\n"
@@ -44,7 +44,6 @@ def read(folder, name, content):
         ("a.stl", BINARY),
         ("a.STL", BINARY),
         ("a.stl", b"solid binary" + BINARY[12:]),
-        ("a.stl", b"\0" * 84),
         ("a.stl", TEXT),
         ("a.stl", TEXT.replace(b"\n", b"\r\n")),
         ("a.stl", TEXT + TEXT),
@@ -153,3 +152,25 @@ def test_a_file_that_grows_while_it_is_read_is_bounded(tmp_path, monkeypatch):
     path.write_bytes(BINARY)
     with pytest.raises(NoMeshError, match="has 134 bytes, more than 100"):
         read_mesh(path)
+
+
+NAN = struct.pack("<f", float("nan"))
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "fault"),
+    [
+        ("a.stl", b"\0" * 84, "no triangle"),
+        ("a.stl", BINARY[:96] + NAN + BINARY[100:], "no finite number"),
+        ("a.stl", BINARY[:96] + struct.pack("<f", float("inf")) + BINARY[100:], "no finite number"),
+        ("a.stl", TEXT.replace(b"1.5e-3", b"-NaN"), "no finite number"),
+        ("a.obj", OBJ.replace(b"v 1 0 0", b"v 1 inf 0"), "no finite number"),
+    ],
+)
+def test_a_mesh_that_could_never_collide_is_refused(name, content, fault, tmp_path):
+    with pytest.raises(NoMeshError, match=fault):
+        read(tmp_path, name, content)
+
+
+def test_a_normal_that_is_no_number_harms_nothing(tmp_path):
+    assert read(tmp_path, "a.stl", BINARY[:84] + NAN + BINARY[88:])

@@ -83,7 +83,9 @@ def poses(text: str, base: str, flange: str, names, q) -> np.ndarray:
     for row, values in enumerate(q):
         full = pin.neutral(model)
         for name, value in zip(names, values, strict=True):
-            full[model.joints[model.getJointId(name)].idx_q] = value
+            moved = model.joints[model.getJointId(name)]
+            turn = (np.cos(value), np.sin(value))  # an endless joint has no angle there
+            full[moved.idx_q : moved.idx_q + moved.nq] = turn if moved.nq == 2 else value
         pin.framesForwardKinematics(model, state, full)
         found[row] = (state.oMf[ends[0]].inverse() * state.oMf[ends[1]]).homogeneous
     return found

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from yarclang.robot.checklist.item import Item
-from yarclang.robot.kinematics.fk import flange_poses, tool_poses
+from yarclang.robot.kinematics.fk import flange_poses, lines_of, tool_poses
 from yarclang.robot.kinematics.geometry import nominal_form, parallel_arm, wristed_arm
 from yarclang.robot.kinematics.inverse import has_all
-from yarclang.robot.kinematics.nearest import Unreachable, nearest_solutions
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.search import reaching, within
-from yarclang.robot.kinematics.singularity import nearness
+from yarclang.robot.kinematics.singularity import nearness, smallest_singular_values
+from yarclang.robot.kinematics.track import Broken, Track, track
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MM
@@ -27,17 +27,23 @@ EXACT = 1e-9
 SOLVED = 0.99
 """The share of poses that the search has to solve."""
 
-LINES = 12
-"""Straight lines through the middle of the workspace that are tried, each of six directions twice."""
+DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
+"""Straight lines of fixed orientation that are tried from a place: along and against each axis of {B}."""
 
-STEPS = 20
-"""Poses of each."""
+PLACES = 2
+"""Places from which all lines should be followed."""
+
+TRIED = 8
+"""Places from which lines are tried at most, best ones first."""
+
+MIDDLE = 0.25
+"""Of all positions, the share nearest to the middle of the workspace: lines begin there."""
 
 LINE = 0.1
-"""How long a line is, as a share of the arm's length."""
+"""Length of a line, as a share of the arm's length."""
 
-JUMP = 0.5
-"""From one pose of a line to the next, no joint goes further than this [rad or m]."""
+ROOM = 0.7
+"""A joint this far from its limits [rad or m] has all the room that a line needs."""
 
 STRAIGHT = 0.01
 """A smallest singular value below this is near a singularity."""
@@ -47,6 +53,12 @@ USUAL_SIZE = (0.05, 10.0)
 
 LONG_TOOL = 2.0
 """A tool longer than this [m] is a mistake in the unit."""
+
+SHORT_TOOL = 5e-3
+"""A way shorter than this [m] doesn't say where the tool leads."""
+
+ALONG = 0.9
+"""Cosine of the angle between z of TCP and the tool, above which one leads along the other."""
 
 
 def geometry_items(robot: Robot) -> Iterator[Item]:
@@ -156,30 +168,74 @@ def _back(robot: Robot, q: Array) -> Item:
 
 
 def _lines(robot: Robot, q: Array) -> Item:
-    """Straight lines at fixed orientations, from positions where the flange is about as far as it mostly is."""
-    poses = flange_poses(robot.chain, q)
-    far = np.linalg.norm(poses[:, :3, 3] - np.median(poses[:, :3, 3], axis=0), axis=1)
-    clear = nearness(robot.chain, q, np.eye(4)).smallest >= 5 * STRAIGHT
-    middle = np.argsort(np.where(clear, far, far + far.max()))[: LINES // 6]
+    """Straight lines at fixed orientations, followed as the planner does, from positions that a person would choose."""
     length = LINE * arm_length(robot.chain, np.eye(4))
-    ways = np.vstack([np.eye(3), -np.eye(3)]) * length
-    followed = sum(_follows(robot, q[start], poses[start], way) for start in middle for way in ways)
-    found = f"{followed} of {LINES} lines of {length / MM:.0f} mm through the middle of the workspace are followed"
-    if followed >= LINES // 2:
-        return Item("lines", "ok", found)
-    remedy = "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
-    return Item("lines", "to do" if not followed else "note", found, remedy)
+    best: list[Track | Broken] = []
+    whole: list[Track | Broken] = []
+    for start in _roomy(robot, q)[:TRIED]:
+        tried = [_followed(robot, start, way * length) for way in DIRECTIONS]
+        if not best or _count(tried) > _count(best):
+            best = tried
+        if _count(tried) == len(DIRECTIONS):
+            whole += tried
+        if len(whole) == PLACES * len(DIRECTIONS):
+            break
+    shown = whole or best
+    lines = f"lines of {length / MM:.0f} mm through the middle of the workspace"
+    if whole:
+        return Item("lines", "ok", f"all {len(whole)} {lines} are followed")
+    why = [
+        f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_why(robot, end, length)}"
+        for way, end in zip(DIRECTIONS, shown, strict=True)
+        if isinstance(end, Broken)
+    ]
+    if len(why) == len(DIRECTIONS):
+        found = f"no {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+        remedy = (
+            "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
+        )
+        return Item("lines", "to do", found, remedy)
+    found = f"{_count(shown)} of {len(shown)} {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+    return Item("lines", "note", found, "see yarc reach where the arm can hold its orientation")
 
 
-def _follows(robot: Robot, q: Array, pose: Array, way: Array) -> bool:
-    for share in np.linspace(0.0, 1.0, STEPS)[1:]:
-        there = pose.copy()
-        there[:3, 3] += share * way
-        found = nearest_solutions(robot.chain, robot.limits, there, q, measures=False)
-        if isinstance(found, Unreachable) or np.abs(found.q[0] - q).max() > JUMP:
-            return False
-        q = found.q[0]
-    return True
+def _roomy(robot: Robot, q: Array) -> Array:
+    """Return positions in the middle of the workspace, those first that are farthest from singularities and limits."""
+    points = flange_poses(robot.chain, q)[:, :3, 3]
+    far = np.linalg.norm(points, axis=1)
+    middle = np.argsort(np.abs(far - np.median(far)), kind="stable")[: max(1, round(MIDDLE * len(q)))]
+    q = q[middle]
+    values = smallest_singular_values(robot.chain, q, np.eye(4))
+    bounded = np.isfinite(robot.limits.upper - robot.limits.lower)
+    room = np.where(bounded, np.minimum(q - robot.limits.lower, robot.limits.upper - q), ROOM).min(axis=1)
+    worth = np.minimum(values / max(float(values.max()), 1e-12), np.minimum(room, ROOM) / ROOM)
+    chosen: Array = q[np.argsort(-worth, kind="stable")]
+    return chosen
+
+
+def _followed(robot: Robot, q: Array, way: Array) -> Track | Broken:
+    """Follow the line from where the flange is at `q` (n,) by `way` (3,) [m]."""
+    start = flange_poses(robot.chain, q[None])[0]
+
+    def pose_at(s: Array) -> Array:
+        poses = np.repeat(start[None], len(s), axis=0)
+        poses[:, :3, 3] += s[:, None] * way
+        return poses
+
+    return track(robot.chain, robot.limits, pose_at, q, reason="any")
+
+
+def _count(ends: Sequence[Track | Broken]) -> int:
+    return sum(isinstance(end, Track) for end in ends)
+
+
+def _why(robot: Robot, end: Broken, length: float) -> str:
+    """Say where a line ends, and of what."""
+    place = f"ends after {end.s * length / MM:.0f} mm"
+    if end.joint is None:
+        return f"{place} (out of reach, or at a singularity)"
+    kind = "would have to jump" if end.kind == "singular" else "is at its limit"
+    return f"{place} ({robot.joint_names[end.joint]} {kind})"
 
 
 def _home(robot: Robot) -> Item:
@@ -225,4 +281,45 @@ def _frames(robot: Robot) -> Iterator[Item]:
         yield Item(
             "TCP", "note" if same else "ok", found, "give the tool's tip in [frames.TCP]" if same else ""
         )
+    yield from _tool_axis(robot)
     yield Item("frames", "ok", f"on the flange: {', '.join(names)}")
+
+
+def _tool_axis(robot: Robot) -> Iterator[Item]:
+    """Which way z of TCP leads, seen from where the tool is mounted: places of PICKPLACE and PALLET depend on it."""
+    out = _outwards(robot)
+    if out is None:
+        return
+    z = (robot.chain.base_from_flange @ robot.flange_from_frame["TCP"])[:3, 2]
+    share = float(z @ out)
+    if share <= -ALONG:
+        found = "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"
+        yield Item("tool axis", "ok", found)
+        return
+    if share >= ALONG:
+        way, turn = "out along the tool, into the work", "by 180 deg about x"
+    else:
+        way, turn = "neither out nor back along the tool", "so that z leads back"
+    remedy = f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame that is turned so"
+    yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
+
+
+def _outwards(robot: Robot) -> Array | None:
+    """Return the direction out of the arm (3,) in {B}, all joints at 0: from FLANGE to TCP; without a tool, along the last
+    axis from the joint before.
+    """
+    frame = robot.flange_from_frame.get("TCP")
+    if frame is None:
+        return None
+    flange = robot.chain.base_from_flange
+    way = flange[:3, :3] @ frame[:3, 3]
+    if np.linalg.norm(way) < SHORT_TOOL:
+        lines = lines_of(robot.chain)
+        if robot.size < 2 or lines.turn[-2] == 0.0:
+            return None
+        from_axis = flange[:3, 3] - lines.points[-2]
+        way = from_axis - lines.axes[-2] * (from_axis @ lines.axes[-2])
+        if lines.turn[-1] != 0.0:  # an offset of the wrist isn't the tool's direction
+            way = lines.axes[-1] * (way @ lines.axes[-1])
+    length = float(np.linalg.norm(way))
+    return way / length if length >= SHORT_TOOL else None

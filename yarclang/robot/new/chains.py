@@ -80,7 +80,7 @@ class ArmChain:
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
     """The longest serial chain of a URDF, or the one between two links.
 
-    Joints that are called fingers, that others on the tip mimic, or into which an arm splits up at its end are left out. A
+    Joints behind a link called tool0 belong to a tool. Joints that are called fingers, that others on the tip mimic, or into which an arm splits up at its end are left out. A
     joint that mimics another is left out as well, but not the one that it follows. Where one carries the rest of the arm,
     the chain is coupled, and that is a finding. Of chains with as many joints the first one of the file is taken.
 
@@ -141,7 +141,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     fingers = tuple(name for name in ignored if name in on_tip)
     tcp = tree.tcp_of(flange)
     followers = tuple(name for name in ignored if name in tree.leaders and name not in on_tip)
-    left_out = () if tip else tree.limbs(inside | on_tip)
+    left_out = () if tip else tree.limbs(inside | on_tip, len(joints))
     return ArmChain(
         base,
         flange,
@@ -197,18 +197,14 @@ class _Tree:
         one but carry what has one, or the flange.
         """
         if link not in self._moving:
-            found = self._unnamed(link)
+            found = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
             self._moving[link] = [
                 joint
                 for joint in found
-                if (self.carries(joint) if joint.name in self.leaders else not self.grips(joint, found))
+                if not (self.fingers and self.fingers.search(joint.name))
+                and (self.carries(joint) if joint.name in self.leaders else not self.grips(joint, found))
             ]
         return self._moving[link]
-
-    def _unnamed(self, link: str) -> list[Joint]:
-        """The moving joints on the body of `link` that no name makes fingers."""
-        below = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
-        return [joint for joint in below if not (self.fingers and self.fingers.search(joint.name))]
 
     def carries(self, joint: Joint) -> bool:
         """Return True if the chain goes on behind a joint: to a motor's joint, or to a link called flange."""
@@ -222,11 +218,11 @@ class _Tree:
         follow = any(leader == joint.name and name in near for name, leader in self.leaders.items())
         return follow and not self.carries(joint)
 
-    def limbs(self, taken: Collection[str]) -> tuple[str, ...]:
-        """The joints of limbs outside the chain that are as long as an arm."""
+    def limbs(self, taken: Collection[str], size: int) -> tuple[str, ...]:
+        """The joints of limbs outside a chain of `size` joints that are as long as an arm, or as that chain."""
         paths = [path for start in self.starts() for path in self.arms(start)]
         outside = [[joint.name for joint in path if joint.name not in taken] for path in paths]
-        long = [names for names in outside if len(names) >= SHORTEST_ARM]
+        long = [names for names in outside if len(names) >= min(SHORTEST_ARM, size)]
         return tuple(dict.fromkeys(name for names in long for name in names))
 
     def depth(self, link: str) -> int:
@@ -237,7 +233,8 @@ class _Tree:
         """All chains of moving joints from `link` to a tip, without the fingers on it."""
         ways = self.moving(link)
         splits = len(ways) > 1 and self.depth(link) <= LONGEST_HAND
-        hand = len(path) >= SHORTEST_ARM and (splits or len(ways) > MOST_ARMS)
+        ends = self.depth(link) <= LONGEST_HAND and _named(self.body(link), _FLANGE_NAMES[:1])
+        hand = len(path) >= SHORTEST_ARM and (splits or len(ways) > MOST_ARMS or ends)
         if hand or not ways:
             return [path] if path else []
         return [arm for joint in ways for arm in self.arms(joint.child, (*path, joint))]

@@ -74,7 +74,26 @@ def read_mesh(path: Path) -> bytes:
         raise NoMeshError(f"has more than {LARGEST:,} bytes")
     if not _LOOKS[kind](content):
         raise NoMeshError(f"ends in {path.suffix}, but its content is something else")
+    if fault := _fault(kind, content):
+        raise NoMeshError(fault)
     return content
+
+
+def _fault(kind: str, content: bytes) -> str:
+    """Return what makes a mesh of its format useless as a body; empty if nothing does. Normals may be anything."""
+    if kind == ".stl" and _is_binary_stl(content):
+        import numpy as np
+
+        triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
+        corners = np.frombuffer(content, triangle, offset=84)["corners"]
+        if not len(corners):
+            return "has no triangle"
+        return "" if np.isfinite(corners).all() else "has a corner that is no finite number"
+    word = {".stl": b"vertex", ".obj": b"v"}.get(kind)
+    if word is None:
+        return ""
+    found = re.search(rb"^[ \t]*" + word + rb"[ \t][^\n]*(?:nan|inf)", content, re.IGNORECASE | re.MULTILINE)
+    return "has a corner that is no finite number" if found else ""
 
 
 class Surroundings:
@@ -124,9 +143,13 @@ def _package(name: str, path: Path) -> Path | None:
     return folder.resolve() if (folder / PACKAGE).is_file() else None
 
 
+def _is_binary_stl(content: bytes) -> bool:
+    return len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little")
+
+
 def _is_stl(content: bytes) -> bool:
     """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
-    if len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little"):
+    if _is_binary_stl(content):
         return True
     return content.startswith((b"solid ", b"solid\n", b"solid\r")) and _NO_STL_LINE.search(content) is None
 

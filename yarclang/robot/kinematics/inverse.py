@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.progress import go_on
-from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form, next_to
+from yarclang.robot.kinematics.closed_form import BLOCK, closed_form, nearest_form, next_to
 from yarclang.robot.kinematics.elimination import MOST, every_solution, polished
 from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import Form, form_of, nominal_form
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain
 
 BRANCHES = 16

@@ -7,15 +7,17 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from yarclang.cell.description import Names, read_cell
+from yarclang.cell.model import Cell
 from yarclang.certify import whole_text
 from yarclang.certify.bodies.clearance import find_clearances
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.torque import find_torques
-from yarclang.collision.placing import too_near
+from yarclang.collision.free import plain_free_space
 from yarclang.collision.scene import scene_of
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.stages import Compiled, Request, compile_module
@@ -108,11 +110,11 @@ def main() -> None:
     scene = scene_of(robot, cell).value
     assert scene is not None
     q = np.random.default_rng(0).uniform(robot.limits.lower, robot.limits.upper, (POSITIONS, robot.size))
-    print(f"| {robot.name}, ten obstacles, {len(scene.first)} pairs | time | goal |\n|---|---|---|")
-    touch = float(too_near(scene, q).mean())
-    print(
-        f"| {POSITIONS:,} joint positions by chance, {touch:.0%} touch | {best(lambda: too_near(scene, q), 15):.1f} ms | under 60 ms |"
-    )
+    print(f"| {robot.name}, ten obstacles, {len(scene.pairs.first)} pairs | time | goal |\n|---|---|---|")
+    space = plain_free_space(scene)
+    touch = sum(not space.has(one) for one in q) / len(q)
+    asked = best(lambda: [space.has(one) for one in q])
+    print(f"| {POSITIONS:,} joint positions by chance, {touch:.0%} touch, one by one | {asked:.1f} ms | |")
     proofs = two_seconds(robot, cell)
     print(
         f"| proof of a motion of 2 s, 40 by chance: median | {statistics.median(proofs):.1f} ms | under 30 ms |"
@@ -141,7 +143,7 @@ def best(run: Callable[[], object], count: int = 5) -> float:
     return min(times)
 
 
-def two_seconds(robot: Robot, cell: object) -> list[float]:
+def two_seconds(robot: Robot, cell: Cell) -> list[float]:
     """The times of proofs of motions that take 2 s, in ms."""
     random = np.random.default_rng(5)
     times: list[float] = []
@@ -153,9 +155,9 @@ def two_seconds(robot: Robot, cell: object) -> list[float]:
         assert module is not None
         seen: list[float] = []
 
-        def timed(layout: object, program: object, arm: object, seen: list[float] = seen) -> object:
+        def timed(layout: Any, program: Any, arm: Robot, _: Handled, seen: list[float] = seen) -> Any:
             placed = replace(program, cell=cell)
-            seen.append(best(lambda: find_clearances(layout, placed, arm)))
+            seen.append(best(lambda: find_clearances(layout, placed, arm, Handled(cell, {}, {}))))
             return {}, []
 
         whole_text.find_clearances = timed
@@ -179,10 +181,10 @@ def grazing(robot: Robot, gap: float) -> float:
     assert module is not None
     seen: list[float] = []
 
-    def timed(layout: object, program: object, arm: object) -> object:
-        placed = replace(program, cell=cell)
-        assert find_clearances(layout, placed, arm)[1] == []
-        seen.append(best(lambda: find_clearances(layout, placed, arm)))
+    def timed(layout: Any, program: Any, arm: Robot, _: Handled) -> Any:
+        placed, around = replace(program, cell=cell), Handled(cell, {}, {})
+        assert find_clearances(layout, placed, arm, around)[1] == []
+        seen.append(best(lambda: find_clearances(layout, placed, arm, around)))
         return {}, []
 
     whole_text.find_clearances = timed
@@ -196,12 +198,12 @@ def torques_of_palletising(robot: Robot) -> float:
     assert robot.dynamics is not None
     mass = np.array([60.0, 40.0, 25.0, 8.0, 4.0, 2.0])
     inertia = mass[:, None, None] * np.eye(3) * 0.01
-    heavy = replace(robot, dynamics=replace(robot.dynamics, mass=mass, inertia=inertia))
+    heavy = replace(robot, dynamics=replace(robot.dynamics, mass=mass, inertia=inertia), written=None)
     opened = open_program(str(EXAMPLE), Options())
     assert opened.value is not None
     spent: list[float] = []
 
-    def timed(layout: object, _: object, handled: object) -> object:
+    def timed(layout: Any, _: Robot, handled: Handled) -> Any:
         assert find_torques(layout, heavy, handled)[1] == []
         spent.append(best(lambda: find_torques(layout, heavy, handled)))
         return {}, []
@@ -212,7 +214,7 @@ def torques_of_palletising(robot: Robot) -> float:
     return spent[0]
 
 
-def palletising(cell: object) -> tuple[float, float, float]:
+def palletising(cell: Cell) -> tuple[float, float, float]:
     """Times of compiling the example without the check and with it, and of the check alone [ms]."""
     opened = open_program(str(EXAMPLE), Options())
     assert opened.value is not None
@@ -223,7 +225,7 @@ def palletising(cell: object) -> tuple[float, float, float]:
         assert made.value is not None, made.diagnostics
         return made.value
 
-    def checked(layout: object, program: object, arm: object, _: object) -> object:
+    def checked(layout: Any, program: Any, arm: Robot, _: Handled) -> Any:
         begun = time.perf_counter()
         found = find_clearances(layout, replace(program, cell=cell), arm, Handled(cell, {}, {}))
         spent.append((time.perf_counter() - begun) * 1e3)

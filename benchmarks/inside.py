@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 import programs
 
+from yarclang.backend_pmac import writing
 from yarclang.motion.limits import bounds_of
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.profile import load_profile
@@ -32,7 +33,11 @@ from yarclang.source import SourceFile
 Times = dict[str, float]
 """`seconds` of wall time, and `cpu` seconds on a core."""
 
-STAGES = ((inputs, ("parse", "load_robot")), (stages, ("check", "plan", "lower", "emit", "certify")))
+STAGES = (
+    (inputs, ("parse", "load_robot")),
+    (stages, ("check", "plan", "certify")),
+    (writing, ("lower", "emit")),
+)
 
 
 def main() -> None:

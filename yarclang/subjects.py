@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from yarclang.frozen import frozen
-from yarclang.suggestions import nearest
+from yarclang.suggestions import near
 from yarclang.units import Kind
 
 
@@ -16,15 +16,17 @@ class Name:
     Attributes:
         name: as programs compare names: in upper case, without braces.
         meant: the known name that it may stand for, as that is written; empty: none is near.
+        others: further names that it may stand for as well.
     """
 
     name: str
     meant: str = ""
+    others: tuple[str, ...] = ()
 
     @property
     def question(self) -> str:
-        """Return `did you mean X?`, or nothing if no known name is near."""
-        return f"did you mean {self.meant}?" if self.meant else ""
+        """Return `did you mean X, or Y?`, or nothing if no known name is near."""
+        return f"did you mean {', or '.join((self.meant, *self.others))}?" if self.meant else ""
 
 
 @frozen
@@ -52,7 +54,8 @@ Subject = Name | MissingUnit | LeftOut
 
 def unknown(text: str, known: Iterable[str] = ()) -> Name:
     """Return a word of a program as a name that isn't one of `known`."""
-    return Name(text.strip("{}$() ").upper(), nearest(text, known))
+    meant, *others = near(text, known) or ("",)
+    return Name(text.strip("{}$() ").upper(), meant, tuple(others))
 
 
 def suggest(word: str, known: Iterable[str]) -> str:

@@ -12,6 +12,9 @@ _LONGEST_NAME = 200
 _NEAR = 0.6
 """How like a mistyped word what was meant is at least: difflib's ratio."""
 
+_AS_NEAR = 0.08
+"""Names whose likeness is less by this are as likely as the nearest."""
+
 _MOST_LIKELY = 12
 """Names of which the longest common subsequence with a mistyped word is found: those that may be the nearest by their letters."""
 
@@ -20,23 +23,33 @@ _MOST_COMPARED, _COMPARED_LETTERS = 5, 150
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the name that a mistyped word is most like, whatever its case; empty if none is near."""
-    return _nearest(word.upper(), tuple(known))
+    """Return the known name that a mistyped word is most like, whatever its case; empty if none is near."""
+    return next(iter(near(word, known)), "")
+
+
+def near(word: str, known: Iterable[str]) -> tuple[str, ...]:
+    """Return the known names that a mistyped word may mean, whatever its case: the nearest, then those hardly less like it."""
+    return _near(word.upper(), tuple(known))
 
 
 @lru_cache(maxsize=256)
-def _nearest(word: str, known: tuple[str, ...]) -> str:
-    from difflib import get_close_matches
+def _near(word: str, known: tuple[str, ...]) -> tuple[str, ...]:
+    from difflib import SequenceMatcher, get_close_matches
 
     if len(word) > _LONGEST_NAME:
-        return ""
+        return ()
     names, letters = _described(known)
-    near = get_close_matches(word, _likely(word, names, letters), n=5, cutoff=_NEAR)
-    if not near:
-        return ""
+    close = get_close_matches(word, _likely(word, names, letters), n=5, cutoff=_NEAR)
+    if not close:
+        return ()
     # of equally near names, the one with the same letters in another order was meant
-    near.sort(key=lambda name: sorted(name) != sorted(word))
-    return names[near[0]]
+    close.sort(key=lambda name: sorted(name) != sorted(word))
+    if sorted(close[0]) == sorted(word):
+        return tuple(names[name] for name in close if sorted(name) == sorted(word))
+    likeness = [SequenceMatcher(None, name, word).ratio() for name in close]
+    return tuple(
+        names[name] for name, like in zip(close, likeness, strict=True) if like > likeness[0] - _AS_NEAR
+    )
 
 
 @lru_cache(maxsize=8)

@@ -86,14 +86,14 @@ def test_fixes_are_written(here):
     Path("a.yarc").write_bytes(b"\xef\xbb\xbf" + OLD.replace("\n", "\r\n").encode())
     done = check("a.yarc", "--diff")
     assert done.exit_code == 1
-    assert "+P0001 MOVEJ 10" in done.stdout
+    assert "+P0010 MOVEJ 10" in done.stdout
     assert Path("a.yarc").read_bytes().startswith(b"\xef\xbb\xbfP0020 MOVJ")
     done = check("a.yarc", "--fix")
     assert (done.exit_code, done.stderr) == (
         0,
         "2 fixes applied in 1 file\n1 file checked: nothing to complain of\n",
     )
-    expected = "P0001 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\r\nP0002 MOVEJ HOME [5] (s)\r\n"
+    expected = "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\r\nP0020 MOVEJ HOME [5] (s)\r\n"
     assert Path("a.yarc").read_bytes() == b"\xef\xbb\xbf" + expected.encode()
     assert check("a.yarc", "--diff").exit_code == 0
 
@@ -238,7 +238,8 @@ def test_sarif():
         assert rule["defaultConfiguration"]["level"] in {"none", "note", "warning", "error"}
     assert len(run["results"]) == len(FOUND)
     for result, one in zip(run["results"], FOUND, strict=True):
-        must(result, dict, ["message"], ["ruleId", "ruleIndex", "level", "locations", "fixes"])
+        optional = ["ruleId", "ruleIndex", "level", "locations", "fixes", "partialFingerprints"]
+        must(result, dict, ["message"], optional)
         assert ids[result["ruleIndex"]] == result["ruleId"] == one.code
         assert result["level"] == one.severity
         must_be_message(result["message"])
@@ -246,6 +247,18 @@ def test_sarif():
             physical = location["physicalLocation"]
             must_be_artifact(physical["artifactLocation"])
             must_be_region(physical["region"])
+
+
+def test_a_fingerprint_stays_with_its_line(here):
+    def marks(text):
+        Path("a.yarc").write_text(text)
+        (run,) = json.loads(check("a.yarc", "--format", "sarif").stdout)["runs"]
+        return [one["partialFingerprints"]["codeAndLine/v1"] for one in run["results"]]
+
+    before, moved = marks(BAD + BAD), marks("! a remark\n" + BAD + BAD)
+    assert before == moved
+    assert len(set(before)) == len(before) > 1
+    assert marks(BAD.replace("10 0", "11 0"))[0] != before[0]
 
 
 def test_sarif_of_fixes(here):

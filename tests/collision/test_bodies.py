@@ -309,7 +309,10 @@ def test_bodies_that_overlap_have_no_distance_however_they_are_asked(tmp_path):
     robot = load_robot("INDUSTRIAL6").value
     cell = cell_loader(tmp_path, robot)("cell.toml", None).value
     scene = scene_of(robot, cell).value
-    names = [{scene.bodies[one].name for one in pair} for pair in zip(scene.first, scene.second, strict=True)]
+    names = [
+        {scene.bodies[one].name for one in pair}
+        for pair in zip(scene.pairs.first, scene.pairs.second, strict=True)
+    ]
     pair = np.full(500, names.index({"BLOCK", "BEAM"}))
     middle = np.random.default_rng(0).uniform(-0.029, 0.029, (500, 3))
     seen = Relative(np.broadcast_to(np.eye(3), (500, 3, 3)), middle)

@@ -70,9 +70,9 @@ def hunted(tally, which, seed, kind, count, thin, tooled):
     course, half = a_motion(random, robot.size, kind)
     spans = np.array([[0, half], [half, len(course.x)]])
     watched = Watched(one, cell, tools)
-    assert len(scene.first) == len(watched.pairs)
-    tally.count("watched", len(scene.first) > 0)
-    if not len(scene.first):
+    assert len(scene.pairs.first) == len(watched.pairs)
+    tally.count("watched", len(scene.pairs.first) > 0)
+    if not len(scene.pairs.first):
         return
     found = clearances(scene, course, spans)
     for row, (first, last) in enumerate(spans):
@@ -98,7 +98,7 @@ def hunted(tally, which, seed, kind, count, thin, tooled):
             chosen = least[free & (watched.of_cell == of_cell)]
             assert not len(chosen) or chosen.min() >= found.least[row, of_cell] - 1e-6
     for one in found.meetings:
-        assert one.distance < scene.margin[one.pair] + RESOLUTION
+        assert one.distance < scene.pairs.margin[one.pair] + RESOLUTION
 
 
 @pytest.mark.parametrize("part", range(PARTS))

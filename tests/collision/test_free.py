@@ -30,7 +30,7 @@ def test_pairs_can_be_asked_to_stay_farther_apart():
     robot = load_robot("INDUSTRIAL6").value
     scene = scene_of(robot, drawn(random)).value
     q = random.uniform(robot.limits.lower, robot.limits.upper, (200, robot.size))
-    more = random.uniform(0.0, 0.03, len(scene.first))
+    more = random.uniform(0.0, 0.03, len(scene.pairs.first))
     wide = free_space(scene, more)
     seen = set()
     for one in q:

@@ -29,7 +29,7 @@ def test_a_plane_never_says_more_than_the_distance(seed):
     random = np.random.default_rng(seed)
     robot = load_robot(ROBOTS[seed % 2]).value
     scene = scene_of(robot, drawn(random)).value
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     q = random.uniform(robot.limits.lower, robot.limits.upper, (1, robot.size))
     seen, normal = relative(place(scene, q), np.zeros_like(pairs), pairs), np.empty((len(pairs), 3))
     apart = distances(scene, pairs, seen, normal=normal)
@@ -51,7 +51,7 @@ def test_whoever_proposes_a_distance_makes_none_too_large(seed, proposal):
     random = np.random.default_rng(seed)
     robot = load_robot(ROBOTS[seed % 2]).value
     scene = scene_of(robot, drawn(random)).value
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     q = random.uniform(robot.limits.lower, robot.limits.upper, (1, robot.size))
     seen, normal = relative(place(scene, q), np.zeros_like(pairs), pairs), np.empty((len(pairs), 3))
     apart = distances(scene, pairs, seen, normal=normal)
@@ -133,12 +133,12 @@ def test_no_point_accelerates_more(seed):
     placed = place(scene, course.at(np.linspace(begin, end, count)))
     for joint in range(robot.size + 1):
         for body in range(len(scene.bodies)):
-            if scene.joint[body] < joint:
+            if scene.boxes.joint[body] < joint:
                 continue
             geometry = scene.bodies[body].geometry
             inside = random.uniform(-1, 1, 3) * geometry.half
-            at = scene.middle[body] + scene.rotation[body] @ inside
-            world = placed.turn[scene.joint[body]] @ at + placed.shift[scene.joint[body]]
+            at = scene.boxes.middle[body] + scene.boxes.rotation[body] @ inside
+            world = placed.turn[scene.boxes.joint[body]] @ at + placed.shift[scene.boxes.joint[body]]
             seen = np.einsum("pji,pj->pi", placed.turn[joint], world - placed.shift[joint])
             moved = np.linalg.norm(np.diff(seen, 2, axis=0), axis=1) / step**2
             assert moved.max() <= bound[joint, body] * (1 + 1e-9) + 1e-12 / step**2
@@ -169,7 +169,7 @@ def placed_at(robot, shape, gap, margin=0.01):
     course = turning()
     far = cell_of(Obstacle("PLATE", shape, mount([0, 1.06, 5.0]), margin))
     scene = scene_of(robot, far).value
-    pairs = [k for k in range(len(scene.first)) if "PLATE" in scene.names(k)]
+    pairs = [k for k in range(len(scene.pairs.first)) if "PLATE" in scene.names(k)]
     placed, at = place(scene, course.at(np.linspace(0, 2, 400))), np.arange(400)
     least = min(distances(scene, np.full(400, k), relative(placed, at, np.full(400, k))).min() for k in pairs)
     at = Obstacle("PLATE", shape, mount([0, 1.06, 5.0 - least + margin + gap]), margin)
@@ -219,7 +219,7 @@ def in_a_room(robot, shape, gap):
     for _ in range(60):
         middle = (low + high) / 2
         scene = scene_of(robot, cell_of(Obstacle("ROOM", shape, mount([0, 0, middle]), 0.01))).value
-        (pair,) = [k for k in range(len(scene.first)) if scene.names(k) == ("link_2", "ROOM")]
+        (pair,) = [k for k in range(len(scene.pairs.first)) if scene.names(k) == ("link_2", "ROOM")]
         rows = np.full(200, pair)
         placed = place(scene, course.at(np.linspace(0, 2, 200)))
         apart = distances(scene, rows, relative(placed, np.arange(200), rows)).min()

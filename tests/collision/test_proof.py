@@ -98,7 +98,7 @@ def test_nothing_is_missed(seed):
         for one in found.meetings:
             if one.motion == motion_:
                 told = contact(scene, course, (int(first), int(last)), one)
-                assert told.distance < scene.margin[one.pair] + 2e-5
+                assert told.distance < scene.pairs.margin[one.pair] + 2e-5
                 assert 0.0 <= told.begin <= told.worst <= told.end
                 assert told.end <= course.begins[last] - course.begins[first] + 1e-12
 
@@ -163,7 +163,7 @@ def test_shapes_are_pinocchios(robot):
     scene, dense = scene_of(robot, None).value, Dense(robot)
     assert len(scene.bodies) == dense.links
     q = np.random.default_rng(1).uniform(robot.limits.lower, robot.limits.upper, (50, robot.size))
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     placed = place(scene, q)
     ours = [distances(scene, pairs, relative(placed, np.full(len(pairs), row), pairs)) for row in range(50)]
     assert len(pairs) == len(dense.pairs)
@@ -178,7 +178,7 @@ def test_travel_bounds_any_change(industrial6):
     q = random.uniform(industrial6.limits.lower, industrial6.limits.upper, (200, 6))
     change = random.uniform(0, 0.3, (200, 6))
     moves = travel(place(scene, q), change)
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     for share in random.uniform(-1, 1, (5, 200, 6)):
         for row in range(0, 200, 10):
             here, there = (
@@ -187,7 +187,7 @@ def test_travel_bounds_any_change(industrial6):
                 )
                 for values in (q, q + share * change)
             )
-            bound = moves[scene.joint[scene.first], scene.second, row]
+            bound = moves[scene.boxes.joint[scene.pairs.first], scene.pairs.second, row]
             free = (here > 0) & (there > 0)
             assert (np.abs(here - there) <= bound + 1e-5)[free].all()
 
@@ -208,5 +208,5 @@ def test_a_robot_without_shapes_has_nothing_to_prove(industrial6):
     from dataclasses import replace
 
     scene = scene_of(replace(industrial6, shapes=()), None).value
-    assert len(scene.first) == 0
+    assert len(scene.pairs.first) == 0
     assert free_space(scene).has(np.zeros(6))

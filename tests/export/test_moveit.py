@@ -145,7 +145,7 @@ def test_moveit_looks_at_the_pairs_that_are_checked(robot):
     scene = scene_of(robot, None).value
     checked = {
         frozenset(name.lower() if name == "GRIPPER" else name for name in scene.names(pair))
-        for pair in range(len(scene.first))
+        for pair in range(len(scene.pairs.first))
     }
     assert left == checked
     assert all(pair <= shaped for pair in off)

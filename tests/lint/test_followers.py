@@ -91,7 +91,7 @@ def test_a_program_with_errors_keeps_some_and_gets_none(path):
 
 
 def test_of_many_mistakes_in_one_line_the_first_are_told():
-    text = "P0010 MOVEJ " + "a " * 500 + "[5] (deg,s)\nP0020 MOVEJ " + "b " * 20 + "[5] (deg,s)\n"
+    text = "P0010 MOVEJ " + "a " * 500 + "[5] (deg,s)\nP0020 MOVEJ " + "q " * 20 + "[5] (deg,s)\n"
     found = [
         one
         for one in check_text(SourceFile("a.yarc", text), Path(), Options(robot="INDUSTRIAL6")).diagnostics

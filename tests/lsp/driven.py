@@ -14,10 +14,14 @@ COMMAND = (sys.executable, "-c", "from yarclang.cli.yarc import main; main()", "
 LONGEST = 30.0
 
 
-def capabilities(*, pull: bool, refresh: bool = True, **more: Any) -> types.ClientCapabilities:
+def capabilities(
+    *, pull: bool, refresh: bool = True, pages: bool = False, **more: Any
+) -> types.ClientCapabilities:
     return types.ClientCapabilities(
         text_document=types.TextDocumentClientCapabilities(
-            publish_diagnostics=types.PublishDiagnosticsClientCapabilities(related_information=True),
+            publish_diagnostics=types.PublishDiagnosticsClientCapabilities(
+                related_information=True, code_description_support=pages
+            ),
             diagnostic=types.DiagnosticClientCapabilities() if pull else None,
             hover=types.HoverClientCapabilities(content_format=[types.MarkupKind.Markdown]),
             completion=types.CompletionClientCapabilities(

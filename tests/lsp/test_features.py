@@ -173,7 +173,7 @@ def test_fixes_of_a_whole_text(tmp_path: Path):
             return applied(text, found.edit.changes[document.uri])
 
         assert await action(types.CodeActionKind.SourceFixAll) == (
-            "ROBOT INDUSTRIAL6\nP0001 MOVEJ HOME [2] (s)\nP0002 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
+            "ROBOT INDUSTRIAL6\nP0010 MOVEJ HOME [2] (s)\nP0020 MOVEJ 9 0 0 0 0 0 [2] (deg,s)\n"
         )
         assert await action("source.renumber.yarc") == text.replace("P0020", "X").replace(
             "P0010", "P0020"
@@ -286,3 +286,148 @@ def test_a_finding_in_a_module_stands_at_the_call_with_the_module_beside_it(tmp_
         assert not any("0.2" in action.title for action in actions or ())
 
     run(work, capabilities(pull=True, refresh=False))
+
+
+CALLS = """ROBOT INDUSTRIAL6
+DEFAULT {TCP} [50%] (mm,deg,s) {B}
+USE SIDE
+SUB DOWN
+  MOVEJ 0 10 0 0 -30 0
+END
+SUB PICK
+  CALL DOWN
+  CALL SIDE.SWING
+  CALL DOWN
+END
+P0010 CALL PICK
+"""
+SIDE = "SUB SWING\n  MOVEJ 20 0 0 0 -30 0 [50%] (deg)\nEND\n"
+
+
+def test_the_hierarchy_of_calls(tmp_path: Path):
+    (tmp_path / "side.yarc").write_text(SIDE)
+    (tmp_path / "other.yarc").write_text("USE SIDE\nP0010 CALL SIDE.SWING\n")
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "job.yarc", CALLS)
+        client = one.client
+        await one.pulled(document)
+        at = types.CallHierarchyPrepareParams(document, types.Position(11, 12))
+        (pick,) = await client.text_document_prepare_call_hierarchy_async(at)
+        assert (pick.name, pick.range.start.line, pick.range.end.line) == ("PICK", 6, 10)
+        callers = await client.call_hierarchy_incoming_calls_async(
+            types.CallHierarchyIncomingCallsParams(pick)
+        )
+        assert [(call.from_.name, len(call.from_ranges)) for call in callers] == [("job.yarc", 1)]
+        called = await client.call_hierarchy_outgoing_calls_async(
+            types.CallHierarchyOutgoingCallsParams(pick)
+        )
+        assert [(call.to.name, [one.start.line for one in call.from_ranges]) for call in called] == [
+            ("DOWN", [7, 9]),
+            ("SWING", [8]),
+        ]
+        swing = called[1].to
+        assert swing.uri == (tmp_path / "side.yarc").as_uri()
+        callers = await client.call_hierarchy_incoming_calls_async(
+            types.CallHierarchyIncomingCallsParams(swing)
+        )
+        assert sorted(call.from_.name for call in callers) == ["PICK", "other.yarc"]
+        main = await client.call_hierarchy_outgoing_calls_async(
+            types.CallHierarchyOutgoingCallsParams(
+                next(call.from_ for call in callers if call.from_.name == "other.yarc")
+            )
+        )
+        assert [call.to.name for call in main] == ["SWING"]
+        nothing = types.CallHierarchyPrepareParams(document, types.Position(1, 2))
+        assert not await client.text_document_prepare_call_hierarchy_async(nothing)
+
+    run(work, capabilities(pull=True))
+
+
+CELL = """units = "mm,deg,s"
+[frames.BENCH]
+parent = "B"
+xyz = [0, 1000, 500]
+[frames.PART]
+parent = "BENCH"
+xyz = [0, 100, 0]
+[joints]
+READY = [0, 10, 0, 0, -30, 0]
+[[obstacles]]
+name = "BLOCK"
+shape = "box"
+frame = "BENCH"
+size = [10, 10, 10]
+"""
+IN_CELL = """ROBOT INDUSTRIAL6
+CELL "cell.toml"
+DEFAULT {TCP} [50%] (mm,deg,s) {B}
+P0010 MOVEJ READY
+P0020 MOVEJ_RPY 0 100 700 0 0 0 {BENCH}
+"""
+
+
+def test_a_name_of_the_cell_is_another_one_in_all_files(tmp_path: Path):
+    (tmp_path / "cell.toml").write_text(CELL)
+    (tmp_path / "other.yarc").write_text(IN_CELL)
+    (tmp_path / "own.yarc").write_text(
+        "FRAME {BENCH} 0 0 0 0 0 0 (mm,deg) {B}\n" + IN_CELL.partition("\n")[2][17:]
+    )
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "job.yarc", IN_CELL)
+        client = one.client
+        await one.pulled(document)
+        bench, ready = types.Position(4, 33), types.Position(3, 13)
+        assert await client.text_document_prepare_rename_async(types.PrepareRenameParams(document, bench))
+        made = await client.text_document_rename_async(types.RenameParams(document, bench, "DESK"))
+        assert {uri.rpartition("/")[2] for uri in made.changes} == {"cell.toml", "job.yarc", "other.yarc"}
+        cell = applied(CELL, made.changes[(tmp_path / "cell.toml").as_uri()])
+        assert cell == CELL.replace("BENCH", "DESK")
+        assert applied(IN_CELL, made.changes[document.uri]) == IN_CELL.replace("BENCH", "DESK")
+        made = await client.text_document_rename_async(types.RenameParams(document, ready, "UP"))
+        cell = applied(CELL, made.changes[(tmp_path / "cell.toml").as_uri()])
+        assert cell == CELL.replace("READY", "UP")
+        with pytest.raises(JsonRpcException, match="declared already"):
+            await client.text_document_rename_async(types.RenameParams(document, bench, "PART"))
+        with pytest.raises(JsonRpcException, match="word of the language"):
+            await client.text_document_rename_async(types.RenameParams(document, ready, "HOLD"))
+
+    run(work, capabilities(pull=True))
+
+
+def test_links_selections_pages_and_lines_that_are_ended(tmp_path: Path):
+    (tmp_path / "side.yarc").write_text(SIDE)
+    (tmp_path / "cell.toml").write_text(CELL)
+    text = 'ROBOT INDUSTRIAL6\nUSE SIDE\nCELL "cell.toml"\nREPEAT I 2\n  P0010   MOVJE {TCP} 1 2   3 [50%] ! on\nEND\np0020 movej   0 0 0 0 -30 0 [5](deg,s)\n\n'
+
+    async def work(one: Editor) -> None:
+        document = one.open(tmp_path / "job.yarc", text)
+        client = one.client
+        found = await one.pulled(document)
+        typo = next(each for each in found if each.code == "Y0202")
+        assert Path(typo.code_description.href.removeprefix("file://")).read_text().startswith("# Y0202 ")
+        links = await client.text_document_document_link_async(types.DocumentLinkParams(document))
+        assert [(each.range.start.line, each.target.rpartition("/")[2]) for each in links] == [
+            (1, "side.yarc"),
+            (2, "cell.toml"),
+        ]
+        (selected,) = await client.text_document_selection_range_async(
+            types.SelectionRangeParams(document, [types.Position(4, 18)])
+        )
+        texts = []
+        while selected is not None:
+            texts.append((selected.range.start.line, selected.range.start.character, selected.range.end.line))
+            selected = selected.parent
+        assert texts[0] == (4, 17, 4)
+        assert (3, 0, 5) in texts
+        assert texts[-1][0] == 0
+        options = types.FormattingOptions(2, True)
+        edits = await client.text_document_on_type_formatting_async(
+            types.DocumentOnTypeFormattingParams(document, types.Position(7, 0), "\n", options)
+        )
+        assert [edit.new_text for edit in edits] == ["P0020 MOVEJ 0 0 0 0 -30 0 [5] (deg,s)"]
+        wrong = types.DocumentOnTypeFormattingParams(document, types.Position(0, 0), "\n", options)
+        assert not await client.text_document_on_type_formatting_async(wrong)
+
+    run(work, capabilities(pull=True, pages=True))

@@ -114,7 +114,7 @@ def test_the_samples_of_clearance_agree_with_the_certificate():
         proved = float(told.split()[2])
         rows = slice(stage.way.breaks[at], stage.way.breaks[at + 1])
         found = near(stage.scene, stage.track.at(stage.way.times[rows])[0])
-        cell = found.apart[stage.scene.of_cell[found.pair] & (found.pair >= 0)]
+        cell = found.apart[stage.scene.pairs.of_cell[found.pair] & (found.pair >= 0)]
         # samples are never below what was proved
         assert cell.min(initial=SEEN) * 1e3 >= proved - 0.1
 

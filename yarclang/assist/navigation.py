@@ -14,7 +14,7 @@ from yarclang.diagnostics import Edit
 from yarclang.semantics.declared.meanings import FIXED_FRAMES, is_word
 from yarclang.source import SourceFile, Span
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,7 +167,7 @@ def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile,
 def _check(target: Target, views: list[View], name: str) -> None:
     """Whether a name may be declared instead of that of a target."""
     symbol, upper = target.symbol, name.upper()
-    if _NAME.fullmatch(name) is None:
+    if NAME.fullmatch(name) is None:
         raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
     if not symbol.is_frame and is_word(upper, of_pose=symbol.kind == "pose"):
         raise RenameError(f"{upper} is a word of the language")

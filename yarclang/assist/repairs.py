@@ -11,13 +11,13 @@ from dataclasses import dataclass
 
 from yarclang.assist.sketch import Sketch
 from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.mistakes.names import with_name
 from yarclang.source import SourceFile, Span
 from yarclang.subjects import MissingUnit, Name
 from yarclang.syntax.ast import Statement
 from yarclang.syntax.lines import code_of
 from yarclang.units import Kind
 
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 _USUAL: Mapping[Kind, tuple[str, str]] = {"length": ("mm", "m"), "angle": ("deg", "rad"), "time": ("s", "ms")}
 _IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
 
@@ -53,17 +53,12 @@ def repairs_of(
 
 
 def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
-    """The name that may be meant, in the place of the one that stands there."""
-    span, subject = finding.span, finding.subject
-    name = subject.meant if isinstance(subject, Name) else ""
-    if not name or span is None or span.line != span.end_line:
-        return
-    written = source.line(span.line)[span.column - 1 : span.end_column - 1]
-    words = list(_NAME.finditer(written))
-    if len(words) != 1:
-        return
-    start = span.column + words[0].start()
-    yield Fix(f"write {name}", (Edit(Span.on_line(span.line, start, span.column + words[0].end()), name),))
+    """The names that may be meant, in the place of the one that stands there."""
+    if isinstance(finding.subject, Name) and finding.subject.meant:
+        for name in (finding.subject.meant, *finding.subject.others):
+            fix = with_name(source, finding, name)
+            if fix is not None:
+                yield fix
 
 
 def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) -> Iterator[Fix]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from yarclang.assist.symbols import Names, Symbol, Use, names_of
+from yarclang.assist.symbols import Names, Symbol, Use, ends_of, names_of
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Module, Node, Statement
 from yarclang.syntax.blocks import arrange
@@ -31,6 +31,11 @@ class Sketch:
     def names(self) -> Names:
         """Declarations and uses."""
         return names_of(self.nodes)
+
+    @cached_property
+    def ends(self) -> dict[int, int]:
+        """The last line of each block by its first."""
+        return ends_of(self.nodes)
 
     @cached_property
     def _by_line(self) -> dict[int, Statement]:

@@ -246,6 +246,16 @@ def _inner(statement: Statement, frame: FrameName) -> Span:
     return Span.on_line(statement.line + frame.place.row, start, start + len(inner.strip()))
 
 
+def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
+    """Return the last line of each block by its first."""
+    found: dict[int, int] = {}
+    for node in nodes:
+        if isinstance(node, Block):
+            found[node.head.line] = _end_of(node)
+            found |= ends_of((*node.body, *(node.otherwise or ())))
+    return found
+
+
 def _last_line(block: Block) -> int:
     """The last line of a block without an END: what follows it belongs to it too."""
     return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)

@@ -37,25 +37,44 @@ class Body:
 
 
 @frozen(eq=False)
-class Scene:
-    """The bodies, and for K pairs of them: `first` and `second` (K,), of which `second` is moved by more joints, `margin` (K,) [m], whether
-    one of both stands in the cell (`of_cell`), and whether they may touch as a part is taken or put down (`touching`). `at_home` are the pairs of links that touch in the robot's HOME: there it stands, so that it is their
-    shapes that are too large, and they aren't among the pairs.
+class Pairs:
+    """K pairs of bodies that must not meet.
 
-    Per body: `joint` (M,), `middle` (M, 3) of its box, `rotation` (M, 3, 3) with all joints at zero, in {B}; `half` (M, 3), `radius` and
-    `bound` (M,) of its box; `core` (M, 3) and `disc` (M,) of its hull; `cornered` are the bodies whose hull has corners instead.
-    `of_coal` are the shapes themselves, `own_middle` (M, 3) is the middle of the box in the shape's frame, `closed` (M,) are the meshes that enclose a room,
-    `hollow` (M,) those that aren't their hulls.
+    Attributes:
+        first: one body of each (K,).
+        second: the other (K,), moved by more joints.
+        margin: how far both stay apart (K,) [m].
+        touching: whether they may touch as a part is taken or put down (K,).
+        of_cell: whether one of both stands in the cell (K,).
     """
 
-    chain: Chain
-    bodies: tuple[Body, ...]
     first: Rows
     second: Rows
     margin: Array
-    of_cell: NDArray[np.bool_]
     touching: NDArray[np.bool_]
-    at_home: frozenset[tuple[str, str]]
+    of_cell: NDArray[np.bool_]
+
+
+@frozen(eq=False)
+class Boxes:
+    """M bodies as arrays: the box around each, the hull within it, and the shape itself.
+
+    Attributes:
+        joint: how many joints move it (M,).
+        middle: of its box, with all joints at zero, in {B} (M, 3) [m].
+        rotation: of its box, with all joints at zero, in {B} (M, 3, 3).
+        half: half of its box's edges (M, 3) [m].
+        radius: by how much its box is rounded (M,) [m].
+        bound: of the sphere around it (M,) [m].
+        core: half of the edges of its hull's core (M, 3) [m].
+        disc: of its hull (M,) [m].
+        cornered: the bodies whose hull has corners instead.
+        of_coal: the shapes themselves.
+        own_middle: the middle of the box in the shape's frame (M, 3) [m].
+        closed: the meshes that enclose a room (M,).
+        hollow: those that aren't their hulls (M,).
+    """
+
     joint: Rows
     middle: Array
     rotation: Array
@@ -70,9 +89,29 @@ class Scene:
     closed: NDArray[np.bool_]
     hollow: NDArray[np.bool_]
 
+
+@frozen(eq=False)
+class Scene:
+    """The bodies around an arm, and those of their pairs that must not meet.
+
+    Attributes:
+        chain: the arm.
+        bodies: in any order.
+        pairs: of these bodies.
+        boxes: the same bodies, as arrays.
+        at_home: names of the pairs of links that touch in the robot's HOME: there it stands, so their shapes are too
+            large, and they aren't among the pairs.
+    """
+
+    chain: Chain
+    bodies: tuple[Body, ...]
+    pairs: Pairs
+    boxes: Boxes
+    at_home: frozenset[tuple[str, str]]
+
     def names(self, pair: int) -> tuple[str, str]:
-        """How messages call the two bodies of a pair, the one that moves more first."""
-        return self.bodies[self.second[pair]].name, self.bodies[self.first[pair]].name
+        """Return how messages call the two bodies of a pair, the one that moves more first."""
+        return self.bodies[self.pairs.second[pair]].name, self.bodies[self.pairs.first[pair]].name
 
 
 def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
@@ -82,7 +121,7 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
         A scene with the bodies of all, each of them once, and for each scene the pairs that are its own.
     """
     if len(scenes) == 1:
-        return scenes[0], (np.arange(len(scenes[0].first)),)
+        return scenes[0], (np.arange(len(scenes[0].pairs.first)),)
     bodies: dict[Hashable, tuple[int, Body]] = {}
     pairs: dict[tuple[int, int, float, bool], int] = {}
     own: list[Rows] = []
@@ -92,32 +131,31 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
             key = body.name, body.joint, body.base_from_body.tobytes(), id(body.geometry), body.margin
             here.append(bodies.setdefault(key, (len(bodies), body))[0])
         at = np.array(here, dtype=np.int64)
-        columns = at[scene.first], at[scene.second], scene.margin, scene.touching
+        columns = at[scene.pairs.first], at[scene.pairs.second], scene.pairs.margin, scene.pairs.touching
         rows = zip(*(column.tolist() for column in columns), strict=True)
         own.append(np.array([pairs.setdefault(row, len(pairs)) for row in rows], dtype=np.int64))
     first, second, limits, touching = zip(*pairs, strict=True) if pairs else ((), (), (), ())
-    found = PairRows(
+    every = tuple(body for _, body in bodies.values())
+    found = paired(
+        every,
         np.array(first, dtype=np.int64),
         np.array(second, dtype=np.int64),
         np.array(limits, dtype=np.float64),
         np.array(touching, dtype=np.bool_),
     )
-    every = tuple(body for _, body in bodies.values())
     return assembled(scenes[0].chain, every, found, scenes[0].at_home), tuple(own)
 
 
-@frozen(eq=False)
-class PairRows:
-    """K pairs, as `Scene` has them."""
-
-    first: Rows
-    second: Rows
-    margin: Array
-    touching: NDArray[np.bool_]
+def paired(
+    bodies: Sequence[Body], first: Rows, second: Rows, margin: Array, touching: NDArray[np.bool_]
+) -> Pairs:
+    """Return pairs of bodies, all (K,), as `Pairs` has them."""
+    of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
+    return Pairs(first, second, margin, touching, of_cell[first] | of_cell[second])
 
 
 def assembled(
-    chain: Chain, bodies: tuple[Body, ...], pairs: PairRows, at_home: frozenset[tuple[str, str]]
+    chain: Chain, bodies: tuple[Body, ...], pairs: Pairs, at_home: frozenset[tuple[str, str]]
 ) -> Scene:
     """Return the scene of bodies and their pairs.
 
@@ -127,31 +165,25 @@ def assembled(
         pairs: of these bodies.
         at_home: names of the links that touch in HOME.
     """
-    first, second = pairs.first, pairs.second
+    return Scene(chain, bodies, pairs, _boxes(bodies), at_home)
+
+
+def _boxes(bodies: Sequence[Body]) -> Boxes:
     placed = np.array([body.base_from_body for body in bodies]).reshape(-1, 4, 4)
     middle = np.array([body.geometry.middle for body in bodies]).reshape(-1, 3)
-    of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
     rotation, origin = placed[:, :3, :3], placed[:, :3, 3]
-    return Scene(
-        chain,
-        bodies,
-        first,
-        second,
-        pairs.margin,
-        of_cell[first] | of_cell[second],
-        pairs.touching,
-        at_home,
-        np.array([body.joint for body in bodies], dtype=np.int64),
-        origin + (rotation @ middle[:, :, None])[:, :, 0],
-        rotation,
-        np.array([body.geometry.half for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.radius for body in bodies]),
-        np.array([body.geometry.bound for body in bodies]),
-        np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.disc for body in bodies]),
-        tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
-        tuple(body.geometry.of_coal for body in bodies),
-        np.array([body.geometry.middle for body in bodies]).reshape(-1, 3),
-        np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
-        np.array([body.geometry.is_hollow for body in bodies], dtype=np.bool_),
+    return Boxes(
+        joint=np.array([body.joint for body in bodies], dtype=np.int64),
+        middle=origin + (rotation @ middle[:, :, None])[:, :, 0],
+        rotation=rotation,
+        half=np.array([body.geometry.half for body in bodies]).reshape(-1, 3),
+        radius=np.array([body.geometry.radius for body in bodies]),
+        bound=np.array([body.geometry.bound for body in bodies]),
+        core=np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
+        disc=np.array([body.geometry.disc for body in bodies]),
+        cornered=tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
+        of_coal=tuple(body.geometry.of_coal for body in bodies),
+        own_middle=middle,
+        closed=np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
+        hollow=np.array([body.geometry.is_hollow for body in bodies], dtype=np.bool_),
     )

@@ -61,7 +61,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     """
     # with all pairs, also those that HOME lets touch
     scene = scene_of(robot, None, lenient=False).value
-    if scene is None or not len(scene.first):
+    if scene is None or not len(scene.pairs.first):
         return ()
     touch = _touching(scene, within(robot.chain, robot.limits, POSITIONS))
     here = _touching(scene, robot.home[None])[0]
@@ -78,7 +78,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
 def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
     """In which share of the positions (P, K) some of the shapes of two bodies touch."""
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
-    for pair in range(len(scene.first)):
+    for pair in range(len(scene.pairs.first)):
         names = scene.names(pair)
         rows[names] = rows[names] | touch[:, pair] if names in rows else touch[:, pair]
     return {names: float(row.mean()) for names, row in rows.items()}
@@ -111,7 +111,7 @@ def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[
 
 def _touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
     """Which pairs touch (P, K) at joint positions `q` (P, n)."""
-    count, pairs = len(q), len(scene.first)
+    count, pairs = len(q), len(scene.pairs.first)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
     apart = distances(scene, pair, relative(place(scene, q), at, pair))
     return apart.reshape(count, pairs) <= 0.0

@@ -52,10 +52,10 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
         placed = data.oMi[body.joint].inverse() * pinocchio.SE3(np.array(body.base_from_body))
         shape = body.geometry.of_coal
         geometry.addGeometryObject(pinocchio.GeometryObject(str(number), body.joint, placed, shape))
-    for first, second in zip(scene.first.tolist(), scene.second.tolist(), strict=True):
+    for first, second in zip(scene.pairs.first.tolist(), scene.pairs.second.tolist(), strict=True):
         geometry.addCollisionPair(pinocchio.CollisionPair(first, second))
     pairs = geometry.createData()
-    apart = scene.margin + SLACK + (0.0 if more is None else more)
+    apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
     for pair, margin in enumerate(apart.tolist()):
         pairs.collisionRequests[pair].security_margin = margin
     return FreeSpace(scene, model, data, geometry, pairs)
@@ -69,9 +69,9 @@ def plain_free_space(scene: Scene) -> FreeSpace:
 
 def gaps(scene: Scene, q: Array) -> Array:
     """How far each pair is from its margin at one joint position (n,), (K,) [m]: negative where it is too near."""
-    every = np.arange(len(scene.first))
+    every = np.arange(len(scene.pairs.first))
     seen = relative(place(scene, q[None]), np.zeros_like(every), every)
-    left: Array = distances(scene, every, seen) - scene.margin
+    left: Array = distances(scene, every, seen) - scene.pairs.margin
     return left
 
 

@@ -32,7 +32,7 @@ def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meetin
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), meeting.time))
     apart = _apart(scene, course, times, meeting.pair)
-    limit = float(scene.margin[meeting.pair]) + SLACK
+    limit = float(scene.pairs.margin[meeting.pair]) + SLACK
     # coal's distance at one place may differ by rounding from one call to the next
     (near,) = np.nonzero(apart < max(limit, float(apart.min()) + SLACK))
     ends = []

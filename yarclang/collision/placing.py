@@ -33,11 +33,11 @@ def place(scene: Scene, q: Array) -> Placed:
     own = chain.kinematics
     pose = placements(chain.screws, q) if own is None else own.placements(chain, q)
     middle = np.empty((len(scene.bodies), 3, count))
-    for body, joint in enumerate(scene.joint):
+    for body, joint in enumerate(scene.boxes.joint):
         if joint == 0:
-            middle[body] = scene.middle[body][:, None]
+            middle[body] = scene.boxes.middle[body][:, None]
             continue
-        np.matmul(scene.middle[body], pose[joint, :, :3], out=middle[body])
+        np.matmul(scene.boxes.middle[body], pose[joint, :, :3], out=middle[body])
         middle[body] += pose[joint, :, 3]
     return Placed(
         scene,
@@ -50,9 +50,11 @@ def place(scene: Scene, q: Array) -> Placed:
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
     """A lower bound (R,) of the distance of each pair at the joint position `at` (R,): of spheres around both [m]."""
     scene = placed.scene
-    one, other = scene.first[pair], scene.second[pair]
+    one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     apart = placed.middle[one, at] - placed.middle[other, at]
-    gaps: Array = np.sqrt(np.einsum("ri,ri->r", apart, apart)) - scene.bound[one] - scene.bound[other]
+    gaps: Array = (
+        np.sqrt(np.einsum("ri,ri->r", apart, apart)) - scene.boxes.bound[one] - scene.boxes.bound[other]
+    )
     return gaps
 
 
@@ -71,21 +73,23 @@ class Relative:
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
     """How the bodies of pairs stand to each other at joint positions, (R,) each."""
     scene = placed.scene
-    one, other = scene.first[pair], scene.second[pair]
-    first = (placed.turn[scene.joint[one], at] @ scene.rotation[one]).transpose(0, 2, 1)
-    second = placed.turn[scene.joint[other], at] @ scene.rotation[other]
+    one, other = scene.pairs.first[pair], scene.pairs.second[pair]
+    first = (placed.turn[scene.boxes.joint[one], at] @ scene.boxes.rotation[one]).transpose(0, 2, 1)
+    second = placed.turn[scene.boxes.joint[other], at] @ scene.boxes.rotation[other]
     apart = placed.middle[other, at] - placed.middle[one, at]
     return Relative(first @ second, (first @ apart[:, :, None])[:, :, 0])
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
     """A sharper lower bound (R,): of the rounded boxes, each against the upright box around the other [m]."""
-    one, other = scene.first[pair], scene.second[pair]
+    one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     reach = np.abs(seen.turn)
-    first, second = scene.half[one], scene.half[other]
+    first, second = scene.boxes.half[one], scene.boxes.half[other]
     gap = np.abs(seen.middle) - first - (reach @ second[:, :, None])[:, :, 0]
     back = np.abs((seen.middle[:, None, :] @ seen.turn)[:, 0]) - second - (first[:, None, :] @ reach)[:, 0]
-    gaps: Array = np.maximum(_outside(gap), _outside(back)) - scene.radius[one] - scene.radius[other]
+    gaps: Array = (
+        np.maximum(_outside(gap), _outside(back)) - scene.boxes.radius[one] - scene.boxes.radius[other]
+    )
     return gaps
 
 
@@ -113,11 +117,15 @@ def distances(
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = deep
     here, there = coal.Transform3s(), coal.Transform3s()
-    shapes, own = scene.of_coal, scene.own_middle
-    origin = seen.middle + own[scene.first[pair]] - (seen.turn @ own[scene.second[pair]][:, :, None])[:, :, 0]
+    shapes, own = scene.boxes.of_coal, scene.boxes.own_middle
+    origin = (
+        seen.middle
+        + own[scene.pairs.first[pair]]
+        - (seen.turn @ own[scene.pairs.second[pair]][:, :, None])[:, :, 0]
+    )
     found = np.empty(len(pair))
     # one call a pair and position: coal has none for many
-    pairs = zip(scene.first[pair].tolist(), scene.second[pair].tolist(), strict=True)
+    pairs = zip(scene.pairs.first[pair].tolist(), scene.pairs.second[pair].tolist(), strict=True)
     for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
         answer.clear()
         there.setTransform(turn, shift)
@@ -126,10 +134,13 @@ def distances(
             normal[row] = answer.normal
     if not deep:
         found[np.abs(found) < _TOUCHING] = 0.0
-    for one, other, inside in ((scene.first, scene.second, True), (scene.second, scene.first, False)):
-        if not scene.closed.any():
+    for one, other, inside in (
+        (scene.pairs.first, scene.pairs.second, True),
+        (scene.pairs.second, scene.pairs.first, False),
+    ):
+        if not scene.boxes.closed.any():
             break
-        for row in np.flatnonzero(scene.closed[one[pair]] & (found > 0.0)).tolist():
+        for row in np.flatnonzero(scene.boxes.closed[one[pair]] & (found > 0.0)).tolist():
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)

@@ -17,9 +17,11 @@ from yarclang.shapes import Array
 
 def support(scene: Scene, body: Rows, direction: Array) -> Array:
     """How far bodies (R,) reach from the middles of their boxes in unit directions (R, 3), in the bodies' own axes [m]."""
-    reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.core[body])
-    reach = reach + scene.radius[body] + scene.disc[body] * np.hypot(direction[:, 0], direction[:, 1])
-    for one in scene.cornered:
+    reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.boxes.core[body])
+    reach = (
+        reach + scene.boxes.radius[body] + scene.boxes.disc[body] * np.hypot(direction[:, 0], direction[:, 1])
+    )
+    for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
         assert corners is not None  # as it is among the cornered
@@ -32,7 +34,7 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
     """How far planes with unit normals (R, 3), seen from the first bodies, hold the pairs apart [m]; below zero where they cut."""
     along = np.einsum("ri,ri->r", seen.middle, normal)
     turned = -(normal[:, None, :] @ seen.turn)[:, 0]
-    first, second = scene.first[pair], scene.second[pair]
+    first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     gap: Array = along - support(scene, first, normal) - support(scene, second, turned)
     return gap
 
@@ -77,7 +79,7 @@ def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Ar
         gap: (R,) proposed.
     """
     proved = gap.copy()
-    hollow = scene.hollow[scene.first[pair]] | scene.hollow[scene.second[pair]]
+    hollow = scene.boxes.hollow[scene.pairs.first[pair]] | scene.boxes.hollow[scene.pairs.second[pair]]
     (rows,) = np.nonzero((gap > 0.0) & ~hollow)
     if not len(rows):
         return proved
@@ -127,7 +129,7 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
 
 def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
     """Return the point (R, 3) of the second body minus one of the first, seen from the first, that lies least far in a direction."""
-    first, second = scene.first[pair], scene.second[pair]
+    first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     own = (direction[:, None, :] @ seen.turn)[:, 0]
     there = (seen.turn @ _farthest(scene, second, -own)[:, :, None])[:, :, 0] + seen.middle
     difference: Array = there - _farthest(scene, first, direction)
@@ -136,11 +138,13 @@ def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> A
 
 def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
     """Return a point (R, 3) of each body, seen from the middle of its box, that lies farthest in a unit direction (R, 3) in the body's own axes."""
-    points: Array = np.copysign(scene.core[body], direction) + scene.radius[body][:, None] * direction
+    points: Array = (
+        np.copysign(scene.boxes.core[body], direction) + scene.boxes.radius[body][:, None] * direction
+    )
     flat = np.hypot(direction[:, 0], direction[:, 1])
     aside = direction[:, :2] / np.where(flat > 0.0, flat, 1.0)[:, None]
-    points[:, :2] += scene.disc[body][:, None] * aside
-    for one in scene.cornered:
+    points[:, :2] += scene.boxes.disc[body][:, None] * aside
+    for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
         assert corners is not None  # as it is among the cornered

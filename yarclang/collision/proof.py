@@ -74,7 +74,7 @@ def clearances(
     """
     search = _Search(scene, course, len(spans))
     pieces = _first_pieces(course, spans)
-    every = np.arange(len(scene.first))
+    every = np.arange(len(scene.pairs.first))
     count = len(pieces.begin)
     if own is None:
         piece, pair = np.repeat(np.arange(count), len(every)), np.tile(every, count)
@@ -154,11 +154,11 @@ class _Search:
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course
-        self.kinds = np.where(scene.touching, 2, scene.of_cell.astype(np.int64))
+        self.kinds = np.where(scene.pairs.touching, 2, scene.pairs.of_cell.astype(np.int64))
         self.best = np.full((count, 3), np.inf)
         self.least = np.full((count, 3), np.inf)
         self.nearest = np.full((count, 3), -1, dtype=np.int64)
-        self.hit = np.zeros((count, len(scene.first)), dtype=np.bool_)
+        self.hit = np.zeros((count, len(scene.pairs.first)), dtype=np.bool_)
         self.meetings: list[Meeting] = []
 
     def answer(self) -> Clearances:
@@ -175,7 +175,7 @@ class _Search:
         gone = [self.course.gone(time) for time in (begin, middle, end)]
         placed = place(scene, self.course.at(middle))
         moves = travel(placed, np.maximum(gone[1] - gone[0], gone[2] - gone[1]))
-        apart = moves[scene.joint[scene.first[pair]], scene.second[pair], at]
+        apart = moves[scene.boxes.joint[scene.pairs.first[pair]], scene.pairs.second[pair], at]
         motion = pieces.motion[piece]
         rows = _Pairs(at, pair, motion, self.kinds[pair], apart, apart, sphere_gaps(placed, at, pair))
         rows = rows.take(np.flatnonzero(~self.hit[motion, pair]))
@@ -207,7 +207,7 @@ class _Search:
     def _along_planes(self, rows: _Pairs, normal: Array, placed: Placed, ends: tuple[Array, Array]) -> _Pairs:
         """The same rows, `nearer` by less where planes with normals (R, 3) tell it."""
         number = self._still_open(rows)
-        number = number[rows.gap[number] > self.scene.margin[rows.pair[number]]]
+        number = number[rows.gap[number] > self.scene.pairs.margin[rows.pair[number]]]
         if not len(number):
             return rows
         part, piece = rows.take(number), np.unique(rows.piece[number])
@@ -216,9 +216,9 @@ class _Search:
         speed, strength = self.course.peaks(begin, end)
         sharpest = accelerations(middle, speed, strength, speed * ((end - begin) / 2.0)[:, None])
         at = np.searchsorted(piece, part.piece)
-        first, second = self.scene.first[part.pair], self.scene.second[part.pair]
+        first, second = self.scene.pairs.first[part.pair], self.scene.pairs.second[part.pair]
         half = (end - begin)[at] / 2.0
-        slack = sharpest[self.scene.joint[first], second, at] * half**2 / 8.0
+        slack = sharpest[self.scene.boxes.joint[first], second, at] * half**2 / 8.0
         arms = place(self.scene, self.course.at(begin)), middle, place(self.scene, self.course.at(end))
         least = least_gap(self.scene, arms, at, part.pair, normal[number], slack)
         nearer = rows.nearer.copy()
@@ -227,7 +227,7 @@ class _Search:
 
     def _give_up(self, rows: _Pairs, time: Array) -> None:
         """Pairs that hardly move any more, and still may get nearer than their margin, come too near."""
-        margin = self.scene.margin[rows.pair]
+        margin = self.scene.pairs.margin[rows.pair]
         for row in np.flatnonzero((rows.apart <= RESOLUTION) & (rows.gap - rows.nearer < margin)):
             self._meet(rows, int(row), time)
 
@@ -235,7 +235,7 @@ class _Search:
         """Which rows' gaps don't say enough; of the others it is kept what they say."""
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
-        done = (surely >= self.scene.margin[rows.pair]) & (surely >= wanted)
+        done = (surely >= self.scene.pairs.margin[rows.pair]) & (surely >= wanted)
         np.minimum.at(self.least, (rows.motion[done], rows.kind[done]), surely[done])
         return np.flatnonzero(~done)
 
@@ -255,7 +255,7 @@ class _Search:
         nearer = rows.gap[order] < self.best[at]
         at = at[0][nearer], at[1][nearer]
         self.best[at], self.nearest[at] = rows.gap[order][nearer], rows.pair[order][nearer]
-        for row in np.flatnonzero(rows.gap < self.scene.margin[rows.pair] + SLACK):
+        for row in np.flatnonzero(rows.gap < self.scene.pairs.margin[rows.pair] + SLACK):
             self._meet(rows, int(row), time)
 
     def _meet(self, rows: _Pairs, row: int, time: Array) -> None:

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from yarclang.cell.model import Cell, Touch
-from yarclang.collision.bodies import Body, PairRows, Rows, Scene, assembled, together
+from yarclang.collision.bodies import Body, Rows, Scene, assembled, paired, together
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
 from yarclang.collision.placing import distances, place, relative
 from yarclang.diagnostics import Diagnostic, Result
@@ -101,7 +101,7 @@ def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
     """Return the pairs of links that touch in the robot's HOME, as `Scene.names` has them."""
     links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
     scene = _scene(robot, links, (), frozenset())
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     if not len(pairs):
         return frozenset()
     apart = distances(scene, pairs, relative(place(scene, robot.home[None]), np.zeros_like(pairs), pairs))
@@ -127,7 +127,7 @@ def _scene(
     limits = np.maximum(margin[first], margin[second])
     least = _least(robot, bodies, pairs, touches) if touches else np.full(len(pairs), np.inf)
     kept = np.flatnonzero(least > -np.inf)
-    rows = PairRows(first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
+    rows = paired(bodies, first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
     return assembled(robot.chain, bodies, rows, at_home)
 
 

@@ -35,7 +35,7 @@ def arm_lengths(placed: Placed) -> Array:
     arms = np.zeros((chain.size, bodies, count))
     for joint in range(chain.size):
         linear, angular = chain.screws[joint, :3], chain.screws[joint, 3:]
-        (moved,) = np.nonzero(scene.joint > joint)
+        (moved,) = np.nonzero(scene.boxes.joint > joint)
         if not angular.any():
             arms[joint, moved] = np.linalg.norm(linear)
             continue
@@ -45,7 +45,7 @@ def arm_lengths(placed: Placed) -> Array:
         point = turn @ (np.cross(angular, linear) / rate**2) + shift
         arm = placed.middle[moved] - point
         away = np.cross(arm, axis)
-        radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.bound[moved, None]
+        radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.boxes.bound[moved, None]
         # a screw of some pitch slides as well
         slide = abs(float(angular @ linear)) / rate
         arms[joint, moved] = np.hypot(radius * rate, slide)

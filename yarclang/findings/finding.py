@@ -77,3 +77,12 @@ class Finding:
     def need(self) -> Need:
         """What another line should have given; the place of a motion for all families that speak of one."""
         return self.needs or ("place" if self.family in _OF_PLACES else "")
+
+
+def page(finding: Finding) -> str:
+    """Return a finding's page in Markdown: what it means, an example, and a better one."""
+    parts = [f"# {finding.code} {finding.name}", f"**{finding.severity}**: {finding.title}.", finding.why]
+    for title, lines in (("For example", finding.example), ("Better", finding.better)):
+        if lines:
+            parts.append(f"{title}:\n\n```yarc\n{lines}\n```")
+    return "\n\n".join(parts) + "\n"

@@ -111,11 +111,11 @@ def _touches(leaving: Collection[Leaving]) -> tuple[Touch, ...]:
 def _is_free(robot: Robot, cell: Cell | None, q: Array) -> bool:
     """Return True if all bodies keep their distances at a joint position (n,)."""
     scene = scene_of(robot, cell).value
-    if scene is None or not len(scene.first):
+    if scene is None or not len(scene.pairs.first):
         return True
-    pairs = np.arange(len(scene.first))
+    pairs = np.arange(len(scene.pairs.first))
     apart = distances(scene, pairs, relative(place(scene, q[None]), np.zeros_like(pairs), pairs))
-    return bool((apart >= scene.margin + SLACK).all())
+    return bool((apart >= scene.pairs.margin + SLACK).all())
 
 
 def on_cell(present: Present, known: Cell, cell: Cell) -> Present:

@@ -106,12 +106,12 @@ def _gaps(
     if scene is None:
         return []
     still, moved = _which(scene, is_still), _which(scene, is_moved)
-    pairs = np.flatnonzero(still[scene.first] & moved[scene.second])
-    first, second = scene.first[pairs], scene.second[pairs]
+    pairs = np.flatnonzero(still[scene.pairs.first] & moved[scene.pairs.second])
+    first, second = scene.pairs.first[pairs], scene.pairs.second[pairs]
     way = base_from_flange @ np.linalg.inv(robot.chain.base_from_flange)
-    back = scene.rotation[first].transpose(0, 2, 1)
-    apart = scene.middle[second] @ way[:3, :3].T + way[:3, 3] - scene.middle[first]
-    seen = Relative(back @ way[:3, :3] @ scene.rotation[second], (back @ apart[:, :, None])[:, :, 0])
+    back = scene.boxes.rotation[first].transpose(0, 2, 1)
+    apart = scene.boxes.middle[second] @ way[:3, :3].T + way[:3, 3] - scene.boxes.middle[first]
+    seen = Relative(back @ way[:3, :3] @ scene.boxes.rotation[second], (back @ apart[:, :, None])[:, :, 0])
     gaps = distances(scene, pairs, seen)
     return [Touch(*scene.names(pair), float(gap)) for pair, gap in zip(pairs.tolist(), gaps, strict=True)]
 

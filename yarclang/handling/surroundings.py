@@ -79,15 +79,15 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
     if scene is None or not names:
         return ()
     held = np.array([one.is_part and one.name in names and not one.of_cell for one in scene.bodies])
-    pairs = np.flatnonzero((scene.joint[scene.first] == 0) & held[scene.second])
-    first, second = scene.first[pairs], scene.second[pairs]
+    pairs = np.flatnonzero((scene.boxes.joint[scene.pairs.first] == 0) & held[scene.pairs.second])
+    first, second = scene.pairs.first[pairs], scene.pairs.second[pairs]
     moved = np.frombuffer(flange).reshape(4, 4) @ np.linalg.inv(robot.chain.base_from_flange)
-    apart = scene.middle[second] @ moved[:3, :3].T + moved[:3, 3] - scene.middle[first]
-    limit = scene.margin[pairs] + NEAR
-    close = np.linalg.norm(apart, axis=1) - scene.bound[first] - scene.bound[second] <= limit
+    apart = scene.boxes.middle[second] @ moved[:3, :3].T + moved[:3, 3] - scene.boxes.middle[first]
+    limit = scene.pairs.margin[pairs] + NEAR
+    close = np.linalg.norm(apart, axis=1) - scene.boxes.bound[first] - scene.boxes.bound[second] <= limit
     pairs, first, second, apart, limit = (one[close] for one in (pairs, first, second, apart, limit))
-    back = scene.rotation[first].transpose(0, 2, 1)
-    seen = Relative(back @ moved[:3, :3] @ scene.rotation[second], (back @ apart[:, :, None])[:, :, 0])
+    back = scene.boxes.rotation[first].transpose(0, 2, 1)
+    seen = Relative(back @ moved[:3, :3] @ scene.boxes.rotation[second], (back @ apart[:, :, None])[:, :, 0])
     gaps = distances(scene, pairs, seen)
     return tuple(
         Touch(*scene.names(pair), float(gap))
@@ -124,10 +124,10 @@ def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...]
         return True
     lies = np.array([one.is_part and one.name in names and one.of_cell for one in scene.bodies])
     hangs = np.array([one.joint == robot.size and not one.is_part for one in scene.bodies])
-    pairs = np.flatnonzero(lies[scene.first] & hangs[scene.second])
+    pairs = np.flatnonzero(lies[scene.pairs.first] & hangs[scene.pairs.second])
     at = np.zeros_like(pairs)
     apart = distances(scene, pairs, relative(place(scene, q[None]), at, pairs))
-    return bool((apart > scene.margin[pairs]).all())
+    return bool((apart > scene.pairs.margin[pairs]).all())
 
 
 def load_cases(robot: Robot, cell: Cell | None) -> tuple[Dynamics, ...]:

@@ -23,6 +23,7 @@ from pygls.protocol.language_server import lsp_method
 from pygls.uris import to_fs_path
 
 from yarclang import __version__
+from yarclang.assist.calls import Caller, callable_at, outside
 from yarclang.assist.hints import ShortestTimes
 from yarclang.assist.view import View
 from yarclang.lsp import features
@@ -31,6 +32,7 @@ from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document, changed
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.modules import Modules
+from yarclang.lsp.positions import place_of
 from yarclang.lsp.refusal import Outdated
 from yarclang.lsp.translation import uri_of
 from yarclang.pipeline.inputs import Options
@@ -167,6 +169,22 @@ class Server(LanguageServer):
             if name not in views:
                 views[name] = View(sketch, module=self.modules.in_folder(Path(name).parent))
         return list(views.values())
+
+    def caller_of(self, item: types.CallHierarchyItem) -> tuple[Caller, list[View]] | None:
+        """Return the SUB, or the lines outside of SUBs, that a client has got before, and what is known of the files around it."""
+        path = to_fs_path(item.uri)
+        beside = next((one.uri for one in self.documents.values() if one.is_program), None)
+        uri = item.uri if item.uri in self.documents else beside
+        if path is None or uri is None:
+            return None
+        views = self.views_beside(uri, path)
+        view = next((one for one in views if one.sketch.source.name == path), None)
+        if view is None:
+            return None
+        source = view.sketch.source
+        line, column = place_of(source, item.selection_range.start, self.encoding)
+        found = callable_at(view, line, column) if item.kind == types.SymbolKind.Function else outside(view)
+        return (found, views) if found is not None else None
 
     def uri_of(self, name: str) -> str:
         """The URI of a file that findings call `name`: that under which the client has it open, if it has."""

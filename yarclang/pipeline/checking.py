@@ -15,6 +15,7 @@ from yarclang.lint.engine import Remarks, findings_of, remarks
 from yarclang.lint.rule import Surroundings
 from yarclang.lint.suppression import has_suppressions, suppress
 from yarclang.memory import Forgetful
+from yarclang.mistakes.answers import answered
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
@@ -222,7 +223,7 @@ def settled(
     """
     told: list[Diagnostic] = []
     go_on()
-    found = without_followers(diagnostics, source)
+    found = without_followers(answered(diagnostics, source), source)
     unjudged: frozenset[int] = frozenset()
     if opened is not None:
         unjudged = uncalled_lines(opened.module) if is_whole and has_suppressions(source) else unjudged

@@ -156,13 +156,21 @@ def _tried(
         errors = {code for code in errors if family_of(code) == SYNTAX}
     if any(has[code] > had[code] for code in errors):
         return None
-    gone = Counter(one.code for one in chosen)
-    # edits of one kind may remove several findings, or uncover one of the same kind further down
-    if any(has[code] >= had[code] for code in gone):
+    # edits of one kind may remove several findings, or uncover another one with the same code
+    said, says = _said(before), _said(after)
+    if any(says[key] >= said[key] for key in _said_of(chosen)):
         return None
     if not any(one.is_error for one in chosen) and not _does_the_same(before, after):
         return None
     return after
+
+
+def _said(checked: Checked) -> Counter[tuple[str, str]]:
+    return _said_of(checked.diagnostics)
+
+
+def _said_of(findings: Iterable[Diagnostic]) -> Counter[tuple[str, str]]:
+    return Counter((one.code, one.message) for one in findings)
 
 
 def _counted(checked: Checked) -> Counter[str]:

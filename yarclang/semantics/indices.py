@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.progress import each
+from yarclang.source import Span
 from yarclang.syntax.ast import Module, Statement
-from yarclang.syntax.words import DECLARATIONS
+from yarclang.syntax.words import DECLARATIONS, LONGEST_INDEX
 
 
 def commands_of(module: Module) -> list[Statement]:
@@ -17,18 +18,30 @@ def commands_of(module: Module) -> list[Statement]:
     ]
 
 
+STEP = 10
+"""From one index to the next, as `yarc fmt --renumber` has it."""
+
+
 def check_indices(commands: list[Statement], findings: Collector) -> None:
     """Every command has an index; each is there once; they ascend."""
     lines: dict[int, int] = {}
     out_of_order: Statement | None = None
     last = -1
-    for statement in each(commands):
+    taken = {_number(one) for one in each(commands) if one.index is not None}
+    following = _following(commands)
+    new = -1
+    for place, statement in enumerate(each(commands)):
+        before = max(last, new)
         if statement.index is None:
             span = statement.span(statement.name.place)
-            help_ = "write P0010 (any number that isn't taken) before the name"
-            findings.add("Y0105", f"{statement.name.text} has no index", span, help_)
+            new = _free(before, following[place], taken)
+            meant = f"P{new:04d}" if new >= 0 else ""
+            help_ = f"write {meant or 'P0010 (any number that is free)'} before the name"
+            edit = Edit(Span.on_line(span.line, span.column, span.column), f"{meant} ")
+            fix = Fix(f"write {meant}", (edit,)) if meant else None
+            findings.add("Y0105", f"{statement.name.text} has no index", span, help_, fix)
             continue
-        number = int(statement.index.text[1:])
+        number = _number(statement)
         if number in lines:
             span = statement.span(statement.index.place)
             message = f"the index P{number:04d} stands in line {lines[number]} already"
@@ -41,9 +54,35 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
     if out_of_order is not None and out_of_order.index is not None:
         span = out_of_order.span(out_of_order.index.place)
         edits = tuple(
-            Edit(statement.span(statement.index.place), f"P{number:04d}")
+            Edit(statement.span(statement.index.place), f"P{number * STEP:04d}")
             for number, statement in enumerate((one for one in each(commands) if one.index), 1)
             if statement.index
         )
         message = f"the index {out_of_order.index.text} is smaller than one above it"
         findings.add("Y1201", message, span, "renumber the commands", Fix("renumber the commands", edits))
+
+
+def _number(statement: Statement) -> int:
+    assert statement.index is not None  # who asks has looked
+    return int(statement.index.text[1:])
+
+
+def _following(commands: list[Statement]) -> list[int]:
+    """Return the next index behind each command, of the last ones one that none reaches."""
+    found, following = 10**LONGEST_INDEX, []
+    for statement in reversed(commands):
+        following.append(found)
+        if statement.index is not None:
+            found = _number(statement)
+    return following[::-1]
+
+
+def _free(before: int, following: int, taken: set[int]) -> int:
+    """Return an index between two others that no command has, and take it; -1 if there is none."""
+    number = max(before, 0) + STEP
+    if number >= following:
+        number = max(before, 0) + (following - max(before, 0)) // 2
+    if not before < number < following or number in taken:
+        return -1
+    taken.add(number)
+    return number

@@ -71,7 +71,7 @@ class Sensing:
         self._joints = np.array([body.joint for body in bodies], dtype=np.int64)
         self._middles = np.ones((len(bodies), 4, 1))
         if self._scene is not None:
-            self._middles[:, :3, 0] = self._scene.middle
+            self._middles[:, :3, 0] = self._scene.boxes.middle
         self._left: dict[tuple[str, int], float] = {}
         self._seen: dict[str, float] = {}
         self._at: bytes | None = None
@@ -145,7 +145,7 @@ class Sensing:
             # what stands still isn't seen, nor what moves with the sensor
             moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
             apart = middles - middle
-            near = np.sqrt((apart * apart).sum(axis=1)) <= scene.bound + region.geometry.bound
+            near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
             sees = any(
                 _overlap(region.geometry, there, geometry, pose)
                 for (_, geometry), pose in zip(items, poses, strict=True)

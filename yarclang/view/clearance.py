@@ -49,7 +49,7 @@ def apart_over(stage: Stage, times: Array) -> Array:
 
 
 def _near(scene: Scene, q: Array) -> Near:
-    size, count = len(scene.first), len(q)
+    size, count = len(scene.pairs.first), len(q)
     gap = np.full((count, size), np.inf)
     placed = place(scene, q)
     at, pair = np.repeat(np.arange(count), size), np.tile(np.arange(size), count)
@@ -61,10 +61,10 @@ def _near(scene: Scene, q: Array) -> Near:
         rows = first[bound.ravel()[first] < SEEN]
         gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
         least = np.minimum(gap.min(axis=1), SEEN)
-        wanted = bound < np.maximum(least[:, None], scene.margin[None, :])
+        wanted = bound < np.maximum(least[:, None], scene.pairs.margin[None, :])
         rows = np.flatnonzero((wanted & ~np.isfinite(gap)).ravel())
         gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
-    return Near(*_least(gap, np.zeros(size)), *_least(gap, scene.margin))
+    return Near(*_least(gap, np.zeros(size)), *_least(gap, scene.pairs.margin))
 
 
 def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
@@ -78,12 +78,12 @@ def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
 
 def touching(scene: Scene, q: Array) -> frozenset[str]:
     """The bodies that are too near to another one at the joint position `q` (n,): nearer than the margin, or touching."""
-    size = len(scene.first)
+    size = len(scene.pairs.first)
     if not size:
         return frozenset()
     placed, pair = place(scene, q[None]), np.arange(size)
     seen = relative(placed, np.zeros(size, dtype=np.int64), pair)
-    rows = np.flatnonzero(box_gaps(scene, pair, seen) <= scene.margin + 1e-5)
+    rows = np.flatnonzero(box_gaps(scene, pair, seen) <= scene.pairs.margin + 1e-5)
     apart = distances(scene, pair[rows], seen.take(rows))
-    close = rows[apart <= scene.margin[rows] + 1e-5]
+    close = rows[apart <= scene.pairs.margin[rows] + 1e-5]
     return frozenset(name for one in close.tolist() for name in scene.names(one))

@@ -158,7 +158,7 @@ class Scenes:
     def scene(self, number: int) -> Scene | None:
         """Return the bodies of a cell; None if there is nothing to be near to."""
         found = scene_of(self.robot, self.cells[number]).value
-        return found if found is not None and len(found.first) else None
+        return found if found is not None and len(found.pairs.first) else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -48,7 +48,7 @@ def surroundings_of(
     return Surroundings(
         (*links, *around),
         axes,
-        scene if scene is not None and len(scene.first) else None,
+        scene if scene is not None and len(scene.pairs.first) else None,
         (*without, *unread, *placeless, *more),
         cell,
     )

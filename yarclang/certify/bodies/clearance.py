@@ -65,7 +65,7 @@ def find_clearances(
         scene, pairs = together(scenes)
         of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
         own = [of_cell[cell] for cell in cells]
-        if not len(scene.first):
+        if not len(scene.pairs.first):
             continue
         sweep = sweep_of(layout, places)
         found = clearances(scene, sweep.course, sweep.spans, own if len(scenes) > 1 else None)
@@ -81,7 +81,7 @@ def find_clearances(
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
     """Return the kinds of the pairs that may not touch, among a motion's own: 1 with the cell, 0 of the robot alone."""
-    return {int(one) for one in scene.of_cell[own][~scene.touching[own]]}
+    return {int(one) for one in scene.pairs.of_cell[own][~scene.pairs.touching[own]]}
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
@@ -103,16 +103,16 @@ def _finding(
     scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
     """The worst pair of a motion with its figures, and the names of the others."""
-    worst = min(contacts, key=lambda one: one[1].distance - scene.margin[one[0].pair])
+    worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)
     motion = sweep.places[row].motion
     origin = motion.origin
     when = span_text(found.begin, found.end, sweep.lasts(row))
     q = sweep.course.at(np.array([sweep.starts(row) + found.worst]))[0]
-    margin = float(scene.margin[pair])
+    margin = float(scene.pairs.margin[pair])
     if found.distance <= 0.0:
-        code = "Y0901" if scene.of_cell[pair] else "Y0902"
+        code = "Y0901" if scene.pairs.of_cell[pair] else "Y0902"
         how = f"{moving} goes {max(-found.distance / MM, 0.01):.3g} mm into {other}"
     elif found.distance >= margin + SLACK:
         code = "Y0930"

@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.certify.bodies.handled import Handled
-from yarclang.certify.bodies.sweep import moving_chunks
 from yarclang.certify.bodies.torque_bounds import torque_bends
 from yarclang.certify.certificate import IDLE, Load
 from yarclang.certify.moments import pose_text
 from yarclang.certify.motion.bounds import Cubics, segment_max
 from yarclang.certify.motion.limits import RELATIVE
-from yarclang.certify.read.layout import Layout, Place
+from yarclang.certify.read.layout import Layout, Place, chunks
 from yarclang.diagnostics import Diagnostic, Edit, Fix, grouped
 from yarclang.frozen import frozen
 from yarclang.handling.surroundings import load_cases
@@ -35,7 +34,7 @@ ROOM = 0.03
 
 @frozen(eq=False)
 class _Samples:
-    """Torques at S instants of neighbouring motions: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
+    """Torques at S instants of motions with one load: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
     more up to the next instant; `share` (S, n) of the efforts, of both. `first` (G,) is where each motion begins.
     """
 
@@ -60,13 +59,22 @@ def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[i
     if dynamics is None or not dynamics.is_checked:
         return {}, []
     loads: dict[int, Load] = {place.step: IDLE for place in layout.places}
-    findings: list[Diagnostic] = []
-    for cell, places in moving_chunks(layout, handled):
-        worst: dict[int, Diagnostic] = {}
-        for case in load_cases(robot, cell):
-            _judge_load(layout, places, replace(robot, dynamics=case), (loads, worst))
-        findings += worst.values()
-    return loads, list(grouped(findings))
+    worst: dict[int, Diagnostic] = {}
+    for case, places in _by_load(layout, robot, handled):
+        for chunk in chunks(places):
+            _judge_load(layout, chunk, replace(robot, dynamics=case), (loads, worst))
+    return loads, list(grouped([worst[step] for step in sorted(worst)]))
+
+
+def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynamics, list[Place]]]:
+    """Return the loads, each with the commands that move something with it: those that follow each other and those that don't."""
+    found: dict[int, tuple[Dynamics, list[Place]]] = {}
+    for place in layout.places:
+        if place.size:
+            # cases are remembered, so that equal ones are the same object
+            for case in load_cases(robot, handled.at(place.step)):
+                found.setdefault(id(case), (case, []))[1].append(place)
+    return list(found.values())
 
 
 def _judge_load(
@@ -75,9 +83,8 @@ def _judge_load(
     """Look at what commands ask of the motors with one load; of several loads the worst is kept, of each step."""
     dynamics, (loads, findings) = robot.dynamics, found
     assert dynamics is not None  # only then torques are looked at
-    base = places[0].first
-    cubics = layout.cubics(base, places[-1].last)
-    starts = np.array([place.first - base for place in places])
+    cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
+    starts = np.cumsum([0, *(place.size for place in places[:-1])])
     samples = _sampled(cubics, starts, robot, dynamics)
     peaks = segment_max(samples.share, samples.first)
     ends = [*samples.first[1:].tolist(), len(samples.row)]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import PurePath
 from typing import Any
@@ -12,6 +14,7 @@ from yarclang import __version__
 from yarclang.cli.formats import path_of
 from yarclang.diagnostics import Diagnostic, Fix, Within
 from yarclang.findings import Finding
+from yarclang.findings.finding import page
 from yarclang.lint.registry import everything
 from yarclang.report.finding import told_text
 from yarclang.source import Span
@@ -32,7 +35,7 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
         },
         "columnKind": "unicodeCodePoints",
         "artifacts": [{"location": {"uri": _uri(file)}} for file in files],
-        "results": [_result(one, codes.index(one.code)) for one in found],
+        "results": _results(found, codes),
     }
     return (
         json.dumps({"$schema": SCHEMA, "version": "2.1.0", "runs": [run]}, indent=2, ensure_ascii=False)
@@ -42,19 +45,31 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
 
 def _rule(finding: Finding) -> dict[str, Any]:
     text = finding.why
-    markdown = finding.why
     for title, lines in (("For example", finding.example), ("Better", finding.better)):
         if lines:
             text += f"\n\n{title}:\n\n{lines}"
-            markdown += f"\n\n{title}:\n\n```\n{lines}\n```"
     return {
         "id": finding.code,
         "name": "".join(part.capitalize() for part in finding.name.split("-")),
         "shortDescription": {"text": f"{finding.title}."},
         "fullDescription": {"text": finding.why},
-        "help": {"text": text, "markdown": markdown},
+        "help": {"text": text, "markdown": page(finding)},
         "defaultConfiguration": {"level": finding.severity},
     }
+
+
+def _results(found: Sequence[Diagnostic], codes: Sequence[str]) -> list[dict[str, Any]]:
+    """Return the results, each with a fingerprint that stays as long as the line does, wherever it moves."""
+    seen: Counter[str] = Counter()
+    results = []
+    for one in found:
+        result = _result(one, codes.index(one.code))
+        line = one.source.line(one.span.line).strip() if one.source and one.span else ""
+        what = f"{one.code}\n{path_of(one)}\n{line}"
+        seen[what] += 1
+        mark = hashlib.sha256(f"{what}\n{seen[what]}".encode()).hexdigest()[:32]
+        results.append(result | {"partialFingerprints": {"codeAndLine/v1": mark}})
+    return results
 
 
 def _result(one: Diagnostic, rule: int) -> dict[str, Any]:

@@ -213,7 +213,7 @@ class Judge:
         scene = self._scene
         if scene is None:
             return ""
-        apart = not len(scene.first) or self._has_room(scene, control)
+        apart = not len(scene.pairs.first) or self._has_room(scene, control)
         if apart and not (self._watches or self._slow):
             return ""
         course = Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())

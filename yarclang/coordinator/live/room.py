@@ -37,7 +37,7 @@ def is_free(scene: Scene, room: Room) -> bool:
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])
-    wanted = moves[scene.joint[scene.first], scene.second, 0] + scene.margin + SLACK
+    wanted = moves[scene.boxes.joint[scene.pairs.first], scene.pairs.second, 0] + scene.pairs.margin + SLACK
     pair = np.arange(len(wanted))
     pair = pair[sphere_gaps(placed, np.zeros_like(pair), pair) < wanted]
     seen = relative(placed, np.zeros_like(pair), pair)

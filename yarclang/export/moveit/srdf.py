@@ -82,7 +82,7 @@ def disabled_pairs(robot: Robot, bodies: Bodies, scene: Scene) -> list[tuple[str
     (robot.toml allows it).
     """
     joints = {body.name: body.joint for body in scene.bodies}
-    checked = {frozenset(scene.names(pair)) for pair in range(len(scene.first))}
+    checked = {frozenset(scene.names(pair)) for pair in range(len(scene.pairs.first))}
     at_home = {frozenset(pair) for pair in scene.at_home}
     found = []
     for one, other in combinations(sorted(joints), 2):

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 from lsprotocol import types
 
+from yarclang.findings.finding import page
+from yarclang.lint.registry import everything
 from yarclang.lsp.analyses import Analysis
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.translation import diagnostic_of, expect
@@ -32,7 +34,26 @@ def _can_ask_again(server: Server) -> bool:
 def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
     shown = analysis.shown
     expect(len(shown))
-    return [diagnostic_of(analysis.document, one, server.encoding) for one in shown]
+    items = [diagnostic_of(analysis.document, one, server.encoding) for one in shown]
+    if _shows_pages(server):
+        for item in items:
+            item.code_description = _page(server, str(item.code))
+    return items
+
+
+def _shows_pages(server: Server) -> bool:
+    """Whether the client shows a link from a code to its page."""
+    text = server.client_capabilities.text_document
+    shown = text.publish_diagnostics if text else None
+    return bool(shown and shown.code_description_support)
+
+
+def _page(server: Server, code: str) -> types.CodeDescription:
+    """Return the link to a code's page, which is written when it is needed first."""
+    path = server.files / f"{code}.md"
+    if not path.exists():
+        path.write_text(page(everything()[code]), encoding="utf-8")
+    return types.CodeDescription(path.as_uri())
 
 
 def _name(analysis: Analysis) -> str:

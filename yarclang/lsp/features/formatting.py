@@ -7,9 +7,12 @@ from typing import TYPE_CHECKING
 from lsprotocol import types
 
 from yarclang.assist.changes import formatted
+from yarclang.diagnostics import Edit
 from yarclang.lsp.feature import Feature
 from yarclang.lsp.positions import place_of
 from yarclang.lsp.translation import text_edits
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.form import usual_form
 
 if TYPE_CHECKING:
     from yarclang.lsp.server import Server
@@ -37,6 +40,25 @@ def _part(server: Server, params: types.DocumentRangeFormattingParams) -> list[t
     return text_edits(document.source, inside, server.encoding)
 
 
+def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list[types.TextEdit] | None:
+    """Bring the line that was just ended into its usual form; nothing else of the text changes under the hands of who types."""
+    document = server.documents.get(params.text_document.uri)
+    if document is None or not document.is_program:
+        return None
+    line = params.position.line  # from 0: the one before, from 1
+    if not 1 <= line <= len(document.source.lines):
+        return None
+    text = document.source.line(line)
+    usual = usual_form(SourceFile("line", text)).value
+    if not text.strip() or usual is None:
+        return None
+    form = text[: len(text) - len(text.lstrip())] + usual.strip()
+    if form == text:
+        return None
+    span = Span.on_line(line, 1, len(text) + 1)
+    return text_edits(document.source, (Edit(span, form),), server.encoding)
+
+
 def _last_line(line: int, column: int) -> int:
     """The last line that an edit touches: it may end where the next one begins."""
     return line - 1 if column == 1 else line
@@ -46,5 +68,9 @@ FEATURE = Feature(
     {
         types.TEXT_DOCUMENT_FORMATTING: (_whole, types.DocumentFormattingOptions()),
         types.TEXT_DOCUMENT_RANGE_FORMATTING: (_part, types.DocumentRangeFormattingOptions()),
+        types.TEXT_DOCUMENT_ON_TYPE_FORMATTING: (
+            _typed,
+            types.DocumentOnTypeFormattingOptions(first_trigger_character="\n"),
+        ),
     }
 )

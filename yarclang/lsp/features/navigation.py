@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from lsprotocol import types
 
+from yarclang.assist.cell_names import cell_of_name, rename_in_cell
 from yarclang.assist.navigation import (
     Place,
     RenameError,
@@ -21,7 +22,9 @@ from yarclang.lsp.refusal import Refusal
 from yarclang.lsp.translation import text_edits
 
 if TYPE_CHECKING:
+    from yarclang.diagnostics import Edit
     from yarclang.lsp.server import Server
+    from yarclang.source import SourceFile
 
 
 def _location(server: Server, place: Place) -> types.Location:
@@ -67,8 +70,12 @@ def _prepare(server: Server, params: types.PrepareRenameParams) -> types.Range |
     if view is None:
         return None
     source = view.sketch.source
+    at = place_of(source, params.position, server.encoding)
+    named = view.sketch.named_at(*at)
+    if named is not None and cell_of_name(view, named) is not None:
+        return range_of(source, named.span, server.encoding)
     try:
-        place = renamable_at(view, *place_of(source, params.position, server.encoding))
+        place = renamable_at(view, *at)
     except RenameError as error:
         raise Refusal(str(error)) from None
     return range_of(source, place.span, server.encoding)
@@ -80,13 +87,22 @@ def _rename(server: Server, params: types.RenameParams) -> types.WorkspaceEdit |
     if view is None:
         return None
     at = place_of(view.sketch.source, params.position, server.encoding)
+    named = view.sketch.named_at(*at)
+    in_cell = cell_of_name(view, named) if named is not None else None
     try:
+        if in_cell is not None and named is not None:
+            edits = rename_in_cell(in_cell, named, params.new_name, server.views_beside(uri))
+            return _changes(server, edits)
         renamable_at(view, *at)
         target = target_at(view, *at)
         assert target is not None  # it can be renamed
         edits = rename(target, server.views_beside(uri, target.sketch.source.name), params.new_name)
     except RenameError as error:
         raise Refusal(str(error)) from None
+    return _changes(server, edits)
+
+
+def _changes(server: Server, edits: dict[SourceFile, list[Edit]]) -> types.WorkspaceEdit:
     changes = {
         server.uri_of(source.name): text_edits(source, made, server.encoding)
         for source, made in edits.items()

@@ -54,7 +54,9 @@ class Room:
         """What is worst at a joint position (n,) [rad or m]; None where nothing is in the way."""
         left = gaps(self.scene, q)
         if len(left) and (worst := int(np.argmin(left))) >= 0 and left[worst] <= 0.0:
-            return Obstruction(self.scene.names(worst), float(left[worst]) + float(self.scene.margin[worst]))
+            return Obstruction(
+                self.scene.names(worst), float(left[worst]) + float(self.scene.pairs.margin[worst])
+            )
         slack = [(float(slack_at(self.scene, one, q[None])[0]), one) for one in self.watches]
         broken = [(by, one) for by, one in slack if by < slack_of(one)]
         if not broken:
@@ -86,10 +88,10 @@ class Room:
             course: one motion.
             more: (K,) how much farther than their margins pairs stay apart [m].
         """
-        scene = replace(self.scene, margin=self.scene.margin + more)
+        scene = replace(self.scene, pairs=replace(self.scene.pairs, margin=self.scene.pairs.margin + more))
         span = np.array([[0, len(course.x)]])
         times = []
-        if len(scene.first):
+        if len(scene.pairs.first):
             times += [one.time for one in clearances(scene, course, span).meetings]
         if self.watches:
             times += [one.time for one in kept(scene, course, span, self.watches).breaches]

@@ -44,8 +44,8 @@ def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[
     scene = scene_of(robot, cell).value
     if scene is None:
         return ()
-    around = _pairs(scene, q, np.flatnonzero(scene.of_cell), MOST)
-    own = _pairs(scene, q, np.flatnonzero(~scene.of_cell), _MOST_OWN)
+    around = _pairs(scene, q, np.flatnonzero(scene.pairs.of_cell), MOST)
+    own = _pairs(scene, q, np.flatnonzero(~scene.pairs.of_cell), _MOST_OWN)
     found = [*around, *own, *(() if cell is None else _zones(robot, cell, scene, moving, q))]
     return tuple(sorted(found, key=_room)[:MOST])
 
@@ -59,7 +59,7 @@ def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
     if not len(pair):
         return []
     placed = place(scene, q[None])
-    bound = box_gaps(scene, pair, relative(placed, np.zeros_like(pair), pair)) - scene.margin[pair]
+    bound = box_gaps(scene, pair, relative(placed, np.zeros_like(pair), pair)) - scene.pairs.margin[pair]
     found: dict[tuple[str, str], Near] = {}
     best: list[float] = []
     for row in np.argsort(bound, kind="stable")[:_LOOKED_AT].tolist():
@@ -79,16 +79,18 @@ def _measured(scene: Scene, placed: Placed, pair: int) -> Near:
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
     poses = []
-    for body in (int(scene.first[pair]), int(scene.second[pair])):
-        turn = placed.turn[scene.joint[body], 0] @ scene.rotation[body]
-        shift = placed.middle[body, 0] - turn @ scene.own_middle[body]
+    for body in (int(scene.pairs.first[pair]), int(scene.pairs.second[pair])):
+        turn = placed.turn[scene.boxes.joint[body], 0] @ scene.boxes.rotation[body]
+        shift = placed.middle[body, 0] - turn @ scene.boxes.own_middle[body]
         poses.append((body, coal.Transform3s(turn, shift)))
     (one, here), (other, there) = poses
-    distance = coal.distance(scene.of_coal[one], here, scene.of_coal[other], there, request, answer)
+    distance = coal.distance(
+        scene.boxes.of_coal[one], here, scene.boxes.of_coal[other], there, request, answer
+    )
     points = np.array([answer.getNearestPoint1(), answer.getNearestPoint2()])
     second, first = scene.bodies[one].name, scene.bodies[other].name
     shown = points if np.isfinite(points).all() else None
-    return Near(first, second, float(distance), float(scene.margin[pair]), shown)
+    return Near(first, second, float(distance), float(scene.pairs.margin[pair]), shown)
 
 
 def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> list[Near]:

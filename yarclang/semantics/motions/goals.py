@@ -16,6 +16,7 @@ from yarclang.semantics.values.numbers import numbers_of
 from yarclang.semantics.values.poses import check_limits, rotation_of
 from yarclang.subjects import unknown
 from yarclang.syntax.ast import WayPoint, Word
+from yarclang.syntax.leaves import from_to
 from yarclang.transforms import constant
 
 
@@ -154,7 +155,12 @@ def _goal(
         return JointDelta(constant(numbers))
     if values is Values.POSITION:
         return None if frames is None else constant((frames[1].transform @ np.append(numbers, 1.0))[:3])
-    rotation = rotation_of(values, numbers[3:], findings, lambda: statement.span(waypoint.place))
+    rotation = rotation_of(
+        values,
+        numbers[3:],
+        findings,
+        lambda: statement.span(from_to(waypoint.values[3].place, waypoint.values[-1].place)),
+    )
     if rotation is None or frames is None:
         return None
     flange_from_moving, axes = frames[0].transform, frames[1]

@@ -100,6 +100,12 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     return ResolvedName(spec, spec.targets.get(target), profile, full, avoids)
 
 
+def is_command(word: str) -> bool:
+    """Return True if a word, whatever its case, is a command's name, or one with suffixes behind it."""
+    name = word.upper()
+    return name in actions() or name == "CALL" or _longest_match(name)[0] is not None
+
+
 @lru_cache(maxsize=4)
 def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
     """Return the names of commands, alone and with each suffix that one may have."""

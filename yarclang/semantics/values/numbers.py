@@ -11,6 +11,7 @@ from yarclang.semantics.names.scope import JointPosition, Pose
 from yarclang.semantics.values.amounts import Amount, AmountError
 from yarclang.semantics.values.units import amount, joint_kinds, number_fault
 from yarclang.syntax.ast import Number, Value, WayPoint, Word
+from yarclang.syntax.leaves import from_to
 from yarclang.units import Kind, Unit
 
 
@@ -46,7 +47,9 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
         )
         verb = "is" if given == 1 else "are"
         message = f"{which} wants {len(labels)} values ({' '.join(labels)}), {given} {verb} given"
-        line.findings.add("Y0401", message, line.statement.span(waypoint.place), help_)
+        surplus = waypoint.values[len(labels) :]
+        place = from_to(surplus[0].place, surplus[-1].place) if surplus else waypoint.place
+        line.findings.add("Y0401", message, line.statement.span(place), help_)
         return None
     if line.units is None:
         return None

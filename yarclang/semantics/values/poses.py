@@ -35,7 +35,18 @@ def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> Non
         f"by {excess[joint]:.4g} {unit}{more}"
     )
     help_ = f"{robot.joint_names[joint]} goes from {lower:.6g} to {upper:.6g} {unit}"
+    turned = np.where(robot.chain.is_prismatic, q, np.radians(q))
+    if (
+        (q.round(6) != turned.round(6)).any()
+        and _is_within(robot, turned)
+        and np.abs(turned - q).max() > 2.0 * np.pi
+    ):
+        help_ = f"{help_}; are these deg and not rad?"
     findings.add("Y0502", message, span, help_)
+
+
+def _is_within(robot: Robot, q: Array) -> bool:
+    return bool(((q >= robot.limits.lower) & (q <= robot.limits.upper)).all())
 
 
 def rotation_of(

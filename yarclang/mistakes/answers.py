@@ -1,0 +1,149 @@
+"""Findings of lines that aren't understood, with one answer a line where somebody knows what was meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.findings import SYNTAX, family_of
+from yarclang.mistakes import blocks, characters, comments, foreign, indices, numbers, parts, words
+from yarclang.mistakes.line import Around, Guess, Guesser, Line, first
+from yarclang.mistakes.names import named
+from yarclang.progress import each
+from yarclang.source import SourceFile, Span
+from yarclang.syntax.ast import Statement
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.parse import parse_statement
+
+_FAMILIES = (SYNTAX, "02", "03", "04")
+"""Of what is said of a line that isn't understood: syntax, names, frames and units, values."""
+
+_NO_INDEX, _NO_UNIT, _NO_END = "Y0105", "Y0304", "Y0113"
+_NO_TEXT, _CHARACTER = "Y0108", "Y0118"
+
+_UNDERSTOOD = frozenset((_NO_INDEX, _NO_UNIT, _NO_TEXT))
+"""The findings of lines that are understood all the same, and of a file that is no program."""
+
+_MOST_LINES = 200
+"""Lines with errors that are looked at; who has more has another file."""
+
+_LONGEST = 400
+"""Characters of a line that somebody has typed."""
+
+GUESSERS: tuple[Guesser, ...] = (
+    characters.alike,
+    comments.whole,
+    indices.index,
+    foreign.foreign,
+    comments.behind,
+    blocks.end,
+    blocks.condition,
+    blocks.hold,
+    blocks.wait,
+    blocks.signal,
+    blocks.several,
+    blocks.assignment,
+    words.relative,
+    words.suffix,
+    parts.bracket,
+    parts.units,
+    parts.time,
+    parts.order,
+    numbers.decimal_commas,
+    numbers.value_list,
+    parts.frame,
+    parts.option,
+    numbers.number,
+    words.word,
+)
+"""Who may know what was meant, those first that need the least of a line to be right."""
+
+
+def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
+    """Return the findings, those of a line that isn't understood as one, where it is known what was meant.
+
+    The answer keeps the code and the subject of the line's first error. It has a fix where only one repair is likely.
+
+    Args:
+        diagnostics: all findings.
+        source: the program's file.
+    """
+    found = tuple(diagnostics)
+    wrong: dict[int, list[Diagnostic]] = {}
+    for one in each(found):
+        if _is_of_the_line(one) and (line := _line(one, source)):
+            wrong.setdefault(line, []).append(one)
+    around = Around(source)
+    if not wrong:
+        return tuple(named(one, source, around) if _line(one, source) else one for one in found)
+    answers: dict[int, Diagnostic] = {}
+    ends = 0
+    for number in each(sorted(wrong)[:_MOST_LINES]):
+        text = source.line(number)
+        if len(text) > _LONGEST or all(
+            one.fix is not None and one.code == _CHARACTER for one in wrong[number]
+        ):
+            continue
+        after = source.line(number + 1) if number < len(source.lines) else ""
+        if guess := first(Line(text, number, around, after), GUESSERS):
+            answers[number] = _answer(wrong[number], guess, text)
+            ends += guess.ends_block
+    told: list[Diagnostic] = []
+    for one in found:
+        line = _line(one, source)
+        if one.code == _NO_END and ends:
+            ends -= 1  # the line that was meant for it has an answer
+        elif line not in answers or (one.code == _NO_INDEX and answers[line].fix is not None):
+            told.append(one)
+        elif one is wrong[line][0]:
+            told.append(answers[line])
+        elif not _is_of_the_line(one) and one.code != _NO_INDEX:
+            told.append(one)
+    return tuple(named(one, source, around) if _line(one, source) else one for one in told)
+
+
+def _is_of_the_line(one: Diagnostic) -> bool:
+    """Return True if a finding says that its line isn't understood."""
+    return one.is_error and one.code not in _UNDERSTOOD and family_of(one.code) in _FAMILIES
+
+
+def _line(one: Diagnostic, source: SourceFile) -> int:
+    """Return the line of the program that a finding is about; 0 for one in another file, or of several lines."""
+    if (
+        one.source is not source
+        or one.span is None
+        or one.within is not None
+        or one.span.line != one.span.end_line
+    ):
+        return 0
+    return one.span.line
+
+
+def _answer(wrong: list[Diagnostic], guess: Guess, text: str) -> Diagnostic:
+    one = wrong[0]
+    assert one.span is not None  # it has a line
+    number = one.span.line
+    span = Span.on_line(number, guess.begin + 1, max(guess.end, guess.begin + 1) + 1)
+    fix = None
+    if guess.lines and all(_is_read(line) for line in guess.lines):
+        unread = any(family_of(each_.code) == SYNTAX for each_ in wrong)
+        fix = Fix(guess.help, (_edit(number, text, guess.lines),), uncovers=unread)
+    return replace(one, message=guess.message, help=guess.help, span=span, fix=fix, subject=None)
+
+
+def _is_read(line: str) -> bool:
+    """Return True if a line is one of the language, whatever its names mean."""
+    return not code_of(line).strip() or isinstance(parse_statement(line), Statement)
+
+
+def _edit(number: int, text: str, lines: tuple[str, ...]) -> Edit:
+    """Return the smallest edit that makes lines of a line."""
+    put = "\n".join(lines)
+    begin = 0
+    while begin < min(len(text), len(put)) and text[begin] == put[begin]:
+        begin += 1
+    end = 0
+    while end < min(len(text), len(put)) - begin and text[-1 - end] == put[-1 - end]:
+        end += 1
+    return Edit(Span.on_line(number, begin + 1, len(text) - end + 1), put[begin : len(put) - end])

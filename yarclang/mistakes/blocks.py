@@ -1,0 +1,271 @@
+"""Blocks, conditions and assignments as other languages write them, and several statements in a line."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line
+from yarclang.semantics.names.commands import is_command
+
+_ENDS = re.compile(
+    r"(?P<index>\s*)(?P<word>END[_ ]?(?:IF|FOR|WHILE|REPEAT|WHEN|CASE|SUB|SWITCH|SELECT|LOOP|PROC|FCT|DEF|FUNCTION)|NEXT|FI|OD|DONE|WEND|ENDSUB)\s*(?:[A-Za-z_]\w*)?\s*;?\s*$",
+    re.I,
+)
+_OPERATORS = {"==": "=", "!=": "<>", "/=": "<>", "&&": "AND", "||": "OR", ":=": "=", "=>": ">=", "=<": "<="}
+_SIGNS = re.compile(r"==|!=|/=|&&|\|\||:=|=>|=<")
+_THEN = re.compile(r"\s+(?P<word>THEN|DO|:)\s*$", re.I)
+_ELSE_IF = re.compile(r"\s*(?P<word>ELSE\s?IF|ELIF|ELSIF)\b.*", re.I)
+_ASSIGNED = re.compile(r"\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*:?=(?!=)\s*(?P<value>[^=].*?)\s*;?\s*$")
+_STATES = {
+    "TRUE": "ON",
+    "FALSE": "OFF",
+    "HIGH": "ON",
+    "LOW": "OFF",
+    "YES": "ON",
+    "NO": "OFF",
+    "OPEN": "",
+    "CLOSED": "",
+}
+_SECOND = re.compile(r"(?<=\s)(?P<index>[Pp][0-9]{2,9})\s+(?P<word>[A-Za-z_]+)")
+
+
+def end(line: Line) -> Guess | None:
+    """Answer ENDIF, END IF and the like."""
+    found = _ENDS.fullmatch(line.bare)
+    if found is None or (found["word"].upper() in ("DONE",) and line.values.strip()):
+        return None
+    begin = found.start("word")
+    apart = re.match(r"END\s+(?P<kind>\w+)", line.bare[begin:], re.I)
+    at = begin + apart.start("kind") if apart else begin
+    repaired = f"{line.text[:begin]}END{line.comment and ' ' + line.comment.lstrip()}"
+    guess = Guess(
+        at, len(line.bare.rstrip("; ")), "END alone ends a block, whatever its kind", "write END", repaired
+    )
+    guess.ends_block = True
+    return guess
+
+
+def condition(line: Line) -> Guess | None:
+    """Answer THEN, and operators of other languages."""
+    word = line.word.upper()
+    if word in ("IF", "WHEN", "REPEAT", "LET", "SET", "WHILE", "UNTIL", "WAIT"):
+        # of a text with != all behind the ! is a comment
+        if (found := _SIGNS.search(line.text, line.behind)) and '"' not in line.text[: found.start()]:
+            meant = _OPERATORS[found[0]]
+            return line.guess(
+                found.start(),
+                found.end(),
+                f"`{found[0]}` is no operator of the language",
+                meant,
+                _how(line, found, meant),
+            )
+        if (found := _THEN.search(line.bare)) and word in ("IF", "WHEN", "WHILE", "REPEAT"):
+            return line.guess(
+                found.start("word"), found.end("word"), f"`{found['word']}` can't stand behind the condition", "",
+                "take it away; what comes then has lines of its own, up to END",
+            )  # fmt: skip
+    inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
+    found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
+    if word == "IF" and found and found["name"].upper() in inputs:
+        at, name = line.behind + found.start("name"), found["name"]
+        return line.guess(
+            at,
+            at + len(name),
+            f"IF is decided before the program runs, and {name} is an input",
+            None,
+            f"write WHEN {name} ON ... ELSE ... END, which is decided when the program runs",
+        )
+    if found := _ELSE_IF.fullmatch(line.bare):
+        return line.guess(
+            found.start("word"), len(line.bare), f"{found['word']} is one word too many: ELSE stands alone", None,
+            "write ELSE, then IF in the next line, and an END for each of both",
+        )  # fmt: skip
+    return None
+
+
+def _how(line: Line, found: re.Match[str], meant: str) -> str:
+    if line.word.upper() == "LET":
+        return f"write {line.text[: found.start()].strip()} {meant} {line.text[found.end() :].strip()}"
+    return f"write {meant}" + ("; `!` starts a comment" if found[0] == "!=" else "")
+
+
+def assignment(line: Line) -> Guess | None:
+    """Answer LET without its equals sign, and an equals sign without LET."""
+    if line.word.upper() == "LET":
+        found = re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)\s+(?P<value>[-+$0-9(].*)", line.values)
+        if found is None:
+            return None
+        at = line.behind + found.start("value")
+        repaired = f"{line.text[:at]}= {line.text[at:]}"
+        shown = repaired.strip().partition(" !")[0].strip()
+        return Guess(at, len(line.bare), "`=` is missing", f"write {shown}", repaired)
+    if line.index.strip() or line.is_declaration or line.is_command:
+        return None
+    found = _ASSIGNED.fullmatch(line.bare)
+    if found is None or not re.fullmatch(r"[-+0-9.$(][\w\s.+*/()$-]*", found["value"]):
+        return None
+    name, value = found["name"], found["value"]
+    if name.upper() in {one.upper() for one in line.around.declared.get("REGISTER", ())}:
+        put = f"SET {name} = {value}"
+    else:
+        put = f"LET {name} = {value}"
+    return line.guess(found.start("name"), len(line.bare), f"{name} is no command", put)
+
+
+def signal(line: Line) -> Guess | None:
+    """Answer what SET and WAIT want otherwise."""
+    word = line.word.upper()
+    if word not in ("SET", "WAIT"):
+        return None
+    counted = re.fullmatch(
+        r"\s+(?P<all>(?P<name>[A-Za-z_]\w*)\s*(?P<sign>\+\+|--|[-+*]=\s*(?P<value>\w+)))\s*;?", line.values
+    )
+    if counted:
+        at, name = line.behind + counted.start("all"), counted["name"]
+        put = f"{name} = {name} {counted['sign'][0]} {counted['value'] or 1}"
+        return line.guess(
+            at,
+            at + len(counted["all"]),
+            f"`{counted['sign']}` is no operator of the language",
+            put,
+            f"write SET {put}",
+        )
+    declared = line.around.declared
+    inputs, outputs = ({one.upper() for one in declared.get(kind, ())} for kind in ("INPUT", "OUTPUT"))
+    found = re.fullmatch(
+        r"\s+(?P<name>[A-Za-z_]\w*)(?P<sign>\s*=\s*|\s+)?(?P<state>\w+)?(?P<rest>.*)", line.values
+    )
+    if found is None:
+        return None
+    name, at = found["name"], line.behind + found.start("name")
+    state = (found["state"] or "").upper()
+    if word == "SET" and name.upper() in inputs:
+        return line.guess(
+            at,
+            at + len(name),
+            f"{name} is an input, and SET sets outputs",
+            None,
+            f"write WAIT {name} ON to wait for it, or declare it by OUTPUT",
+        )
+    if word == "WAIT" and name.upper() in outputs:
+        return line.guess(
+            at,
+            at + len(name),
+            f"{name} is an output, and WAIT waits for inputs",
+            None,
+            f"write SET {name} ON to set it, or declare it by INPUT",
+        )
+    if name.upper() not in (outputs if word == "SET" else inputs):
+        return None
+    if not state and not found["rest"].strip():
+        states = "ON or OFF"
+        return line.guess(
+            at,
+            at + len(name),
+            f"what {name} shall be is missing",
+            None,
+            f"write {word} {name} ON, or OFF: {states}",
+        )
+    if _STATES.get(state):
+        begin = line.behind + found.start("state")
+        return line.guess(
+            begin, begin + len(state), f"`{found['state']}` is neither ON nor OFF", _STATES[state]
+        )
+    if state in ("ON", "OFF") and found["sign"] and "=" in found["sign"] and not found["rest"].strip():
+        begin = line.behind + found.start("sign") + found["sign"].index("=")
+        put = f"{word} {name} {state}"
+        repaired = f"{line.text[: at + len(name)]} {line.text[line.behind + found.start('state') :]}"
+        return Guess(begin, begin + 1, f"{word} has no equals sign here", f"write {put}", repaired)
+    return None
+
+
+def wait(line: Line) -> Guess | None:
+    """Answer a WAIT whose time has other brackets."""
+    if line.word.upper() != "WAIT":
+        return None
+    found = re.fullmatch(
+        r"\s+(?P<all>(?:SEC\s+)?(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|sec|s)?)\s*;?", line.values, re.I
+    )
+    if found is not None:
+        at = line.behind + found.start("all")
+        put = f"[{found['time']}]"
+        return line.guess(
+            at,
+            at + len(found["all"]),
+            "the time of a WAIT stands in square brackets",
+            put,
+            f"write WAIT {put}",
+        )
+    if found := re.fullmatch(r"\s+(?P<all>FOR\s+(?P<name>[A-Za-z_]\w*))", line.values, re.I):
+        at = line.behind + found.start("all")
+        return line.guess(
+            at,
+            at + len(found["all"]),
+            "WAIT takes an input and what it shall be",
+            f"{found['name']} ON",
+            f"write WAIT {found['name']} ON",
+        )
+    return None
+
+
+def hold(line: Line) -> Guess | None:
+    """Answer the text of a HOLD without its quotes, or in others."""
+    if line.word.upper() != "HOLD" or not line.values.strip():
+        return None
+    at = line.behind + len(line.values) - len(line.values.lstrip())
+    said = line.text[at:].rstrip()
+    if said.startswith('"') and said.count('"') == 1:
+        inner = said[1:]
+    elif said[0] in "'`" and said[-1] in "'`" and len(said) > 1:
+        inner = said[1:-1]
+    elif re.match(r"[A-Za-z]+(\s|$)", said) and '"' not in said and "[" not in said and "!" not in said:
+        inner = said
+    else:
+        return None
+    what = "this text is not closed" if said.startswith('"') else "a text stands in double quotes"
+    return line.guess(at, at + len(said), what, f'"{inner}"')
+
+
+def several(line: Line) -> Guess | None:
+    """Answer two commands in a line, a semicolon at its end, and brackets behind a CALL."""
+    if line.is_command and (found := _SECOND.search(line.bare, line.behind)) and is_command(found["word"]):
+        first = line.text[: found.start()].rstrip()
+        begin, end = found.start("index"), found.end("index")
+        if first.endswith(";"):
+            first, begin, end = first[:-1].rstrip(), len(first) - 1, len(first)
+        both = (first, line.text[found.start("index") :])
+        return Guess(
+            begin,
+            end,
+            f"a line has one command, and {found['index']} begins a second one",
+            "write it in a line of its own",
+            *both,
+        )
+    if (line.is_command or line.is_declaration) and line.bare.endswith(";"):
+        bare = line.bare.rstrip("; ")
+        if line.after[:1].isspace() and re.match(r"\s+[-+]?[0-9.]", line.after):
+            return None
+        at = len(bare)
+        return line.guess(at, len(line.bare), "no `;` ends a command", "", "take the `;` away")
+    if line.word.upper() == "CALL" and (
+        found := re.fullmatch(r"\s+[A-Za-z_][\w.]*\s*(?P<all>\(\s*\))", line.values)
+    ):
+        at = line.behind + found.start("all")
+        return line.guess(
+            at,
+            at + len(found["all"]),
+            "a CALL has no brackets",
+            "",
+            f"write {line.bare[line.begin : at].strip()}",
+        )
+    if line.is_motion and (found := re.match(r"\s*(?P<sign>:?=)\s+", line.values)):
+        at = line.behind + found.start("sign")
+        repaired = f"{line.text[: line.behind]} {line.text[line.behind + found.end() :]}"
+        return Guess(
+            at,
+            at + len(found["sign"]),
+            f"`{found['sign']}` can't stand behind {line.word}",
+            "take it away",
+            repaired,
+        )
+    return None

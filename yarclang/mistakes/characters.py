@@ -1,0 +1,38 @@
+"""Signs that stand in tables and texts, but in no program."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line
+
+_DEGREES = re.compile(r"(?<=[0-9.])\s?[°º˚]")
+_COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
+
+
+def alike(line: Line) -> Guess | None:
+    """Answer a degree sign behind a number, and commas of other scripts."""
+    if found := _DEGREES.search(line.bare):
+        every = _DEGREES.sub("", line.text)
+        unit = line.units.get("angle")
+        help_ = (
+            f"take it away: the line's units have {unit}" if unit else "write (deg) behind the motion time"
+        )
+        repaired = (every,) if unit == "deg" else ()
+        return Guess(
+            found.start(),
+            found.end(),
+            "`°` can't stand in code: units stand in brackets, once for all angles",
+            help_,
+            *repaired,
+        )
+    if found := _COMMAS.search(line.bare):
+        without = _COMMAS.sub("", line.text)
+        return Guess(
+            found.start(),
+            found.end(),
+            f"`{found[0]}` can't stand in code",
+            "write blanks between values",
+            without,
+        )
+    return None

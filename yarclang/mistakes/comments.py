@@ -1,0 +1,46 @@
+"""Comments as other languages begin them."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line, is_number
+
+_WHOLE = re.compile(r"\s*(?P<sign>//+|#+|;+|--+|/\*|\*+|%|'|\()\s*(?P<said>.*)")
+_REM = re.compile(r"\s*(?P<sign>REM)(?:\s+(?P<said>.*))?$", re.I)
+_BEHIND = re.compile(r"(?<=\s)(?P<sign>//+|#+|;|--+(?=\s)|/\*)\s*(?P<said>[^\s].*)$")
+_CLOSING = re.compile(r"\s*(?:\*/|\*+|\))$")
+_WORDS = re.compile(r"[A-Za-z][A-Za-z'.,-]*(?:\s|$)")
+
+
+def whole(line: Line) -> Guess | None:
+    """Answer a comment alone in its line that begins with another sign than `!`."""
+    found = _REM.match(line.text) or _WHOLE.match(line.text)
+    if found is not None:
+        sign, said = found["sign"], found["said"] or ""
+        if sign == "(":
+            if not said.endswith(")") or not _WORDS.match(said):
+                return None
+        elif sign == ";" and said[:1].isdigit():
+            return None
+        return _written(line, found.start("sign"), sign, said)
+    return None
+
+
+def behind(line: Line) -> Guess | None:
+    """Answer a comment behind a command that begins with another sign than `!`."""
+    found = _BEHIND.search(line.text)
+    if found is None or not line.word or "!" in line.text or '"' in line.bare:
+        return None
+    sign, said = found["sign"], found["said"]
+    if sign == ";" and (not _WORDS.match(said) or is_number(said.split()[0]) or line.is_declaration):
+        return None
+    return _written(line, found.start("sign"), sign, said)
+
+
+def _written(line: Line, at: int, sign: str, said: str) -> Guess:
+    said = _CLOSING.sub("", said) if sign in ("/*", "(") else said
+    put = f"! {said}".rstrip()
+    shown = put if len(put) < 40 else put[:37] + "..."
+    repaired = line.text[:at] + put
+    return Guess(at, at + len(sign), f"`{sign}` begins no comment", f"write {shown}", repaired)

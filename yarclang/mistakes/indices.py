@@ -1,0 +1,45 @@
+"""Indices that aren't written as `P0010 `."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line
+from yarclang.semantics.names.commands import is_command
+
+_MISTYPED = re.compile(r"\s*(?P<index>[PpNn](?P<number>[0-9OoIl]+)|(?P<alone>[0-9]{2,9}))(?=\s+[A-Za-z])")
+_APART = re.compile(r"\s*(?P<index>[PpNn]\s+(?P<number>[0-9]{1,9}))(?=\s+[A-Za-z])")
+_CLOSE = re.compile(r"\s*(?P<index>[Pp][0-9]+)(?P<word>[A-Za-z][A-Za-z_0-9]*)")
+_COLON = re.compile(r"\s*[Pp][0-9]+(?P<sign>\s?[:.,;)]|\s?-(?=\s))(?=\s|$)")
+_ALONE = re.compile(r"\s*(?P<index>[Pp][0-9]+)\s*$")
+_DIGITS = str.maketrans("OoIl", "0011")
+
+
+def index(line: Line) -> Guess | None:
+    """Answer an index with a letter for a digit, without its P, close to the command, or with a colon."""
+    if found := _ALONE.match(line.bare):
+        name = found["index"]
+        return Guess(
+            found.start("index"), found.end("index"), f"behind the index {name} the command is missing",
+            f"write it behind the index, as {name} MOVEJ HOME, or take the index away",
+        )  # fmt: skip
+    if found := _COLON.match(line.bare):
+        sign = found["sign"].strip()
+        return line.guess(
+            found.start("sign"), found.end("sign"), f"`{sign}` doesn't belong to an index", "",
+            f"write {line.bare[: found.start('sign')].strip()} without it",
+        )  # fmt: skip
+    if (found := _CLOSE.match(line.bare)) and is_command(found["word"]):
+        put = f"{found['index']} {found['word']}"
+        return line.guess(found.start("index"), found.end("word"), "a blank is missing behind the index", put)
+    found = _APART.match(line.bare) or _MISTYPED.match(line.bare)
+    if found is None:
+        return None
+    written = found["index"]
+    number = found["number"] or found.groupdict().get("alone") or ""
+    put = "P" + number.translate(_DIGITS)
+    if put == written.upper():
+        return None
+    return line.guess(
+        found.start("index"), found.end("index"), f"an index is P and a number, not `{written}`", put
+    )

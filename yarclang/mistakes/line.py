@@ -1,0 +1,175 @@
+"""A line that isn't understood, what stands around it, and a guess of what was meant."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable
+from functools import cached_property
+
+from yarclang.commands.registry import commands
+from yarclang.semantics.names.commands import is_command
+from yarclang.source import SourceFile
+from yarclang.suggestions import nearest
+from yarclang.syntax.lines import code_of
+from yarclang.syntax.words import DECLARATIONS
+from yarclang.units import UNITS
+
+_PARTS = re.compile(r"(?P<index>\s*(?:[Pp][0-9]{1,9}(?![^\s]))?\s*)(?P<word>[A-Za-z_][A-Za-z0-9_]*)?")
+_UNITS = re.compile(r"\(([A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
+_DECLARED = re.compile(
+    r"^\s*(FRAME|FRAME_QUAT|LET|JOINTS|POSE|SUB|INPUT|OUTPUT|REGISTER)\s+\{?([A-Za-z_][A-Za-z0-9_]*)", re.I
+)
+_LONGEST = 400
+"""Characters of a line that somebody has typed."""
+
+_INDEX = re.compile(r"\s*[Pp]([0-9]{1,9})(?![^\s])")
+_NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
+
+
+class Guess:
+    """What was meant.
+
+    Args:
+        begin: where the mistake begins in the line, from 0.
+        end: where it ends.
+        message: the finding's sentence.
+        help_: what to do.
+        lines: what stands instead of the line, if one repair is likely.
+    """
+
+    __slots__ = ("begin", "end", "ends_block", "help", "lines", "message")
+
+    def __init__(self, begin: int, end: int, message: str, help_: str, *lines: str) -> None:
+        self.begin, self.end, self.message, self.help, self.lines = begin, end, message, help_, lines
+        self.ends_block = False
+        """Whether it is an END: the block's first line has one then."""
+
+
+Guesser = Callable[["Line"], Guess | None]
+
+
+class Around:
+    """What the lines of a program say about the others: names that are declared, and units."""
+
+    def __init__(self, source: SourceFile) -> None:
+        self._source = source
+
+    @cached_property
+    def declared(self) -> dict[str, list[str]]:
+        """The names of each word that declares some, as they are written."""
+        found: dict[str, list[str]] = {}
+        for line in self._source.lines:
+            if match := _DECLARED.match(line[:_LONGEST]):
+                found.setdefault(match[1].upper().removesuffix("_QUAT"), []).append(match[2])
+        return found
+
+    @cached_property
+    def lines_of(self) -> dict[str, int]:
+        """The line that declares each name first, by the name in upper case."""
+        found: dict[str, int] = {}
+        for number, line in enumerate(self._source.lines, 1):
+            if match := _DECLARED.match(line[:_LONGEST]):
+                found.setdefault(match[2].upper(), number)
+        return found
+
+    def free_index(self, number: int) -> str:
+        """Return an index for a new command in a line, counted from 1, that no line has."""
+        indices = self._indices
+        before = [one for line, one in indices if line < number]
+        taken = {one for _, one in indices}
+        place = (before[-1] if before else 0) + 10
+        while place in taken:
+            place += 1
+        return f"P{place:04d}"
+
+    @cached_property
+    def _indices(self) -> list[tuple[int, int]]:
+        lines = enumerate(self._source.lines, 1)
+        return [(number, int(match[1])) for number, line in lines if (match := _INDEX.match(line))]
+
+    def units_at(self, number: int) -> dict[str, str]:
+        """Return the units by their kinds in a line, counted from 1: its own, else those of the last DEFAULT before it."""
+        found: dict[str, str] = {}
+        for line, units in self._defaults:
+            if line < number:
+                found |= units
+        return found | _units_of(self._source.line(number))
+
+    @cached_property
+    def _defaults(self) -> list[tuple[int, dict[str, str]]]:
+        lines = enumerate(self._source.lines, 1)
+        return [(number, _units_of(line)) for number, line in lines if line.lstrip()[:7].upper() == "DEFAULT"]
+
+
+def _units_of(line: str) -> dict[str, str]:
+    """Return the units by their kinds that a line gives."""
+    names = (name.strip().lower() for match in _UNITS.finditer(code_of(line)) for name in match[1].split(","))
+    return {UNITS[name].kind: name for name in names if name in UNITS}
+
+
+class Line:
+    """A line: its code, its comment, and the parts that a command has.
+
+    Args:
+        text: the line.
+        number: counted from 1.
+        around: the rest of the program.
+        after: the line behind it.
+    """
+
+    def __init__(self, text: str, number: int, around: Around, after: str = "") -> None:
+        self.text, self.number, self.around, self.after = text, number, around, after
+        self.bare = code_of(text).rstrip()
+        self.comment = text[len(self.bare) :]
+        found = _PARTS.match(self.bare)
+        assert found is not None  # it may be empty
+        self.index, self.word = found["index"], found["word"] or ""
+        self.begin = len(self.index)
+        """Where the word begins."""
+        self.behind = found.end()
+        """Where it ends."""
+        self.values = self.bare[self.behind :]
+
+    @property
+    def is_command(self) -> bool:
+        """Whether the word is one of a command."""
+        return is_command(self.word)
+
+    @property
+    def is_motion(self) -> bool:
+        """Whether the word is that of a motion."""
+        return any(self.word.upper() == one or self.word.upper().startswith(one + "_") for one in commands())
+
+    @property
+    def is_declaration(self) -> bool:
+        """Whether the word declares something, or begins or ends a block."""
+        return self.word.upper() in DECLARATIONS
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The units by their kinds."""
+        return self.around.units_at(self.number)
+
+    def with_(self, begin: int, end: int, put: str) -> str:
+        """Return the line with other text from one place to another."""
+        return f"{self.text[:begin]}{put}{self.text[end:]}"
+
+    def guess(self, begin: int, end: int, message: str, put: str | None = None, help_: str = "") -> Guess:
+        """Return a guess: what stands from one place to another is to be something else."""
+        lines = () if put is None else (self.with_(begin, end, put).rstrip(),)
+        return Guess(begin, end, message, help_ or (f"write {put}" if put else "take it away"), *lines)
+
+
+def is_number(text: str) -> bool:
+    """Return True if a text is a number of the language."""
+    return _NUMBER.fullmatch(text) is not None
+
+
+def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
+    """Return what the first of several guessers says, if one says something."""
+    return next((found for one in guessers if (found := one(line)) is not None), None)
+
+
+def like(word: str, known: Iterable[str]) -> str:
+    """Return the known name that a word is most like."""
+    return nearest(word, known)

@@ -1,0 +1,39 @@
+"""Names that aren't known: the one that is meant, and one that is declared too late."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+from yarclang.diagnostics import Diagnostic, Edit, Fix
+from yarclang.mistakes.line import Around
+from yarclang.source import SourceFile, Span
+from yarclang.subjects import Name
+
+_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
+
+
+def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
+    """Return the fix that writes a name in the place of the one that a finding is about."""
+    span = finding.span
+    if span is None or span.line != span.end_line:
+        return None
+    written = source.line(span.line)[span.column - 1 : span.end_column - 1]
+    words = list(_NAME.finditer(written))
+    if len(words) != 1:
+        return None
+    start = span.column + words[0].start()
+    return Fix(f"write {name}", (Edit(Span.on_line(span.line, start, span.column + words[0].end()), name),))
+
+
+def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
+    """Return the finding of an unknown name with its fix, if one known name alone is near; or with the line that declares it too late."""
+    if one.fix is not None or not isinstance(one.subject, Name) or one.span is None:
+        return one
+    if (line := around.lines_of.get(one.subject.name, 0)) > one.span.line:
+        return replace(
+            one, help=f"{one.subject.name} is declared in line {line}: a name is known from there on"
+        )
+    if one.subject.meant and not one.subject.others:
+        return replace(one, fix=with_name(source, one, one.subject.meant))
+    return one

@@ -1,0 +1,223 @@
+"""Numbers with units, commas and letters in them, and lists of numbers as other languages write them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import pairwise
+
+from yarclang.mistakes.line import Guess, Line, is_number
+from yarclang.units import UNITS
+
+_TOKEN = re.compile(r"[^\s;{}\[\]()\"]+")
+_WITH_UNIT = re.compile(r"(?P<number>[-+]?[0-9.]+)(?P<unit>[A-Za-z]+)")
+_COMMA = re.compile(r"(?P<whole>[-+]?[0-9]+),(?P<part>[0-9]+)")
+_LETTERS = re.compile(r"[-+]?[0-9OoIl]*[0-9][0-9OoIl.]*|[-+]?[OoIl]+[0-9.]+")
+_MARKED = re.compile(r"[-+]?[0-9]{1,3}(?:['_][0-9]{3})+(?:\.[0-9]+)?")
+_BLANK = re.compile(r"(?<=\s)-\s+(?=[0-9.])")
+_SUM = re.compile(
+    r"[A-Za-z_][A-Za-z0-9_]*(?:\s*[-+*/]\s*(?:[A-Za-z_][A-Za-z0-9_]*|[0-9.]+))+|[0-9.]+(?:[*/+][A-Za-z0-9_.]+)+"
+)
+_BRACED = re.compile(r"\$\{\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\}")
+_NAMED = re.compile(
+    r"(?P<name>[XYZABCUVWxyzabcuvw]|[Jj][1-9]|[RrPpYy][XYZxyz]?)\s*[=:]?\s*(?P<value>[-+]?[0-9][0-9.]*)"
+)
+_LIST = re.compile(
+    r"(?P<open>[(\[{]\s*)?(?P<list>[-+]?[0-9.]+(?:\s*[,;]\s*[-+]?[0-9.]+){2,})(?P<close>\s*[)\]}])?(?P<end>;)?"
+)
+_SEVERAL = 3
+"""So many numbers at least make a list."""
+_WAYS = re.compile(r"[0-9.]\s+[-+]?[0-9.]")
+
+
+def value_list(line: Line) -> Guess | None:
+    """Answer a list of values with commas, semicolons, brackets or the names of axes."""
+    if not line.is_motion:
+        return None
+    begin = line.behind + len(line.values) - len(line.values.lstrip())
+    rest = line.bare[begin:]
+    found = _LIST.match(rest)
+    if found is None:
+        return _named(line, begin, rest)
+    values = re.split(r"\s*[,;]\s*", found["list"])
+    decimals = [one for one in re.split(r"\s+", found["list"]) if _COMMA.fullmatch(one)]
+    if any(mark in found["list"] for mark in ",") and _are_decimals(found["list"], len(decimals)):
+        return None
+    marks = "commas" if "," in found["list"] else "semicolons"
+    put = " ".join(values)
+    if begin == line.behind and line.behind > line.begin:
+        put, begin_mark = f" {put}", begin
+    else:
+        begin_mark = begin
+    end = begin + found.end()
+    what = f"the values have {marks} between them" + (" and brackets around them" if found["open"] else "")
+    return line.guess(begin_mark, end, what, put, f"write blanks between the values: {' '.join(values)}")
+
+
+def _are_decimals(text: str, count: int) -> bool:
+    """Return True if the commas of a list are decimal signs: blanks stand between its numbers."""
+    return count > 0 and text.count(",") == count and len(text.split()) > count - 1 and len(text.split()) > 1
+
+
+def _named(line: Line, begin: int, rest: str) -> Guess | None:
+    found = list(_NAMED.finditer(rest))
+    if len(found) < _SEVERAL or found[0].start() != 0:
+        return None
+    gaps = [rest[one.end() : other.start()] for one, other in pairwise(found)]
+    if any(gap.strip(" ,;") for gap in gaps):
+        return None
+    end = begin + found[-1].end()
+    if end < len(line.bare) and not line.bare[end].isspace():
+        return None
+    names = " ".join(one["name"] for one in found)
+    put = " ".join(one["value"] for one in found)
+    return line.guess(
+        begin, end, f"values stand without the names of their axes ({names})", put, f"write blanks between the values: {put}"
+    )  # fmt: skip
+
+
+def decimal_commas(line: Line) -> Guess | None:
+    """Answer decimal commas: one, or several in a list whose numbers have blanks between them."""
+    if not (line.is_command or line.is_declaration):
+        return None
+    tokens = [one for one in _tokens(line) if _COMMA.fullmatch(one[1])]
+    if not tokens:
+        return None
+    repaired = line.text
+    for at, text in reversed(tokens):
+        repaired = repaired[:at] + text.replace(",", ".") + repaired[at + len(text) :]
+    at, text = tokens[0]
+    if len(tokens) == 1:
+        put = text.replace(",", ".")
+        return Guess(
+            at,
+            at + len(text),
+            f"`{text}` is not a number: the decimal sign is a point",
+            f"write {put}",
+            repaired,
+        )
+    begin, end = _values_around(line, tokens)
+    points = repaired[begin:end]
+    return Guess(
+        begin,
+        end,
+        f"{len(tokens)} numbers have a comma: the decimal sign is a point",
+        f"write {points}",
+        repaired,
+    )
+
+
+def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]:
+    """Return from where to where the numbers stand to which some tokens belong."""
+    every = [(at, text) for at, text in _tokens(line) if is_number(text.replace(",", "."))]
+    return min(every[0][0], tokens[0][0]), max(
+        every[-1][0] + len(every[-1][1]), tokens[-1][0] + len(tokens[-1][1])
+    )
+
+
+def number(line: Line) -> Guess | None:
+    """Answer a number with a unit, a letter, a mark or a blank in it."""
+    if not (line.is_command or line.is_declaration):
+        return None
+    if found := _BRACED.search(line.bare):
+        return line.guess(
+            found.start(), found.end(), f"a number's name stands without braces: {{{found['name']}}} is a frame", f"${found['name']}"
+        )  # fmt: skip
+    if line.is_motion and (found := _BLANK.search(line.bare)):
+        end = found.end() + len(_TOKEN.match(line.bare[found.end() :])[0])  # type: ignore[index]  # a digit follows
+        put = f"-{line.bare[found.end() : end]}"
+        return line.guess(found.start(), end, "the minus sign stands apart from its number", put)
+    for at, text in _tokens(line):
+        if is_number(text):
+            continue
+        if guess := _one(line, at, text):
+            return guess
+    return None
+
+
+def _one(line: Line, at: int, text: str) -> Guess | None:
+    end = at + len(text)
+    if _MARKED.fullmatch(text):
+        put = re.sub("['_]", "", text)
+        return line.guess(at, end, f"`{text}` is not a number: digits stand without marks between them", put)
+    if (
+        (found := _WITH_UNIT.fullmatch(text))
+        and found["unit"].lower() in UNITS
+        and is_number(found["number"])
+    ):
+        return _with_unit(line, at, text, found)
+    if _LETTERS.fullmatch(text) and not is_number(text) and line.is_motion:
+        put = text.translate(str.maketrans("OoIl", "0011"))
+        if is_number(put):
+            return line.guess(at, end, f"`{text}` is not a number: a letter stands for a digit", put)
+    if line.is_motion and text.upper() == "PI":
+        return line.guess(
+            at,
+            end,
+            "`pi` is not a number: names have a `$` before them",
+            None,
+            "write $PI or $(180*PI), in the line's units",
+        )
+    if line.is_motion and _SUM.fullmatch(text) and _knows(line, text):
+        put = f"$({text})"
+        return line.guess(at, end, f"`{text}` is not a number: a sum stands in $()", put)
+    if line.is_motion and any(text.upper() == one.upper() for one in line.around.declared.get("LET", ())):
+        return line.guess(at, end, f"`{text}` is not a number", f"${text}", f"write ${text} for its value")
+    return None
+
+
+def _knows(line: Line, text: str) -> bool:
+    """Return True if all names of a sum are declared numbers."""
+    known = {one.upper() for one in line.around.declared.get("LET", ())} | {"PI"}
+    names = re.findall(r"[A-Za-z_][A-Za-z0-9_]*", text)
+    return bool(names) and all(name.upper() in known for name in names)
+
+
+def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | None:
+    unit, value, end = found["unit"].lower(), found["number"], at + len(text)
+    kind = UNITS[unit].kind
+    here = line.units.get(kind)
+    if line.bare[:at].rstrip().upper().endswith("BLEND"):
+        if here == unit:
+            return line.guess(
+                at,
+                end,
+                f"`{text}` is no length of a BLEND: units stand in brackets behind the command",
+                value,
+                f"write BLEND {value} ({unit})",
+            )
+        return None
+    message = f"`{text}` is not a number: units stand in brackets, one for all values of their kind"
+    if here == unit:
+        return line.guess(
+            at,
+            end,
+            message,
+            value,
+            f"write {value}; the line's units have {unit} already, as in ({_units(line)})",
+        )
+    if here is None:
+        return line.guess(at, end, message, None, f"write {value}, and ({unit}) behind the motion time")
+    return line.guess(
+        at,
+        end,
+        message,
+        None,
+        f"write {value} in {here}, or ({unit}) behind the motion time instead of {here}",
+    )
+
+
+def _units(line: Line) -> str:
+    return ",".join(line.units.values())
+
+
+def _tokens(line: Line) -> Iterator[tuple[int, str]]:
+    """Yield what stands between blanks and brackets behind the word, with its place; not what stands in brackets."""
+    depth = 0
+    for match in re.finditer(r"[\[({]|[\])}]|[^\s;\[\](){}\"]+", line.bare[line.behind :]):
+        if match[0] in "[({":
+            depth += 1
+        elif match[0] in "])}":
+            depth = max(0, depth - 1)
+        elif depth == 0:
+            yield line.behind + match.start(), match[0]

@@ -1,0 +1,248 @@
+"""The parts of a command: its time, units, frames and options, in other brackets, in another order, or twice."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line, is_number, like
+from yarclang.syntax.words import OPTIONS, STATES
+from yarclang.units import UNITS
+
+_TIME = re.compile(
+    r"\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
+)
+_BARE = re.compile(r"\s(?P<bare>[0-9.]+%|MIN)(?=\s|$)")
+_INSIDE = re.compile(r"\[\s*(?P<inside>[^\]\[]*?)\s*\]")
+_SECONDS = re.compile(r"(?P<number>[0-9.]+)\s*(?P<unit>[A-Za-z]+)")
+_SPEED = re.compile(r"[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?")
+_ORDER = re.compile(
+    r"(?P<early>(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\))(?:\s*(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\)))*)\s*(?P<time>\[[^\]]*\])"
+)
+_UNITS_APART = re.compile(r"\((?P<units>[A-Za-z]+(?:[\s;/]+[A-Za-z]+)+)\)")
+_UNIT_LIST = re.compile(r"\((?P<units>[A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
+_ROUND_FRAME = re.compile(r"\(\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\)")
+_OPTION = re.compile(r"(?<=\s)(?P<word>[A-Za-z]{3,})(?P<rest>\s*=\s*|\s+)(?P<value>[0-9][0-9.]*)(?=\s|$)")
+_FRAMES = ("TCP", "FLANGE", "B")
+_NAMES_OF_UNITS = {
+    "degree": "deg", "degrees": "deg", "degs": "deg", "grad": "deg", "radian": "rad", "radians": "rad", "rads": "rad",
+    "sec": "s", "secs": "s", "second": "s", "seconds": "s", "msec": "ms", "millisecond": "ms", "milliseconds": "ms",
+    "millimeter": "mm", "millimeters": "mm", "millimetre": "mm", "millimetres": "mm", "mms": "mm", "meter": "m", "meters": "m",
+    "metre": "m", "metres": "m", "centimeter": "cm", "centimeters": "cm", "centimetre": "cm", "centimetres": "cm",
+    "inch": "in", "inches": "in", "minute": "min", "minutes": "min", "mins": "min",
+}  # fmt: skip
+
+
+def time(line: Line) -> Guess | None:
+    """Answer a motion time in other brackets or in none, or one with a unit in it."""
+    if not line.is_command:
+        return None
+    if line.is_motion and (found := _TIME.search(line.bare, line.behind)):
+        value = found["round"] or found["angle"] or found["equals"]
+        return line.guess(
+            found.start("time"), found.end("time"), "a motion time stands in square brackets", f"[{value}]"
+        )
+    if line.is_motion and (found := _BARE.search(line.bare, line.behind)) and "[" not in line.bare:
+        return line.guess(
+            found.start("bare"),
+            found.end("bare"),
+            "a motion time stands in square brackets",
+            f"[{found['bare']}]",
+        )
+    found = _INSIDE.search(line.bare, line.behind)
+    if found is None:
+        return None
+    inside, begin, end = found["inside"], found.start(), found.end()
+    if re.fullmatch(r"[0-9]+,[0-9]+", inside):
+        value = inside.replace(",", ".")
+        at = found.start("inside")
+        return line.guess(
+            at, at + len(inside), f"`{inside}` is not a number: the decimal sign is a point", value
+        )
+    if (speed := _SPEED.fullmatch(inside)) and inside.split() != ["V", speed["value"]]:
+        per = speed["unit"]
+        if (
+            per
+            and line.units
+            and "/".join((line.units.get("length", ""), line.units.get("time", "")))
+            != re.sub(r"\s", "", per).lower()
+        ):
+            return line.guess(
+                begin,
+                end,
+                f"a speed is written without its unit: units stand in brackets behind it, and here they are ({_units(line)})",
+                None,
+                f"write [V {speed['value']}] in them",
+            )
+        return line.guess(
+            begin,
+            end,
+            "a speed is written with a blank, and without its unit"
+            if per
+            else "a speed is V, a blank and a number",
+            f"[V {speed['value']}]",
+        )
+    if (seconds := _SECONDS.fullmatch(inside)) and UNITS.get(seconds["unit"].lower()) is not None:
+        return _with_unit(line, begin, end, seconds)
+    return None
+
+
+def _with_unit(line: Line, begin: int, end: int, found: re.Match[str]) -> Guess | None:
+    unit, here = UNITS[found["unit"].lower()], line.units.get("time")
+    if unit.kind != "time" or not is_number(found["number"]):
+        return None
+    message = "a motion time is a number without its unit: units stand in brackets behind it"
+    if here is None:
+        return line.guess(begin, end, message, f"[{found['number']}] ({unit.name})")
+    value = f"{float(found['number']) * unit.factor / UNITS[here].factor:.9g}"
+    return line.guess(begin, end, f"{message}, and here they are ({_units(line)})", f"[{value}]")
+
+
+def order(line: Line) -> Guess | None:
+    """Answer a time behind units or the base frame, a second time, and an option before the values."""
+    if not line.is_command:
+        return None
+    times = list(_INSIDE.finditer(line.bare, line.behind))
+    if len(times) > 1:
+        one = times[1]
+        return line.guess(
+            one.start(),
+            one.end(),
+            f"a second motion time, {one[0]}: a command has one",
+            None,
+            f"take {times[0][0]} or {one[0]} away",
+        )
+    if found := _ORDER.search(line.bare, line.behind):
+        before = line.bare[line.behind : found.start()]
+        if not before.strip():
+            return None
+        early, motion_time = found["early"], found["time"]
+        return line.guess(
+            found.start(),
+            found.end(),
+            f"{motion_time} stands before units and base frame, not behind {early}",
+            f"{motion_time} {early}",
+        )
+    if found := re.match(
+        r"\s+(?P<option>NEAR\s+[A-Za-z_]\w*|BLEND\s+[0-9.]+|TOL\s+[0-9.]+)(?=\s)", line.values, re.I
+    ):
+        name = found["option"].split()[0].upper()
+        return line.guess(
+            line.behind + found.start("option"), line.behind + found.end("option"), f"{name} can't stand before the values", None,
+            f"write {found['option']} behind values, time and units: options come last",
+        )  # fmt: skip
+    return None
+
+
+def units(line: Line) -> Guess | None:
+    """Answer units without commas, and units by their names in full."""
+    if found := _UNITS_APART.search(line.bare, line.begin):
+        names = re.split(r"[\s;/]+", found["units"])
+        if all(name.lower() in UNITS for name in names):
+            return line.guess(
+                found.start(), found.end(), "units have commas between them", f"({','.join(names)})"
+            )
+    for found in _UNIT_LIST.finditer(line.bare, line.begin):
+        for part in re.finditer(r"[A-Za-z]+", found["units"]):
+            meant = _NAMES_OF_UNITS.get(part[0].lower())
+            if meant is not None:
+                at = found.start("units")
+                return line.guess(at + part.start(), at + part.end(), f"`{part[0]}` is no unit", meant)
+    return None
+
+
+def frame(line: Line) -> Guess | None:
+    """Answer a frame in round brackets, or in none."""
+    names = {name.upper(): name for name in (*_FRAMES, *line.around.declared.get("FRAME", ()))}
+    if line.word.upper() in ("FRAME", "FRAME_QUAT"):
+        found = re.match(r"\s+(?P<name>[A-Za-z_][A-Za-z0-9_]*)(?=\s)", line.values)
+        if found is None:
+            return None
+        at = line.behind + found.start("name")
+        return line.guess(
+            at, at + len(found["name"]), "a frame's name stands in braces", f"{{{found['name']}}}"
+        )
+    if not line.is_motion:
+        return None
+    found = _ROUND_FRAME.search(line.bare, line.behind)
+    if found is not None and found["name"].upper() in names and found["name"].lower() not in UNITS:
+        return line.guess(
+            found.start(),
+            found.end(),
+            "a frame's name stands in braces",
+            f"{{{names[found['name'].upper()]}}}",
+        )
+    for found in re.finditer(r"(?<=\s)[A-Za-z_][A-Za-z0-9_]*(?=\s|$)", line.bare[line.behind :]):
+        name = found[0].upper()
+        if name in names and not (line.bare[: line.behind + found.start()].rstrip().upper().endswith("NEAR")):
+            at = line.behind + found.start()
+            alone = not re.search(r"[0-9]", line.values)
+            return line.guess(
+                at, at + len(name), f"a frame's name stands in braces, as {{{names[name]}}}",
+                None if alone else f"{{{names[name]}}}",
+                f"write 0 0 0 0 0 0 {{{names[name]}}} to go where the frame is" if alone else "",
+            )  # fmt: skip
+    return None
+
+
+def option(line: Line) -> Guess | None:
+    """Answer an option's word that is mistyped, or has an equals sign."""
+    if not line.is_motion:
+        return None
+    if found := re.search(r"(?<=\s)(?P<word>BLEND)\s*$", line.bare, re.I):
+        return line.guess(
+            found.start(),
+            found.end("word"),
+            "BLEND has no length behind it",
+            None,
+            "write BLEND 5, with a length or an angle in the line's units",
+        )
+    for found in _OPTION.finditer(line.bare, line.behind):
+        word = found["word"].upper()
+        meant = word if word in OPTIONS else like(word, OPTIONS)
+        if not meant or (word == meant and "=" not in found["rest"]) or word in STATES:
+            continue
+        if "=" in found["rest"]:
+            return line.guess(
+                found.start(), found.end(), f"{meant} has no equals sign", f"{meant} {found['value']}"
+            )
+        return line.guess(found.start(), found.end("word"), f"`{found['word']}` is no option", meant)
+    return None
+
+
+def bracket(line: Line) -> Guess | None:
+    """Answer a bracket without its partner, where only one place is likely for it."""
+    pairs = {"[": "]", "(": ")", "{": "}"}
+    open_: list[int] = []
+    in_text = False
+    for at, sign in enumerate(line.bare):
+        if sign == '"':
+            in_text = not in_text
+        elif in_text:
+            continue
+        elif sign in pairs:
+            open_.append(at)
+        elif sign in "])}":
+            if not open_:
+                return None
+            meant = pairs[line.bare[open_[-1]]]
+            if sign != meant:
+                return line.guess(at, at + 1, f"`{line.bare[open_[-1]]}` is closed by `{sign}`", meant)
+            open_.pop()
+    if len(open_) != 1:
+        return None
+    at, sign = open_[0], line.bare[open_[0]]
+    rest = line.bare[at + 1 :]
+    simple = {
+        "[": r"\s*(?:[0-9.]+%?|MIN|V\s+[0-9.]+)",
+        "{": r"\s*[A-Za-z_]\w*",
+        "(": r"\s*[A-Za-z]+(?:\s*,\s*[A-Za-z]+)*",
+    }
+    if not (found := re.match(simple[sign], rest, re.I)):
+        return None
+    end = at + 1 + found.end()
+    repaired = line.text[:end] + pairs[sign] + line.text[end:]
+    return Guess(at, at + 1, f"this `{sign}` is not closed", f"close it with `{pairs[sign]}`", repaired)
+
+
+def _units(line: Line) -> str:
+    return ",".join(line.units.values())

@@ -128,4 +128,4 @@ def _distance(q: Array, reference: Array) -> float:
 
 
 def _same(one: Array, other: Array) -> bool:
-    return bool(np.abs(one - other).max() < 10.0 * SAME)
+    return bool(np.abs(one - other).max() < SAME)

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.closed_form import closed_form
-from yarclang.robot.kinematics.elimination import polished
+from yarclang.robot.kinematics.elimination import APART, polished
 from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import WristedArm, form_of
-from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts
+from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts, wrapped
 from yarclang.robot.kinematics.nearest_spare import nearest_along
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.kinematics.spare import spare_form
@@ -23,8 +23,11 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
-SAME = 1e-7
-"""Solutions nearer to each other than this in every joint [rad or m] are one."""
+SAME = APART
+"""Solutions nearer to each other than this in every joint [rad or m], but for full turns, are one."""
+
+STANDS = 1e-7
+"""A squared joint difference from the reference up to which a solution is the reference itself."""
 
 SEARCHES = 96
 """Starts of the numeric search within limits."""
@@ -113,7 +116,7 @@ def nearest_solutions(
     # rounded, so that the last bit doesn't decide between equals
     keys = [np.round(q[:, joint], 9) for joint in range(chain.size - 1, -1, -1)]
     q = q[np.lexsort((*keys, np.round(cost, 9)))]
-    return Solutions(sealed(q[_distinct(q)]))
+    return Solutions(sealed(q[_distinct(chain, q)]))
 
 
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
@@ -223,7 +226,7 @@ def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
     """Return True if the nearest of joint positions (m, n) of an arm with one spare joint leaves another one free, and isn't the reference itself."""
     away = np.square(q - reference).sum(axis=1)
     nearest = q[int(np.argmin(away))]
-    if away.min() < SAME:
+    if away.min() < STANDS:
         return False
     jacobian = walk_with_jacobian(chain, nearest[:, None], np.eye(4))[1][:, :, 0]
     return bool(np.linalg.svd(jacobian, compute_uv=False)[-1] < FREE)
@@ -297,8 +300,8 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
     return reaching
 
 
-def _distinct(q: Array) -> NDArray[np.bool_]:
-    """The rows of `q` (m, n) that aren't the same as one before them."""
-    away = np.abs(q[:, None] - q[None]).max(axis=2)
+def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
+    """Return the rows of `q` (m, n) that aren't the same as one before them, but for full turns."""
+    away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)
     same: NDArray[np.bool_] = ((away < SAME) & np.tri(len(q), k=-1, dtype=bool)).any(axis=1)
     return ~same

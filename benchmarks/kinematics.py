@@ -1,7 +1,7 @@
 """Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
 
 Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of six joints, in batches and alone; how many there are beside what all
-eliminations together and EAIK find), `search` (random reachable poses within limits,
+eliminations together and EAIK find), `spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
 without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in an
 environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left out.
 """
@@ -29,9 +29,16 @@ from measure import process
 from tests.robot.kinematics import arms as made
 from yarclang.robot.chain import joints_between, screws
 from yarclang.robot.description import load_robot
-from yarclang.robot.kinematics import branches, elimination, flange_poses, nearest_solutions, reaching
-from yarclang.robot.kinematics.nearest import nearest_turn
+from yarclang.robot.kinematics import (
+    Solutions,
+    branches,
+    elimination,
+    flange_poses,
+    nearest_solutions,
+    reaching,
+)
 from yarclang.robot.kinematics.search import span
+from yarclang.robot.kinematics.within import nearest_turn
 from yarclang.robot.model import Chain, Limits
 from yarclang.robot.urdf import MOVING, read_urdf
 from yarclang.source import SourceFile
@@ -104,6 +111,28 @@ def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
     yield _random_arms()
     if options.peer_python:
         yield _beside_eaik(options.peer_python)
+
+
+def measure_spare(_: argparse.Namespace) -> Iterator[str]:
+    """The nearest solution of arms with one joint more than a pose needs, from any joint position within limits."""
+    ours = {name: made.seven(name) for name in made.SEVEN}
+    six = np.radians([170, 135, 150, 190, 130, 360])
+    ours["INDUSTRIAL6 on a rail"] = made.on_rail(made.industrial6()[0], six)
+    ours["UR5 on a rail"] = made.on_rail(made.COBOTS["ur5"], np.full(6, 2.0 * math.pi))
+    yield "| nearest solution, alone (CPU time) | median | 95 % | solved | goal |\n|---|---|---|---|---|"
+    for name, (chain, limits) in ours.items():
+        count = COUNT if name == "panda" else PEER_COUNT
+        poses, near = flange_poses(chain, _draw(chain, limits, count)), _draw(chain, limits, count)[::-1]
+        times, solved = [], 0
+        for pose, reference in zip(poses, near, strict=True):
+            begun = time.process_time()
+            found = nearest_solutions(chain, limits, pose, reference)
+            times.append(time.process_time() - begun)
+            solved += isinstance(found, Solutions) and bool(
+                np.abs(flange_poses(chain, found.q) - pose).max() < 1e-8
+            )
+        middle, most = 1e3 * statistics.median(times), 1e3 * float(np.percentile(times, 95))
+        yield f"| {name} | {middle:.2f} ms | {most:.2f} ms | {solved:,} of {count:,} | 2 ms |"
 
 
 def _random_arms(count: int = 1000) -> str:
@@ -236,6 +265,7 @@ def measure_line(_: argparse.Namespace) -> Iterator[str]:
 PARTS = {
     "branches": measure_branches,
     "solutions": measure_solutions,
+    "spare": measure_spare,
     "search": measure_search,
     "line": measure_line,
 }

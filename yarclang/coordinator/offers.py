@@ -26,7 +26,7 @@ from yarclang.pipeline.project import FILE_NAME, Project, find_project
 from yarclang.pipeline.stages import CellNow, Compiled, Request, certified, check_program, plan_checked
 from yarclang.pipeline.trajectories import TrajectoryLoader
 from yarclang.robot.kinematics.inverse import branches
-from yarclang.robot.kinematics.nearest import beyond
+from yarclang.robot.kinematics.within import beyond
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
 from yarclang.semantics.context import GivenCell

@@ -220,6 +220,88 @@ COBOTS = {
 """Arms of six joints by their published parameters."""
 
 
+SEVEN = {
+    "iiwa14": of_dh(
+        [
+            (0, -RIGHT, 0.36, 0),
+            (0, RIGHT, 0, 0),
+            (0, RIGHT, 0.42, 0),
+            (0, -RIGHT, 0, 0),
+            (0, -RIGHT, 0.4, 0),
+            (0, RIGHT, 0, 0),
+            (0, 0, 0.126, 0),
+        ]
+    ),
+    "panda": of_dh(
+        [
+            (0, 0, 0.333, 0),
+            (0, -RIGHT, 0, 0),
+            (0, RIGHT, 0.316, 0),
+            (0.0825, RIGHT, 0, 0),
+            (-0.0825, -RIGHT, 0.384, 0),
+            (0, RIGHT, 0, 0),
+            (0.088, RIGHT, 0.107, 0),
+        ],
+        modified=True,
+    ),
+    "xarm7": of_dh(
+        [
+            (0, -RIGHT, 0.267, 0),
+            (0, RIGHT, 0, 0),
+            (0.0525, RIGHT, 0.293, 0),
+            (0.0775, RIGHT, 0, 0),
+            (0, RIGHT, 0.3425, 0),
+            (0.076, -RIGHT, 0, 0),
+            (0, 0, 0.097, 0),
+        ]
+    ),
+    "gen3": of_dh(
+        [
+            (0, RIGHT, -0.2848, 0),
+            (0, RIGHT, -0.0118, 0),
+            (0, RIGHT, -0.4208, 0),
+            (0, RIGHT, -0.0128, 0),
+            (0, RIGHT, -0.3143, 0),
+            (0, RIGHT, 0, 0),
+            (0, math.pi, -0.1674, 0),
+        ]
+    ),
+}
+"""Arms of seven joints by their published parameters."""
+
+SEVEN_LIMITS = {
+    "iiwa14": degrees(170, 120, 170, 120, 170, 120, 175),
+    "panda": (
+        [-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973],
+        [2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973],
+    ),
+    "xarm7": (degrees(-360, -118, -360, -11, -360, -97, -360), degrees(360, 120, 360, 225, 360, 180, 360)),
+    "gen3": np.array([math.inf, 2.24, math.inf, 2.57, math.inf, 2.09, math.inf]),
+}
+"""Their limits [rad]: the lower and the upper, or both by one."""
+
+
+def seven(name: str) -> tuple[Chain, Limits]:
+    """An arm of seven joints."""
+    high = SEVEN_LIMITS[name]
+    return SEVEN[name], limits_of(*high) if isinstance(high, tuple) else limits_of(-high, high)
+
+
+def on_rail(chain: Chain, upper: Array, travel: float = 1.0) -> tuple[Chain, Limits]:
+    """An arm on a rail along x, limits (n,) to both sides [rad], `travel` [m] of the rail."""
+    rail = np.array([[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]])
+    high = np.r_[travel, upper]
+    return Chain(frozen(np.vstack([rail, chain.screws])), chain.base_from_flange), limits_of(-high, high)
+
+
+def with_turn_at_tip(chain: Chain, upper: Array) -> tuple[Chain, Limits]:
+    """An arm with one more turn, beside and across its last."""
+    home = chain.base_from_flange
+    axis, point = home[:3, :3] @ np.array([0.0, 0.6, 0.8]), home[:3, 3] + [0.1, 0.02, 0.1]
+    screws = np.vstack([chain.screws, np.r_[-np.cross(axis, point), axis]])
+    return Chain(frozen(screws), home), limits_of(-np.r_[upper, 3.0], np.r_[upper, 3.0])
+
+
 def random6(rng) -> Chain:
     """Six turns about axes by chance: none is parallel to another, none meet."""
     axes = rng.normal(size=(6, 3))

@@ -9,8 +9,9 @@ from hypothesis import strategies as st
 
 from tests.robot.kinematics import arms
 from yarclang.robot.kinematics import branches, flange_poses, follow
-from yarclang.robot.kinematics.closed_form import BLOCK, HOLD
+from yarclang.robot.kinematics.closed_form import BLOCK
 from yarclang.robot.kinematics.geometry import form_of, wristed_arm
+from yarclang.robot.kinematics.wrist import HOLD
 from yarclang.robot.model import Chain
 
 WRISTED = [arms.industrial6, arms.skewed6]

@@ -22,7 +22,8 @@ from yarclang.robot.kinematics import (
     nearest_solutions,
     tool_poses,
 )
-from yarclang.robot.kinematics.nearest import clear_of_limits, surely_reached
+from yarclang.robot.kinematics.nearest import surely_reached
+from yarclang.robot.kinematics.within import clear_of_limits
 
 DATA = Path(__file__).parents[2] / "conformance"
 FLANGE_FROM_TCP = arms.TCP

@@ -8,8 +8,8 @@ import pytest
 from tests.robot.kinematics import arms
 from yarclang.robot.kinematics import Track, flange_poses, track
 from yarclang.robot.kinematics.march import march
-from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.kinematics.redundant import reaches, self_motion, weights
+from yarclang.robot.kinematics.within import beyond
 
 REDUNDANT = [arms.seven7, arms.slider9]
 

@@ -12,9 +12,9 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array, Origin, PoseGoal
 from yarclang.motion.avoid.room import Room
 from yarclang.robot.kinematics.inverse import branches, has_all, reached_within
-from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.search import within
+from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Robot
 from yarclang.source import Span
 from yarclang.transforms import roll_pitch_yaw, rpy_rotation

@@ -17,13 +17,14 @@ from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.paths.arc import Arc, NoArc, arc_through
 from yarclang.motion.paths.line import Line, lines_between, poses_along
 from yarclang.motion.runs import Growing
-from yarclang.robot.kinematics.closed_form import TURN, closed_form, next_to
+from yarclang.robot.kinematics.closed_form import closed_form, next_to
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.kinematics.geometry import Form, form_of
 from yarclang.robot.kinematics.inverse import REACHED
-from yarclang.robot.kinematics.nearest import beyond
 from yarclang.robot.kinematics.strands import plain_strands
 from yarclang.robot.kinematics.track import EDGE, SAMPLES, Track
+from yarclang.robot.kinematics.within import beyond
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Robot
 
 _STANDS = 1e-6

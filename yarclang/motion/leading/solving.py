@@ -17,8 +17,9 @@ from yarclang.motion.leading import messages
 from yarclang.motion.wording import Message
 from yarclang.motion.zones import moving_of
 from yarclang.robot.kinematics.in_turn import nearest_in_turn
-from yarclang.robot.kinematics.nearest import EDGE, Unreachable, beyond, full_turns, nearest_solutions
+from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
 from yarclang.robot.kinematics.redundant import reaches, self_motion
+from yarclang.robot.kinematics.within import EDGE, beyond
 from yarclang.robot.model import Robot
 
 

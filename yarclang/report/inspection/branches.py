@@ -9,7 +9,8 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.inverse import branches
-from yarclang.robot.kinematics.nearest import EDGE, SAME, beyond, full_turns, nearest_turn
+from yarclang.robot.kinematics.nearest import SAME, full_turns
+from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Robot
 
 MOST_TRIED = 24
@@ -127,4 +128,4 @@ def _distance(q: Array, reference: Array) -> float:
 
 
 def _same(one: Array, other: Array) -> bool:
-    return bool(np.abs(one - other).max() < 10.0 * SAME)
+    return bool(np.abs(one - other).max() < SAME)

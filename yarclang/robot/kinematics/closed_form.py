@@ -14,20 +14,11 @@ from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.geometry import Form, ParallelArm, WristedArm
+from yarclang.robot.kinematics.wrist import HOLD, REACH_TOLERANCE, TURN, held, wrist_angles
 from yarclang.robot.model import Array
 
 BLOCK = 512
 """Poses in one block, so that eight branches of them stay in the second-level cache."""
-
-HOLD = 1e-10
-"""The sine of the wrist's angle, and the wrist centre's distance from axis 1 [m], under which the angle
-that it no longer determines goes over to the held one. The transition is smooth; it costs at most half
-of this, times the difference [rad], in the pose."""
-
-REACH_TOLERANCE = 1e-10
-"""How far beyond a boundary [m, or as a sine] a pose still counts as on it."""
-
-TURN = 2.0 * math.pi
 
 
 def free_joints(arm: Form) -> tuple[int, int]:
@@ -104,7 +95,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     rest[2] = turned[2]
     rest = (arm.wrist.T @ rest.reshape(3, -1)).reshape(3, 3, 4, count)
 
-    wrist, bendable, straight = _wrist(arm, rest, hold[3])
+    wrist, bendable, straight = wrist_angles(arm, rest, hold[3])
     q: Array = np.empty((6, 2, 2, 2, count))
     q[0] = q1[:, None]
     q[1] = q2
@@ -133,7 +124,7 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     turned = ((arm.shoulder[:3, :3] @ arm.wrist).T @ turned.reshape(3, -1)).reshape(3, 3, 2, count)
     together = hold[1] + arm.elbow_sign * hold[2] + arm.hand_sign * hold[3]
     # the frame with x across axis 5 is turned with the parallel axes: its own turn at zero is none
-    wrist, bendable, straight = _wrist(arm, turned, together)
+    wrist, bendable, straight = wrist_angles(arm, turned, together)
     # axis 4, seen in frame 2: (wrist 2, shoulder 2, N)
     sin, cos = np.sin(wrist[0]), np.cos(wrist[0])
     x, y = _in_plane(arm, columns[3], sin1, cos1)
@@ -221,7 +212,7 @@ def one_branch(
         q[0, piece] = q1[shoulder]
         q[1, piece], q[2, piece] = q2[shoulder, elbow], q3[shoulder, elbow] * arm.elbow_sign
         rest = _left_over(arm, columns, (sin1[shoulder], cos1[shoulder]), bent[shoulder, elbow])
-        angles, bendable, _ = _wrist(arm, rest, nothing)
+        angles, bendable, _ = wrist_angles(arm, rest, nothing)
         q[3:, piece] = angles[:, wrist, 0]
         valid[piece] = reached[shoulder] & over.reached & bendable[0]
         singular[piece] = over.singular | _is_straight(arm, columns[2], (sin1, cos1), bent)
@@ -270,7 +261,7 @@ def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
     q1 = np.stack((middle - spread, middle + spread))
     singular = radius < 10.0 * HOLD
     if singular.any():
-        q1 = _held(q1, hold, radius)
+        q1 = held(q1, hold, radius)
     return q1, _Over(slack >= -REACH_TOLERANCE, singular)
 
 
@@ -310,57 +301,6 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
     return q2, q3, np.minimum(beyond, inside) >= -REACH_TOLERANCE
 
 
-def _wrist(arm: Form, rest: Array, hold: Array) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """The wrist's three angles (3, wrist 2, arm 4, N) for the rotation `rest` (3, 3, arm 4, N).
-
-    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), t5 = q5 + bend: its last column says how far
-    axis 6 leans from axis 4, and that gives t5 (subproblem 4) and then q4 (subproblem 1). q6 is taken
-    after q4, so that an uncertain q4 at a straight wrist doesn't spoil the pose.
-
-    Also where the wrist can bend as far (arm 4, N), and where it is straight.
-    """
-    alpha, beta = arm.alpha, arm.beta
-    sin_a, cos_a, sin_b, cos_b = math.sin(alpha), math.cos(alpha), math.sin(beta), math.cos(beta)
-    x, y, z = rest[:, 2]
-    lean_sine = np.hypot(x, y)
-    lean = np.arctan2(lean_sine, z)
-    # spherical triangle of the sides alpha, beta, lean: both half-angle legs of the angle at axis 5
-    half, middle, difference = 0.5 * lean, 0.5 * (alpha + beta), 0.5 * (alpha - beta)
-    sine = np.sin(middle + half) * np.sin(middle - half)
-    cosine = np.sin(half + difference) * np.sin(half - difference)
-    bendable = np.minimum(sine, cosine) >= -REACH_TOLERANCE * sin_a * sin_b
-    t5 = 2.0 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
-    sin5, cos5 = np.sin(t5), np.cos(t5)
-    # where axis 6 points, seen along axis 4, before joint 4 turns
-    before = np.arctan2(-cos_a * sin_b * cos5 - sin_a * cos_b, sin_b * sin5)
-    seen = np.arctan2(y, x)
-    angles = np.empty((3, 2, *t5.shape))
-    angles[0, 0], angles[0, 1] = seen - before, seen + before - math.pi
-    straight = lean_sine < 10.0 * HOLD
-    if straight.any():
-        angles[0] = _held(angles[0], hold, lean_sine)
-    angles[1, 0], angles[1, 1] = t5 - arm.bend, -t5 - arm.bend
-    sin4, cos4 = np.sin(angles[0]), np.cos(angles[0])
-    # the common normal of axes 5 and 6, in frame 4
-    side = np.stack((cos_a * sin5, -cos_a * sin5))
-    across_x, across_y = cos4 * cos5 - sin4 * side, sin4 * cos5 + cos4 * side
-    across_z = np.stack((sin_a * sin5, -sin_a * sin5))
-    along = [
-        across_x * rest[0, axis] + across_y * rest[1, axis] + across_z * rest[2, axis] for axis in (0, 1)
-    ]
-    np.arctan2(-along[1], along[0], out=angles[2])
-    return angles, bendable, straight
-
-
-def _held(angle: Array, hold: Array, weight: Array) -> Array:
-    """`angle` where `weight` determines it, `hold` where not, and a smooth transition at HOLD."""
-    square = weight * weight
-    away = angle - hold
-    away -= TURN * np.round(away * (1.0 / TURN))
-    held: Array = hold + away * (square / (square + HOLD * HOLD))
-    return held
-
-
 def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
     """Angles on the turn next to seeds, and how far they are from these.
 
@@ -397,7 +337,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     cost += np.minimum(costs[0], costs[1])
     q[1:3] = np.where(second, bends[:, 1], bends[:, 0])
     rest = _left_over(arm, columns, (sin1[0], cos1[0]), q[1] + arm.elbow_sign * q[2])
-    wrist, bendable, _straight = _wrist(arm, rest, seed[3])
+    wrist, bendable, _straight = wrist_angles(arm, rest, seed[3])
     turns, away = next_to(wrist[:, :, 0], seed[3:, None])
     costs = (away * away).sum(axis=0)
     second = costs[1] < costs[0]

@@ -49,8 +49,8 @@ TWIN, NEXT = 0.01, 0.01
 EXACT = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
-APART = 1e-6
-"""Solutions nearer to each other than this in every joint [rad] are one."""
+APART = 5e-5
+"""Solutions nearer to each other than this in every joint [rad] are one: where two meet, joint positions that far from both reach the pose to `EXACT`."""
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
 """The places at which the loop is opened (0 to 2), and the same read from its other end (3 to 5), those first that suit most arms."""

@@ -85,6 +85,24 @@ class ParallelArm:
     bend: float
 
 
+@frozen(eq=False)
+class WristAngles:
+    """The angles of three axes in a row [rad]: `alpha`, `beta` and `bend` as of a `WristedArm`."""
+
+    alpha: float
+    beta: float
+    bend: float
+
+
+def wrist_angles_of(axes: Array) -> WristAngles | None:
+    """Return the angles of three axes (3, 3), or None where two neighbours are parallel."""
+    alpha, beta = _angle(axes[0], axes[1]), _angle(axes[1], axes[2])
+    if min(np.sin([alpha, beta])) < SMALL_ANGLE:
+        return None
+    x4, x6 = np.cross(axes[0], axes[1]) / np.sin(alpha), np.cross(axes[1], axes[2]) / np.sin(beta)
+    return WristAngles(alpha, beta, float(np.arctan2(axes[1] @ np.cross(x4, x6), x4 @ x6)))
+
+
 Form = WristedArm | ParallelArm
 """The constants of a closed form."""
 
@@ -111,7 +129,7 @@ def nominal_form(chain: Chain) -> Form | None:
     axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
     for parallel, meeting in (((2,), slice(3, 6)), ((2, 3), slice(4, 6))):
         off = max(float(np.linalg.norm(np.cross(axes[1], axes[other]))) for other in parallel)
-        centre = _meeting(axes[meeting], points[meeting], NEARLY_MEETING)
+        centre = meeting_point(axes[meeting], points[meeting], NEARLY_MEETING)
         if centre is None or off > NEARLY_PARALLEL:
             continue
         meant, through = axes.copy(), points.copy()
@@ -135,7 +153,7 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     along = axes[1]
     if max(float(np.linalg.norm(np.cross(along, other))) for other in (axes[2], axes[3])) > TOLERANCE:
         return None
-    centre = _meeting(axes[4:], points[4:])
+    centre = meeting_point(axes[4:], points[4:])
     alpha, beta, lean = _angle(along, axes[4]), _angle(axes[4], axes[5]), _angle(axes[0], along)
     if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
         return None
@@ -144,13 +162,13 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
     upper, fore_length = float(np.linalg.norm(across)), float(np.linalg.norm(fore))
     if min(upper, fore_length) < SMALL_ANGLE:
         return None
-    second = _frame(along, across / upper, points[1])
+    second = frame_of(along, across / upper, points[1])
     x4, x6 = np.cross(along, axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
     first = np.linalg.inv(links.frames[0])
     seen, hand = second[:3, :3].T @ fore, second[:3, :3].T @ (centre - points[3])
     return ParallelArm(
         first_from_base=first,
-        flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ _frame(axes[5], x6, centre),
+        flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ frame_of(axes[5], x6, centre),
         shoulder=first @ second,
         upper=upper,
         fore=fore_length,
@@ -159,7 +177,7 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
         depth=float(along @ (centre - points[1])),
         elbow_sign=1.0 if along @ axes[2] > 0.0 else -1.0,
         hand_sign=1.0 if along @ axes[3] > 0.0 else -1.0,
-        wrist=second[:3, :3].T @ _frame(along, x4, centre)[:3, :3],
+        wrist=second[:3, :3].T @ frame_of(along, x4, centre)[:3, :3],
         alpha=alpha,
         beta=beta,
         bend=float(np.arctan2(axes[4] @ np.cross(x4, x6), x4 @ x6)),
@@ -179,7 +197,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     if chain.size != 6 or not links.uniform:
         return None
     axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
-    centre = _meeting(axes[3:], points[3:])
+    centre = meeting_point(axes[3:], points[3:])
     alpha, beta = _angle(axes[3], axes[4]), _angle(axes[4], axes[5])
     lean = _angle(axes[0], axes[1])
     if centre is None or min(np.sin([alpha, beta, lean])) < SMALL_ANGLE:
@@ -192,7 +210,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     upper = float(np.linalg.norm(across))
     if upper < SMALL_ANGLE:
         return None
-    second = _frame(axes[1], across / upper, points[1])
+    second = frame_of(axes[1], across / upper, points[1])
     third = second.copy()
     third[:3, 3] += across
     seen = np.linalg.inv(third) @ np.r_[centre, 1.0]
@@ -201,8 +219,8 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
         return None
     first = links.frames[0]
     x4, x6 = np.cross(axes[3], axes[4]) / np.sin(alpha), np.cross(axes[4], axes[5]) / np.sin(beta)
-    fourth = _frame(axes[3], x4, centre)
-    sixth = _frame(axes[5], x6, centre)
+    fourth = frame_of(axes[3], x4, centre)
+    sixth = frame_of(axes[5], x6, centre)
     return WristedArm(
         first_from_base=np.linalg.inv(first),
         flange_from_wrist=np.linalg.inv(chain.base_from_flange) @ sixth,
@@ -219,7 +237,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
     )
 
 
-def _meeting(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
+def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
     """The point (3,) in which the axes (m, 3) through `points` (m, 3) meet within a tolerance [m], or None."""
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
@@ -235,7 +253,7 @@ def _angle(first: Array, second: Array) -> float:
     return float(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second))
 
 
-def _frame(z: Array, x: Array, origin: Array) -> Array:
+def frame_of(z: Array, x: Array, origin: Array) -> Array:
     """The frame (4, 4) with these axes and origin."""
     frame = np.eye(4)
     frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, origin

@@ -5,12 +5,13 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.closed_form import TURN, closed_form
+from yarclang.robot.kinematics.closed_form import closed_form
 from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import reached_within
-from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import misses, pose_columns
+from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 _CLEARLY = 1e-8

@@ -12,11 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.progress import go_on
-from yarclang.robot.kinematics.closed_form import BLOCK, TURN, closed_form, nearest_form, next_to
-from yarclang.robot.kinematics.elimination import MOST, every_solution, polished
+from yarclang.robot.kinematics.closed_form import BLOCK, closed_form, nearest_form, next_to
+from yarclang.robot.kinematics.elimination import APART, MOST, every_solution, polished
 from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import Form, form_of, nominal_form
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain
 
 BRANCHES = 16
@@ -226,7 +227,7 @@ def _repeated(chain: Chain, q: Array, reached: NDArray[np.bool_]) -> NDArray[np.
     count = q.shape[1]
     away = np.abs(wrapped(chain, q[:, :, None] - q[:, None])).max(axis=3)
     earlier = np.tri(count, k=-1, dtype=bool)
-    same: NDArray[np.bool_] = ((away < 1e-5) & earlier & reached[:, None, :]).any(axis=2)
+    same: NDArray[np.bool_] = ((away < APART) & earlier & reached[:, None, :]).any(axis=2)
     return same
 
 

@@ -10,29 +10,30 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.closed_form import TURN, closed_form
-from yarclang.robot.kinematics.elimination import polished
+from yarclang.robot.kinematics.closed_form import closed_form
+from yarclang.robot.kinematics.elimination import APART, polished
 from yarclang.robot.kinematics.fk import walk, walk_with_jacobian
 from yarclang.robot.kinematics.geometry import WristedArm, form_of
-from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts
+from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts, wrapped
+from yarclang.robot.kinematics.nearest_spare import nearest_along
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.kinematics.spare import spare_form
+from yarclang.robot.kinematics.within import EDGE, beyond, clear_of_limits, nearest_turn
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
-EDGE = 1e-8
-"""A joint that is beyond its limit by no more [rad or m] is put on it."""
+SAME = APART
+"""Solutions nearer to each other than this in every joint [rad or m], but for full turns, are one."""
 
-SAME = 1e-7
-"""Solutions nearer to each other than this in every joint [rad or m] are one."""
+STANDS = 1e-7
+"""A squared joint difference from the reference up to which a solution is the reference itself."""
 
 SEARCHES = 96
 """Starts of the numeric search within limits."""
 
 PULLED = 24
 """Solutions of a redundant arm, nearest first, that are moved towards the reference."""
-
-CLEAR = 0.05
-"""How far a redundant arm keeps from its limits where it can [rad or m], at most a twentieth of the range."""
 
 FREE = 1e-5
 """A smallest singular value of a Jacobian [m and rad] under which a pose may leave a joint free."""
@@ -115,7 +116,7 @@ def nearest_solutions(
     # rounded, so that the last bit doesn't decide between equals
     keys = [np.round(q[:, joint], 9) for joint in range(chain.size - 1, -1, -1)]
     q = q[np.lexsort((*keys, np.round(cost, 9)))]
-    return Solutions(sealed(q[_distinct(q)]))
+    return Solutions(sealed(q[_distinct(chain, q)]))
 
 
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
@@ -152,27 +153,6 @@ def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
         choices.append([float(value + TURN * turn) for turn in range(first, last + 1)])
     found = np.array(list(itertools.product(*choices)), dtype=float).reshape(-1, chain.size)
     return sealed(np.clip(found, limits.lower, limits.upper))
-
-
-def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Array:
-    """`q` (..., n) shifted by full turns: within limits where that can be, there nearest to `reference`
-    (..., n), otherwise as little out of them as can be.
-    """
-    turns = np.round((reference - q) / TURN)
-    least = np.ceil((limits.lower - q - EDGE) / TURN)
-    most = np.floor((limits.upper - q + EDGE) / TURN)
-    fits = least <= most
-    inside = np.where(fits, np.clip(turns, least, np.maximum(least, most)), 0.0)
-    below, above = limits.lower - (q + TURN * most), (q + TURN * least) - limits.upper
-    outside = np.where(above <= below, least, most)
-    shifted: Array = q + np.where(chain.is_prismatic, 0.0, TURN * np.where(fits, inside, outside))
-    return shifted
-
-
-def beyond(limits: Limits, q: Array) -> Array:
-    """How far `q` (..., n) is out of limits [rad or m]: positive above, negative below, 0 within."""
-    result: Array = np.maximum(q - limits.upper, 0.0) + np.minimum(q - limits.lower, 0.0)
-    return result
 
 
 def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, float, float]:
@@ -214,6 +194,11 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
         q = _isolated(chain, limits, pose, reference, start)
         if q is not None:
             return q
+    spare, along = spare_form(chain), np.empty((0, chain.size))
+    if spare is not None:
+        along = nearest_along(chain, limits, spare, pose, start)
+        if len(along) and not _is_loose(chain, start, along):
+            return along
     low = np.maximum(limits.lower, np.where(chain.is_prismatic, limits.lower, start - math.pi))
     high = np.minimum(limits.upper, np.where(chain.is_prismatic, limits.upper, start + math.pi))
     spread = restarts(chain, SEARCHES)
@@ -226,13 +211,25 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
     q = clipped.q[clipped.total < reached_within(chain)]
     free = branches(chain, pose[None])
     from_reference = fit(chain, pose[None], start[None])
-    q = np.vstack([q, free[0][0][free[1][0]], from_reference.q[from_reference.total < reached_within(chain)]])
+    q = np.vstack(
+        [along, q, free[0][0][free[1][0]], from_reference.q[from_reference.total < reached_within(chain)]]
+    )
     if chain.size > 6 and len(q):
         turned = nearest_turn(chain, limits, q, reference)
         inside = np.abs(beyond(limits, turned)).max(axis=1) <= EDGE
         if inside.any():
             q = _pulled(chain, limits, pose, turned[inside], start)
     return q
+
+
+def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
+    """Return True if the nearest of joint positions (m, n) of an arm with one spare joint leaves another one free, and isn't the reference itself."""
+    away = np.square(q - reference).sum(axis=1)
+    nearest = q[int(np.argmin(away))]
+    if away.min() < STANDS:
+        return False
+    jacobian = walk_with_jacobian(chain, nearest[:, None], np.eye(4))[1][:, :, 0]
+    return bool(np.linalg.svd(jacobian, compute_uv=False)[-1] < FREE)
 
 
 def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start: Array) -> Array | None:
@@ -285,15 +282,6 @@ def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Arra
     return q[clear] if clear.any() else q
 
 
-def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
-    """Limits (n,) each [rad or m] that keep clear of the real ones, but for where the reference doesn't."""
-    room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))
-    return (
-        np.maximum(limits.lower, np.minimum(limits.lower + room, reference)),
-        np.minimum(limits.upper, np.maximum(limits.upper - room, reference)),
-    )
-
-
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
     """The nearest miss from the reference and from fixed starts."""
     seeds = np.vstack([reference, restarts(chain, 48)])
@@ -312,8 +300,8 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
     return reaching
 
 
-def _distinct(q: Array) -> NDArray[np.bool_]:
-    """The rows of `q` (m, n) that aren't the same as one before them."""
-    away = np.abs(q[:, None] - q[None]).max(axis=2)
+def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
+    """Return the rows of `q` (m, n) that aren't the same as one before them, but for full turns."""
+    away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)
     same: NDArray[np.bool_] = ((away < SAME) & np.tri(len(q), k=-1, dtype=bool)).any(axis=1)
     return ~same

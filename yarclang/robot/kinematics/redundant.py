@@ -8,8 +8,8 @@ from yarclang.progress import go_on
 from yarclang.robot.kinematics.elimination import misses_of
 from yarclang.robot.kinematics.fk import walk_with_jacobian
 from yarclang.robot.kinematics.inverse import extent, reached_within
-from yarclang.robot.kinematics.nearest import EDGE, beyond
 from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.within import EDGE, beyond
 from yarclang.robot.model import Array, Chain, Limits
 
 STEP = 0.12

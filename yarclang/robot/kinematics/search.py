@@ -18,9 +18,9 @@ from yarclang.robot.kinematics.elimination import polished
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.kinematics.geometry import Form, form_of, nominal_form
 from yarclang.robot.kinematics.inverse import branches, extent, reached_within, restarts
-from yarclang.robot.kinematics.nearest import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.reach import arm_length
+from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
 
 STARTS = 2048

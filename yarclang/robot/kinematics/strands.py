@@ -20,8 +20,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
-from yarclang.robot.kinematics.closed_form import TURN, closed_form, free_joints, next_to, one_branch
+from yarclang.robot.kinematics.closed_form import closed_form, free_joints, next_to, one_branch
 from yarclang.robot.kinematics.geometry import Form
+from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array
 
 NEAR = 0.2

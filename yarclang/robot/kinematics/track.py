@@ -18,9 +18,10 @@ from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
 from yarclang.robot.kinematics.march import march
-from yarclang.robot.kinematics.nearest import beyond, nearest_miss, nearest_turn
+from yarclang.robot.kinematics.nearest import nearest_miss
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.kinematics.strands import Strand, follow_branches
+from yarclang.robot.kinematics.within import beyond, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 

@@ -1,0 +1,225 @@
+"""The solutions of one pose nearest to a reference, of an arm with one joint more than the pose needs.
+
+The spare joint is sampled over its range; the closed form gives every branch at each sample. Where a branch comes nearest, the samples are narrowed around that place,
+and around the lowest point of a parabola through three of them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.robot.kinematics.fk import walk_with_jacobian
+from yarclang.robot.kinematics.numeric import pose_columns, pose_error
+from yarclang.robot.kinematics.spare import BRANCHES, SpareForm, solutions_with
+from yarclang.robot.kinematics.within import EDGE, clear_of_limits, nearest_turn
+from yarclang.robot.model import Array, Chain, Limits
+
+SAMPLES = 72
+"""Places of the spare joint at which all branches are looked at first."""
+
+KEPT = 6
+"""Places at which a branch comes nearest that are looked at more closely, the nearest first."""
+
+CLOSER = 9
+"""Samples around each of these, and `VERTEX` where a parabola has its lowest point."""
+
+VERTEX: Array = np.array([-0.02, 0.0, 0.02])
+"""The samples there, as shares of how far those around go."""
+
+ROUNDS = 2
+"""How many times the samples are narrowed."""
+
+SLID = 1
+"""Of these, the nearest are slid along the self-motion ..."""
+
+SLIDES, LARGEST, SETTLED = 6, 0.2, 1e-4
+"""... in so many steps, each at most this large, until they are this small [rad or m]."""
+
+EXACT, LESS = 1e-9, 1e-9
+"""What a joint position may miss the pose by [m or rad], and how much nearer to the reference another one has to be [squared joint differences]."""
+
+STEPS = 3
+"""Newton steps from the reference towards the pose."""
+
+NEARLY = 0.1
+"""A sample that is beyond limits by less [rad or m] may have one within them next to it."""
+
+DAMPED = 1e-6
+"""The damping of these steps."""
+
+UNCLEAR, OUTSIDE = 1e6, 1e9
+"""What a joint position that isn't clear of limits, or is beyond them, costs more than any other [squared joint differences]."""
+
+
+def nearest_along(
+    chain: Chain, limits: Limits, form: SpareForm, base_from_flange: Array, reference: Array
+) -> Array:
+    """Return the joint positions (m, 7) within limits that are nearer to a reference than all next to them on the same self-motion, none if the samples show none.
+
+    Like those of other arms with spare joints they are clear of limits, as far as any is and as far as the reference is.
+
+    Args:
+        chain: the arm.
+        limits: its limits.
+        form: its closed form.
+        base_from_flange: (4, 4).
+        reference: (7,) [rad or m], within limits.
+    """
+    seen = _Seen(chain, limits, form, base_from_flange, reference)
+    low, high = _range(chain, limits, form.joint, reference[form.joint])
+    first = (reference[form.joint], seen.next_to_reference()[form.joint])
+    values = np.sort(np.append(np.linspace(low, high, SAMPLES), np.clip(first, low, high)))
+    q, costs, over = seen.costs(*seen.at(values))
+    branch, place = _lowest(costs)
+    # what is nearly within limits comes in its turn
+    away = np.square(q[branch, place] - reference).sum(axis=1)
+    far = costs[branch, place] * (over[branch, place] > NEARLY)
+    order = np.argsort(away + far, kind="stable")[:KEPT]
+    branch, place = branch[order], place[order]
+    best, cost = q[branch, place], costs[branch, place]
+    # as far as the neighbours
+    gaps = np.diff(values, prepend=values[0], append=values[-1])
+    centre, half = values[place], np.maximum(gaps[place], gaps[place + 1])
+    rows = np.arange(len(centre))
+    lowest = _vertex(np.broadcast_to(values, (len(rows), len(values))), costs[branch], place)
+    for _ in range(ROUNDS if len(centre) else 0):
+        steps = np.concatenate(
+            (
+                centre[:, None] + half[:, None] * np.linspace(-1.0, 1.0, CLOSER),
+                lowest[:, None] + half[:, None] * VERTEX,
+            ),
+            axis=1,
+        )
+        steps = np.clip(np.sort(steps, axis=1), low, high)
+        every, valid = seen.at(steps.ravel())
+        own = every.reshape(BRANCHES, *steps.shape, chain.size)[branch, rows]
+        q, costs, _ = seen.costs(own, valid.reshape(BRANCHES, *steps.shape)[branch, rows])
+        nearest = np.argmin(costs, axis=1)
+        better = costs[rows, nearest] < cost
+        best[better], cost[better] = q[rows, nearest][better], costs[rows, nearest][better]
+        centre = np.where(better, steps[rows, nearest], centre)
+        lowest = _vertex(steps, costs, nearest)
+        half = half * (2.0 / (CLOSER - 1))
+    inside = np.argsort(cost, kind="stable")[: int(np.count_nonzero(cost < OUTSIDE))]
+    best, cost = best[inside], cost[inside]
+    for one in range(min(SLID, len(best))):
+        best[one], cost[one] = seen.slid(best[one], cost[one])
+    clear = cost < UNCLEAR
+    return best[clear] if clear.any() else best
+
+
+class _Seen:
+    """Joint positions of one pose, and what they cost."""
+
+    __slots__ = ("chain", "form", "high", "limits", "low", "pose", "reference")
+
+    def __init__(
+        self, chain: Chain, limits: Limits, form: SpareForm, base_from_flange: Array, reference: Array
+    ) -> None:
+        self.chain, self.limits, self.form = chain, limits, form
+        self.pose, self.reference = base_from_flange, reference
+        self.low, self.high = clear_of_limits(limits, reference)
+
+    def at(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return all branches (B, N, 7) at places of the spare joint (N,), and which of them reach the pose (B, N)."""
+        return solutions_with(self.form, self.pose, values, self.reference)
+
+    def costs(self, q: Array, valid: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
+        """Return joint positions (..., 7) on the full turns next to the reference, their costs (...), and how far they are beyond limits (...).
+
+        The cost is the squared difference from the reference; what is not clear of limits, or beyond them, costs more than all that is, and what doesn't reach the pose is infinite.
+        """
+        q = nearest_turn(self.chain, self.limits, q, self.reference)
+        away = q - self.reference
+        cost = np.einsum("...j,...j->...", away, away)
+        over = np.maximum(self.limits.lower - q, q - self.limits.upper).max(axis=-1)
+        unclear = np.maximum(self.low - q, q - self.high).max(axis=-1) > EDGE
+        cost[unclear] += UNCLEAR
+        cost = np.where(over > EDGE, OUTSIDE * (1.0 + over), cost)
+        cost[~valid] = math.inf
+        return q, cost, over
+
+    def slid(self, q: Array, cost: float) -> tuple[Array, float]:
+        """Return a joint position (7,) slid along the self-motion to where that is nearest to the reference, as far as limits allow, and its cost; itself where nothing is nearer.
+
+        The steps are those of the secant method, each with one of Newton's method back to the pose.
+        """
+        here, target = q, pose_columns(self.pose[None])
+        low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
+        step, before, bend = 0.0, 0.0, 1.0
+        way = np.zeros(len(q))
+        for number in range(SLIDES):
+            columns, jacobian = walk_with_jacobian(self.chain, here[:, None], np.eye(4))
+            error = pose_error(columns, target)[:, 0]
+            left, size, right = np.linalg.svd(jacobian[:, :, 0])
+            away = here - self.reference
+            if number and np.abs(error).max() < EXACT and away @ away < cost % UNCLEAR - LESS:
+                outside = np.maximum(low - here, here - high).max()
+                if outside <= EDGE:
+                    q, cost = here, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
+            way = right[6] if right[6] @ way >= 0.0 else -right[6]
+            slope = float(way @ away)
+            if step != 0.0:
+                bend = min(max((slope - before) / step, 0.2), 20.0)
+            before = slope
+            sign = way if slope < 0.0 else -way
+            # as far as the first joint that comes to its limit
+            room = np.where(sign > 0.0, high - here, here - low) / np.maximum(np.abs(sign), 1e-9)
+            step = -math.copysign(max(min(abs(slope) / bend, LARGEST, float(room.min())), 0.0), slope)
+            if abs(step) < SETTLED and (number == 0 or np.abs(error).max() < EXACT):
+                break
+            back = right[:6].T @ ((left.T @ error) / np.maximum(size, DAMPED))
+            here = here + back + way * step
+        return q, cost
+
+    def next_to_reference(self) -> Array:
+        """Return where a few Newton steps lead from the reference towards the pose (7,)."""
+        q, target = self.reference[:, None], pose_columns(self.pose[None])
+        for _ in range(STEPS):
+            columns, jacobian = walk_with_jacobian(self.chain, q, np.eye(4))
+            error = pose_error(columns, target)
+            one = jacobian[:, :, 0]
+            q = q + one.T @ np.linalg.solve(one @ one.T + DAMPED * np.eye(6), error)
+        return q[:, 0]
+
+
+def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
+    """Return where parabolas through the lowest of the costs (K, P) at places (K, P) and its neighbours have their lowest points (K,); the lowest place where they have none between these."""
+    rows = np.arange(len(places))
+    inner = np.clip(lowest, 1, places.shape[1] - 2)
+    (left, middle, right), (before, here, after) = (
+        [one[rows, inner + step] for step in (-1, 0, 1)] for one in (places, costs)
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        down, up = (middle - left) * (here - after), (middle - right) * (here - before)
+        at = middle - 0.5 * ((middle - left) * down - (middle - right) * up) / (down - up)
+    result: Array = np.where((at > left) & (at < right), at, places[rows, lowest])
+    return result
+
+
+def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float, float]:
+    """Return from where to where the spare joint is sampled [rad or m]: its range, of a turn no more than one full turn about `near`."""
+    low, high = float(limits.lower[joint]), float(limits.upper[joint])
+    half = math.pi
+    if chain.is_prismatic[joint]:
+        from yarclang.robot.kinematics.inverse import extent
+
+        half = extent(chain)
+        if math.isfinite(low) and math.isfinite(high):
+            return low, high
+    elif high - low <= 2.0 * math.pi:
+        return low, high
+    low = min(max(near - half, low), high - 2.0 * half)
+    return low, low + 2.0 * half
+
+
+def _lowest(costs: Array) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
+    """Return the branches and places at which costs (B, N) are no more than at both neighbours."""
+    padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
+    low = np.isfinite(costs) & (costs <= padded[:, :-2]) & (costs < padded[:, 2:])
+    # the last of a row of equals
+    branch, place = np.nonzero(low)
+    return branch, place

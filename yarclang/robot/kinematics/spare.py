@@ -1,0 +1,337 @@
+"""Arms with one joint more than a pose needs: all solutions of a pose for given values of that joint, in closed form.
+
+With one joint held, two kinds of arms of seven joints are left with a closed form:
+
+- The held joint is the first or the last (a rail under an arm, a turn behind its flange), and the other six are an arm of `closed_form`.
+- All turn, the last three axes meet (the wrist centre), and two others of the first four meet: the first two with the third held (a
+  spherical shoulder, as of LBR iiwa), or the second and third with the first held. The distance of the wrist centre from where these two meet
+  gives the fourth angle (subproblem 3), its direction these two (subproblem 2), and what is left of the rotation the wrist. An arm
+  whose first three axes meet (Panda, xArm 7) is one of these when it is read from its flange. The decomposition is that of Elias and Wen,
+  IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two intersecting".
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.frozen import frozen
+from yarclang.robot.kinematics.closed_form import closed_form
+from yarclang.robot.kinematics.fk import links_of
+from yarclang.robot.kinematics.geometry import (
+    TOLERANCE,
+    Form,
+    WristAngles,
+    form_of,
+    frame_of,
+    meeting_point,
+    wrist_angles_of,
+)
+from yarclang.robot.kinematics.wrist import HOLD, REACH_TOLERANCE, TURN, held, wrist_angles
+from yarclang.robot.model import Array, Chain
+from yarclang.transforms import sealed
+
+APART = 1e-3
+"""Axes and points that are nearer to each other than this [m, or rad of parallel] decide nothing."""
+
+BRANCHES = 8
+
+
+@frozen(eq=False)
+class HeldAtEnd:
+    """An arm whose other six joints have a closed form, `arm`, with joint `joint` (0 or 6) held.
+
+    `screw` (6,) is that of the held joint as it stands before or after the other six, in {B} or in the flange.
+    """
+
+    joint: int
+    screw: Array
+    arm: Form
+
+
+@frozen(eq=False)
+class HeldWithin:
+    """An arm of seven turning joints with a wrist, read from the base or from the flange (`is_reversed`).
+
+    All of it is said of the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the joints' axes, `held` (0 or 2) is the held joint, `pair` the two whose
+    axes meet in `meeting` (3,); joint 3 bends, joints 4 to 6 are the wrist with the centre `centre` (3,), of the angles `angles`. `home` (4, 4) is the tip at zero, `fourth` and `sixth` (3, 3) are the frames of
+    the wrist's first and last axis. `crosses` (7, 3, 3) are the matrices of the cross product with each axis.
+    """
+
+    is_reversed: bool
+    held: int
+    pair: tuple[int, int]
+    axes: Array
+    points: Array
+    meeting: Array
+    centre: Array
+    home: Array
+    fourth: Array
+    sixth: Array
+    angles: WristAngles
+    crosses: Array
+
+    @property
+    def joint(self) -> int:
+        """The held joint of the arm."""
+        return 6 - self.held if self.is_reversed else self.held
+
+
+SpareForm = HeldAtEnd | HeldWithin
+
+
+@lru_cache(maxsize=256)
+def spare_form(chain: Chain) -> SpareForm | None:
+    """Return the closed form of an arm of seven joints, one of them held, or None where it has none; remembered by the chain's identity."""
+    if chain.size != 7:
+        return None
+    return _at_end(chain) or _within(chain, is_reversed=False) or _within(chain, is_reversed=True)
+
+
+def solutions_with(
+    form: SpareForm, base_from_flange: Array, values: Array, hold: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return all solutions of a pose for values of the held joint, without regard to limits.
+
+    Args:
+        form: the arm.
+        base_from_flange: (4, 4).
+        values: (N,) [rad or m].
+        hold: (7,) [rad or m], what joints have that a singularity leaves free.
+
+    Returns:
+        q (BRANCHES, N, 7), turns in (-pi, pi] but for the held joint [rad or m], and which of them reach the pose (BRANCHES, N).
+    """
+    if isinstance(form, HeldAtEnd):
+        return _solved_at_end(form, base_from_flange, values, hold)
+    if form.is_reversed:
+        base_from_flange, hold = np.asarray(np.linalg.inv(base_from_flange), dtype=np.float64), hold[::-1]
+    q, valid = _solved_within(form, base_from_flange, values, hold)
+    if form.is_reversed:
+        q = q[::-1]
+    q = q.transpose(1, 2, 0)
+    return np.ascontiguousarray(q), valid
+
+
+def _at_end(chain: Chain) -> HeldAtEnd | None:
+    """Return the form with the first or last joint held."""
+    without_first = Chain(sealed(chain.screws[1:]), chain.base_from_flange)
+    arm = form_of(without_first)
+    if arm is not None:
+        return HeldAtEnd(0, chain.screws[0], arm)
+    arm = form_of(Chain(sealed(chain.screws[:-1]), chain.base_from_flange))
+    if arm is None:
+        return None
+    return HeldAtEnd(6, _seen_from(chain.base_from_flange, chain.screws[6:])[0], arm)
+
+
+def _solved_at_end(
+    form: HeldAtEnd, pose: Array, values: Array, hold: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return `solutions_with` for a held joint at an end."""
+    away = _moves(form.screw, -values)
+    others = slice(1, 7) if form.joint == 0 else slice(0, 6)
+    poses = away @ pose if form.joint == 0 else pose @ away
+    found = closed_form(form.arm, poses, hold[others, None])
+    q = np.empty((BRANCHES, len(values), 7))
+    q[:, :, others] = found.q.transpose(1, 2, 0)
+    q[:, :, form.joint] = values
+    return q, found.valid
+
+
+def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
+    """Return the form with a joint of the arm held, read from the base or from the flange."""
+    if not links_of(chain).uniform:
+        return None
+    if is_reversed:
+        # T⁻¹ = exp(-s7' q7) … exp(-s1' q1) M⁻¹, the screws s' seen from the flange M
+        home = np.asarray(np.linalg.inv(chain.base_from_flange), dtype=np.float64)
+        chain = Chain(sealed(-_seen_from(chain.base_from_flange, chain.screws)[::-1]), sealed(home))
+    links = links_of(chain)
+    axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
+    centre, angles = meeting_point(axes[4:], points[4:]), wrist_angles_of(axes[4:])
+    if centre is None or angles is None or _distance(axes[3], points[3], centre) < APART:
+        return None
+    for held_joint, pair in ((2, (0, 1)), (0, (1, 2))):
+        meeting = meeting_point(axes[list(pair)], points[list(pair)])
+        if meeting is None or np.linalg.norm(np.cross(axes[pair[0]], axes[pair[1]])) < APART:
+            continue
+        if held_joint == 0 and _distance(axes[3], points[3], meeting) < APART:
+            continue
+        if held_joint == 2:
+            # the meeting point goes round the held axis: if that leaves it where it is, it has to be off the fourth
+            stays = _distance(axes[2], points[2], meeting) < TOLERANCE
+            if stays and _distance(axes[3], points[3], meeting) < APART:
+                continue
+        x4, x6 = np.cross(axes[4], axes[5]), np.cross(axes[5], axes[6])
+        return HeldWithin(
+            is_reversed=is_reversed,
+            held=held_joint,
+            pair=pair,
+            axes=axes,
+            points=points,
+            meeting=meeting,
+            centre=centre,
+            home=chain.base_from_flange,
+            fourth=frame_of(axes[4], x4 / np.linalg.norm(x4), centre)[:3, :3],
+            sixth=frame_of(axes[6], x6 / np.linalg.norm(x6), centre)[:3, :3],
+            angles=angles,
+            crosses=np.array([_cross(axis) for axis in axes]),
+        )
+    return None
+
+
+def _solved_within(
+    form: HeldWithin, pose: Array, values: Array, hold: Array
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Return solutions (7, BRANCHES, N) of the chain as it is read, and which reach the pose (BRANCHES, N); samples are the last index."""
+    count, (one, other) = len(values), form.pair
+    turned = pose[:3, :3] @ form.home[:3, :3].T
+    # where the wrist centre and the frame of the last axis shall be
+    target = pose[:3, 3] + turned @ (form.centre - form.home[:3, 3])
+    tip = (turned @ form.sixth)[:, :, None]
+    sin, cos = np.sin(values), np.cos(values)
+    middle = np.broadcast_to(form.meeting[:, None], (3, count))
+    if form.held == 0:
+        start = form.points[0][:, None]
+        way = _turned(form.crosses[0], target[:, None] - start, -sin, cos) + start - middle
+        tip = _turned(form.crosses[0], tip, -sin, cos)
+    else:
+        start = form.points[2][:, None]
+        way = (target - form.meeting)[:, None] + np.zeros(count)
+        middle = _turned(form.crosses[2], middle - start, -sin, cos) + start
+    bend, bends = _bend(form, middle, way)
+    # from where the two axes meet to the wrist centre, before they turn: (3, bend 2, N)
+    bend_sin, bend_cos = np.sin(bend), np.cos(bend)
+    across = (form.centre - form.points[3])[:, None, None]
+    reach = _turned(form.crosses[3], across, bend_sin, bend_cos) + form.points[3][:, None, None]
+    if form.held == 2:
+        start = form.points[2][:, None, None]
+        reach = _turned(form.crosses[2], reach - start, sin, cos) + start
+    reach = reach - form.meeting[:, None, None]
+    first, second, leans = _two_turns(form, way, reach, hold[[one, other]])
+    # what is left of the rotation: (3, 3, shoulder 2, bend 2, N)
+    rest = tip[:, :, None, None]
+    rest = _turned(form.crosses[one], rest, -np.sin(first), np.cos(first))
+    rest = _turned(form.crosses[other], rest, -np.sin(second), np.cos(second))
+    if form.held == 2:
+        rest = _turned(form.crosses[2], rest, -sin, cos)
+    rest = _turned(form.crosses[3], rest, -bend_sin, bend_cos)
+    rest = (form.fourth.T @ rest.reshape(3, -1)).reshape(3, 3, 4, count)
+    wrist, bendable, _straight = wrist_angles(form.angles, rest, hold[4:5])
+    q: Array = np.empty((7, 2, 2, 2, count))
+    q[form.held] = 0.0
+    q[one], q[other], q[3] = first, second, bend
+    q[4:] = wrist.reshape(3, 2, 2, 2, count)
+    q -= TURN * np.round(q * (1.0 / TURN))
+    q[form.held] = values
+    valid = np.empty((2, 2, 2, count), dtype=bool)
+    valid[:] = bends & leans & bendable.reshape(2, 2, count)
+    return q.reshape(7, BRANCHES, count), valid.reshape(BRANCHES, count)
+
+
+def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Return the fourth angle (2, N) at which the wrist centre is as far from `middle` (3, N) as `way` (3, N) is long, and where there is one (N,) (subproblem 3)."""
+    axis = form.axes[3]
+    arm, seen = form.centre - form.points[3], middle - form.points[3][:, None]
+    along, height = float(axis @ arm), axis @ seen
+    arm = arm - along * axis
+    seen = seen - axis[:, None] * height
+    length, distance = float(np.linalg.norm(arm)), np.sqrt((seen * seen).sum(axis=0))
+    square = (way * way).sum(axis=0) - np.square(along - height)
+    # both legs of half the angle between arm and seen
+    sine, cosine = square - np.square(length - distance), np.square(length + distance) - square
+    reached = (np.minimum(sine, cosine) >= -REACH_TOLERANCE) & (distance > APART)
+    half = np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
+    towards = np.arctan2((form.crosses[3] @ arm) @ seen, arm @ seen)
+    return np.stack((towards - 2.0 * half, towards + 2.0 * half)), reached
+
+
+def _two_turns(
+    form: HeldWithin, way: Array, reach: Array, hold: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """Return the turns about the pair of axes that bring `reach` (3, 2, N) to `way` (3, N) (subproblem 2). Where `way` lies along the first axis, or `reach` along the other, this one is held at `hold` (2,).
+
+    Returns:
+        The turn about the first axis and that about the other, (2, 2, N) each [rad], and where there are some (2, N).
+    """
+    one, other = (form.axes[joint] for joint in form.pair)
+    cosine, normal = float(one @ other), form.crosses[form.pair[0]] @ other
+    sine = float(normal @ normal)
+    level, height = one @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
+    first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
+    square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
+    aside = np.sqrt(np.maximum(square, 0.0) / sine)
+    between = one[:, None, None] * first + other[:, None, None] * second
+    side = normal[:, None, None] * aside
+    between = np.stack((between - side, between + side), axis=1)
+    cross_one, cross_other = (form.crosses[joint] for joint in form.pair)
+    end = cross_one @ way
+    turn_one = _turn_between(_crossed(cross_one, between), end[:, None, None], way[:, None, None])
+    start = _crossed(cross_other, reach)[:, None]
+    turn_other = _turn_between(start, _crossed(cross_other, between), between)
+    radius = np.sqrt((end * end).sum(axis=0))
+    if radius.min(initial=1.0) < 10.0 * HOLD:
+        turn_one = held(turn_one, hold[0], radius)
+    radius = np.sqrt((start * start).sum(axis=0))
+    if radius.min(initial=1.0) < 10.0 * HOLD:
+        turn_other = held(turn_other, hold[1], radius)
+    return turn_one, turn_other, square >= -REACH_TOLERANCE
+
+
+def _turn_between(start: Array, across: Array, end: Array) -> Array:
+    """Return the turn about an axis that brings one vector to another [rad]: from the cross products (3, ...) of the axis with both, and the other itself."""
+    result: Array = np.arctan2((start * end).sum(axis=0), (start * across).sum(axis=0))
+    return result
+
+
+def _crossed(cross: Array, vectors: Array) -> Array:
+    """Return the cross products of an axis, by its matrix (3, 3), with vectors (3, ...)."""
+    result: Array = (cross @ vectors.reshape(3, -1)).reshape(vectors.shape)
+    return result
+
+
+def _turned(cross: Array, vectors: Array, sin: Array, cos: Array) -> Array:
+    """Return vectors (3, ...) turned about an axis, by its matrix (3, 3), by angles (...) of these sines and cosines."""
+    across = _crossed(cross, vectors)
+    result: Array = vectors + sin * across + (1.0 - cos) * _crossed(cross, across)
+    return result
+
+
+def _cross(axis: Array) -> Array:
+    """Return the matrix (3, 3) of the cross product with an axis (3,)."""
+    x, y, z = axis
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _distance(axis: Array, point: Array, other: Array) -> float:
+    """Return how far a point (3,) is from an axis through another one [m]."""
+    return float(np.linalg.norm(np.cross(axis, other - point)))
+
+
+def _seen_from(frame: Array, screws: Array) -> Array:
+    """Return screws (m, 6) of {B}, linear part first, as seen from a frame (4, 4)."""
+    turn, origin = frame[:3, :3], frame[:3, 3]
+    angular = screws[:, 3:]
+    linear = screws[:, :3] + np.cross(angular, origin)
+    return np.hstack((linear @ turn, angular @ turn))
+
+
+def _moves(screw: Array, values: Array) -> Array:
+    """Return the motions (N, 4, 4) of a joint with a screw (6,) by its values (N,) [rad or m]."""
+    linear, angular = screw[:3], screw[3:]
+    result = np.tile(np.eye(4), (len(values), 1, 1))
+    size = float(np.linalg.norm(angular))
+    if size == 0.0:
+        result[:, :3, 3] = values[:, None] * linear
+        return result
+    axis, turn = angular / size, values * size
+    cross = _cross(axis)
+    sin, cos = np.sin(turn)[:, None, None], (1.0 - np.cos(turn))[:, None, None]
+    result[:, :3, :3] += sin * cross + cos * (cross @ cross)
+    point = np.cross(axis, linear) / size
+    pitch = axis * float(axis @ linear)
+    result[:, :3, 3] = point - result[:, :3, :3] @ point + values[:, None] * pitch
+    return result

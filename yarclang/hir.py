@@ -493,6 +493,15 @@ class EndWhen:
 
 
 @frozen
+class Finish:
+    """The program ends here, at rest: well, or as a fault whose reason is `text` if it `fails`. No step follows in its way."""
+
+    origin: Origin
+    fails: bool = False
+    text: str = ""
+
+
+@frozen
 class SetRegister:
     """A register takes a value when the robot stands."""
 
@@ -522,7 +531,7 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen | SetRegister
+Action = Dwell | SetOutput | WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish
 Step = Motion | Action | Stop | Gap
 
 

@@ -11,7 +11,7 @@ from typing import Literal
 
 from yarclang.frozen import frozen
 
-Mark = Literal["wait", "hold", "when", "else", "end"]
+Mark = Literal["wait", "hold", "when", "else", "end", "finish"]
 Part = float | Mark
 """What a program does, in order: a known time [s], or something whose time isn't known; and where its ways part and meet."""
 
@@ -120,19 +120,22 @@ class _Parting:
     clock: float
     first: Lasting | None = None
     end: float = 0.0
+    first_ends: bool = False
+    """True if the program ends in the first way."""
 
 
 def schedule_of(parts: Iterable[Part]) -> Schedule:
     """Compute when each part of a program begins, and how long all of it takes. A way without an end, of a program with errors, ends with the program."""
-    so_far, place, clock = NO_TIME, 0.0, 0.0
+    so_far, place, clock, ends = NO_TIME, 0.0, 0.0, False
+    endings: list[Lasting] = []
     open_: list[_Parting] = []
     places, clocks = [], []
     for part in parts:
         places.append(place)
         if part == "else" and open_:
             parting = open_.pop()
-            open_.append(_Parting(parting.before, parting.clock, so_far, clock))
-            so_far, clock = NO_TIME, parting.clock
+            open_.append(_Parting(parting.before, parting.clock, so_far, clock, ends))
+            so_far, clock, ends = NO_TIME, parting.clock, False
         clocks.append(clock)
         match part:
             case "wait" | "hold":
@@ -140,20 +143,35 @@ def schedule_of(parts: Iterable[Part]) -> Schedule:
             case "when":
                 open_.append(_Parting(so_far, clock))
                 so_far = NO_TIME
+            case "finish":
+                whole = so_far
+                for parting in reversed(open_):
+                    whole = parting.before.then(whole)
+                endings.append(whole)
+                ends = True
             case "end" if open_:
-                so_far, clock = _met(open_.pop(), so_far, clock)
+                (so_far, clock), ends = _met(open_[-1], so_far, clock, ends), open_.pop().first_ends and ends
             case float():
                 so_far, place, clock = so_far.then(known(part)), place + part, clock + part
             case _:
                 pass
     while open_:
-        so_far, clock = _met(open_.pop(), so_far, clock)
+        so_far, clock = _met(open_.pop(), so_far, clock, ends)
+        ends = False
+    if ends and endings:  # the program ends in all its ways
+        so_far = endings.pop()
+    for one in endings:
+        so_far = so_far.either(one)
     return Schedule(so_far, (*places, place), (*clocks, clock))
 
 
-def _met(parting: _Parting, way: Lasting, clock: float) -> tuple[Lasting, float]:
-    """Return the time up to where two ways meet, and the clock there."""
+def _met(parting: _Parting, way: Lasting, clock: float, ends: bool) -> tuple[Lasting, float]:
+    """Return the time up to where two ways meet, and the clock there. A way in which the program ends doesn't get there."""
     other, end = (NO_TIME, parting.clock) if parting.first is None else (parting.first, parting.end)
+    if parting.first_ends:
+        return parting.before.then(way), clock
+    if ends:
+        return parting.before.then(other), end
     return parting.before.then(way.either(other)), max(clock, end)
 
 

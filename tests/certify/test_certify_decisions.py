@@ -106,6 +106,82 @@ def test_a_forged_map_is_refused(made, old, new):
     assert any(one.is_error for one in found.diagnostics), (old, new)
 
 
+ENDS = """INPUT DOOR M11
+OUTPUT LAMP M2
+WHEN DOOR ON
+  P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)
+  P20 STOP
+ELSE
+  P30 SET LAMP 3
+END
+WHEN DOOR OFF
+  P40 MOVEJ 7 0 0 0 0 0 [1] (deg,s)
+  P50 ABORT "no part"
+END
+P60 MOVEJ 9 0 0 0 0 0 [1] (deg,s)
+"""
+
+
+@pytest.fixture(scope="module")
+def ending():
+    found, _ = compiled(ENDS, "INDUSTRIAL6")
+    return found
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (" stop 2 - - -", " abort 2 - - -"),
+        (" stop 2 - - -", " hold 2 - - -"),
+        (" stop 2 - - -", " stop 2 - 5 -"),
+        (" stop 2 - - -", " stop 2 M11=1 - -"),
+        (" stop 2 - - -", " finish 2 - - -"),
+        (" abort 8 - - no part", " abort 8 - - a part"),
+        (" abort 8 - - no part", " abort 8 - - -"),
+        (" abort 8 - - no part", " stop 8 - - -"),
+        (" abort 8 - - no part", " hold 8 - - no part"),
+        (" abort 8 - - no part", " abort 8 - 1 no part"),
+        (" abort 8 - - no part", " abort 8 $N:=1 - no part"),
+    ],
+)
+def test_a_forged_end_is_refused(ending, old, new):
+    assert not [one for one in judged(ending, ending.text).diagnostics if one.is_error]
+    assert ending.text.count(old) == 1
+    found = judged(ending, ending.text.replace(old, new))
+    assert any(one.is_error for one in found.diagnostics), (old, new)
+
+
+@pytest.mark.parametrize("kind", ["stop", "abort"])
+def test_a_way_that_goes_on_after_its_end_is_refused_without_the_program(ending, kind):
+    """A move line after the end would count as the way's, and the ways would be thought to part where they meet."""
+    lines = ending.text.splitlines()
+    numbers = {
+        number
+        for number, line in enumerate(lines)
+        if line.startswith("; barrier ") and line.split()[3] == kind
+    }
+    assert len(numbers) == 1
+    (number,) = numbers
+    step = int(lines[number].split()[4])
+    # the barrier before the WHEN's end becomes the end, and the WHEN's own end a hold
+    for forged_kind in ("hold", "wait"):
+        forged = ending.text.replace(
+            f" else {step + 1} - - -" if kind == "stop" else f" end {step + 1} - - -",
+            f" {forged_kind} {step + 1} {'M11=1' if forged_kind == 'wait' else '-'} - -",
+        )
+        assert forged != ending.text
+        found = certify_text(forged, ending.plan.robot, ending.program.source)
+        assert any("its way goes on after that" in one.message for one in found.diagnostics)
+
+
+def test_ways_meet_where_the_way_that_goes_on_ends(ending):
+    """With its end taken for a hold, a way's end would be where the other one has to be."""
+    for old, new in ((" stop 2 - - -", " hold 2 - - -"), (" abort 8 - - no part", " hold 8 - - no part")):
+        forged = ending.text.replace(old, new)
+        found = certify_text(forged, ending.plan.robot, ending.program.source)
+        assert any("end apart" in one.message for one in found.diagnostics)
+
+
 def test_what_was_not_read_before_is_refused_without_the_program(made):
     forged = made.text.replace("again:(M70>=2)&(M70<=4)", "again:(M71>=2)&(M71<=4)")
     found = certify_text(forged, made.plan.robot, made.program.source)

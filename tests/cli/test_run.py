@@ -185,3 +185,48 @@ def test_another_robot_hangs_on_it(workshop, simulator):
     assert re.search(r"error: \d+ of \d+ things aren't as they must be; nothing moved", text)
     assert f"`yarc doctor --to {simulator.address} --robot TRACKED_MANIPULATOR` shows all of them" in text
     assert simulator.complaints() == []
+
+
+ENDS = """ROBOT INDUSTRIAL6
+START HOME
+INPUT JOB M11
+P0010 MOVEJ 3 0 0 0 0 0 [0.5] (deg,s)
+WHEN JOB ON
+P0020 ABORT "no such job"
+ELSE
+P0030 STOP
+END
+"""
+GOES_ON = """ROBOT INDUSTRIAL6
+START HOME
+INPUT JOB M11
+P0010 MOVEJ 3 0 0 0 0 0 [0.5] (deg,s)
+WHEN JOB OFF
+P0020 STOP
+END
+P0030 MOVEJ 5 0 0 0 0 0 [0.5] (deg,s)
+"""
+
+
+def test_an_abort_is_the_runs_reason(workshop, simulator):
+    workshop.write("q.yarc", ENDS)
+    workshop.yarc(*run_on(simulator, program="q.yarc"))
+    workshop.write(
+        "q.yarc", ENDS.replace("ON\n", "OFF\n", 1).replace("START HOME", "START 3 0 0 0 0 0 (deg)")
+    )
+    text = workshop.yarc(*run_on(simulator, program="q.yarc"), status=1)
+    assert "q.yarc:6:1: error Y1635: P0020 ABORT ends the program: no such job\n" in text
+    assert "to go on" not in text
+    assert simulator.stands()[0] != 0.0
+    assert simulator.complaints() == []
+
+
+@pytest.mark.parametrize("options", [[], ["--step"]])
+def test_nothing_is_done_after_a_stop_in_a_way(workshop, simulator, options):
+    """Step by step the WHEN belongs to another piece than the motion after it."""
+    workshop.write("q.yarc", GOES_ON)
+    process = workshop.start(*run_on(simulator, *options, program="q.yarc"))
+    text = process.end(0)
+    assert "P0020 STOP: the program ends here" in text
+    assert "P0030" not in text
+    assert simulator.complaints() == []

@@ -4,7 +4,11 @@ import pytest
 from programs import compiled
 
 from tests.runtime.test_legs import HEAD, job, joints, value, world
-from yarclang.runtime.notices import Remark, Stop
+from yarclang.diagnostics import Diagnostic
+from yarclang.lasting import Lasting, schedule_of
+from yarclang.pipeline.parts import beginning, part
+from yarclang.pipeline.stages import Request
+from yarclang.runtime.notices import Remark, Resume, Stop
 from yarclang.runtime.pmac.performance import perform
 
 COUNTED = ("REGISTER N 0..3", "INPUT JOB M70", "INPUT EMPTY M71")
@@ -131,6 +135,83 @@ def test_the_log_tells_what_was_decided(robot):
     assert any("N = 2 OR EMPTY = 1 holds, N is 2, M71 is OFF" in one for one in told)
 
 
+ENDS = (
+    "CASE JOB",
+    "OF 1",
+    "  P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)",
+    "  P20 STOP",
+    "OF 2",
+    "  P30 MOVEJ 7 0 0 0 0 0 [1] (deg,s)",
+    '  P40 ABORT "no part, {2}"',
+    "OF 3",
+    "  WHEN EMPTY = ON",
+    "    P50 STOP",
+    "  ELSE",
+    '    P60 ABORT "full"',
+    "  END",
+    "OF 4",
+    "  WHEN EMPTY = ON",
+    "    P70 STOP",
+    "  END",
+    "ELSE",
+    "END",
+    "P80 MOVEJ 9 0 0 0 0 0 [1] (deg,s)",
+    "P90 SET LAMP 90",
+)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "well", "place", "what"),
+    [
+        ({"M70": 0}, True, 9.0, ""),
+        ({"M70": 1}, True, 5.0, ""),
+        ({"M70": 2}, False, 7.0, "P0040 ABORT ends the program: no part, {2}"),
+        ({"M70": 3, "M71": 1}, True, 0.0, ""),
+        ({"M70": 3}, False, 0.0, "P0060 ABORT ends the program: full"),
+        ({"M70": 4, "M71": 1}, True, 0.0, ""),
+        ({"M70": 4}, True, 9.0, ""),
+    ],
+)
+def test_a_way_may_end_the_program(robot, inputs, well, place, what):
+    """Where the way ends is where the robot stands, and nothing after it is done."""
+    made = world(robot)
+    for name in ("M70", "M71"):
+        made.machine.command(f"{name}->*", 7)
+        made.machine.command(f"{name}={inputs.get(name, 0)}", 7)
+    ended = made.perform(perform(made.operation, job(robot, *COUNTED, "P05 SET GLUE ON", *ENDS)))
+    assert (ended.well, ended.what) == (well, what)
+    assert ended.code == ("" if well else "Y1635")
+    assert joints(made, robot)[0] == pytest.approx(place, abs=1e-3)
+    assert ended.joints[0] * 57.29577951308232 == pytest.approx(place, abs=1e-3)
+    assert value(made, "M2") == (90.0 if place == 9.0 else 0.0)
+    assert value(made, "M1") == 0.0  # safe, whichever way it has ended
+    assert ended.at_barrier == (not well)
+    told = [one.text for one in made.told if isinstance(one, Remark)]
+    assert well == ("STOP: the program ends here" in told[-1] or place == 9.0)
+
+
+def test_nobody_goes_on_after_an_abort(robot):
+    """An order to resume that is there when the program aborts is no reason to go on."""
+    made = world(robot)
+    for name, number in (("M70", 2), ("M71", 0)):
+        made.machine.command(f"{name}->*", 7)
+        made.machine.command(f"{name}={number}", 7)
+    made.at += [(made.now + 0.1 * one, lambda: made.operation.orders.append(Resume())) for one in range(80)]
+    ended = made.perform(perform(made.operation, job(robot, *COUNTED, *ENDS)))
+    assert not ended.well
+    assert joints(made, robot)[0] == pytest.approx(7.0, abs=1e-3)
+    assert value(made, "M2") == 0.0
+
+
+def test_the_log_tells_which_way_of_a_case_was_taken(robot):
+    made, ended = performed(robot, *CASES, inputs=[("M70", 2)])
+    assert ended.well
+    told = [one.text for one in made.told if isinstance(one, Remark)]
+    first, second = (one for one in told if " OF: " in one)
+    assert first.endswith("OF: JOB is 2: its lines are left out")
+    assert second.endswith("holds, M70 is 2: its lines are carried out")
+
+
 @pytest.mark.parametrize("when", [0.3, 1.2, 2.6])
 def test_a_stop_in_any_leg_leaves_the_registers_as_they_were_there(robot, when):
     """Stopped in the first motion, in that of the way, and at the WAIT after it."""
@@ -172,10 +253,42 @@ def test_a_new_run_begins_anew(robot):
 
 @pytest.mark.parametrize(
     "lines",
-    [("P10 SET N = 1",), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
+    [("P10 SET N = 1",), ("WHEN EMPTY ON", "P10 STOP", "END"), ('P10 ABORT "a"',), ("WHEN N = 1", "P10 SET LAMP ON", "END"), ("CASE JOB", "OF 1", "P10 SET LAMP ON", "OF 2", "P20 SET LAMP OFF", "ELSE", "END")],
 )  # fmt: skip
 def test_a_program_buffer_can_not_decide(robot, lines):
     text = HEAD + "\n".join((*COUNTED, *lines)) + "\n"
     made, found = compiled(text, robot.name, target="prog")
     assert made is None
     assert [one.code for one in found if one.is_error] == ["Y1106"]
+
+
+def test_a_program_can_not_be_begun_inside_a_case(robot):
+    """The finding stands at the CASE's first OF, not at the next one."""
+    program, _ = compiled(HEAD + "\n".join((*COUNTED, *ENDS)) + "\n", robot.name)
+    begins = beginning(program.plan, "P0030")
+    assert not isinstance(begins, Diagnostic)
+    (found,) = part(program.plan, Request(robot), begins[0], step=begins[1]).diagnostics
+    line = next(k for k, one in enumerate(program.program.source.text.splitlines(), 1) if one == "OF 1")
+    assert (found.code, found.span.line) == ("Y1164", line)
+    assert "inside a CASE" in found.message
+
+
+@pytest.mark.parametrize(
+    ("lines", "place"),
+    [
+        (("WHEN EMPTY ON", "P10 MOVEJ 5 0 0 0 0 0 [1] (deg,s)", "ELSE", "P20 MOVEJ 7 0 0 0 0 0 [1] (deg,s)", "P30 STOP", "END"), 5.0),
+        (("WHEN EMPTY ON", "P20 MOVEJ 7 0 0 0 0 0 [1] (deg,s)", "P30 STOP", "END"), 0.0),
+    ],
+)  # fmt: skip
+def test_a_job_ends_where_the_ways_that_go_on_do(robot, lines, place):
+    assert job(robot, *COUNTED, *lines).end[0] * 57.29577951308232 == pytest.approx(place, abs=1e-5)
+
+
+def test_ways_that_end_the_program_take_their_own_time():
+    parts = [1.0, "when", 5.0, "finish", "else", 0.5, "when", "finish", "end", "end", 2.0]
+    schedule = schedule_of(parts)
+    assert (schedule.lasting.least, schedule.lasting.most) == (1.5, 6.0)
+    assert schedule.clocks[-1] == 3.5  # who comes to the end has gone through the second way
+    assert schedule_of([1.0, "when", 5.0, "finish", "else", 3.0, "finish", "end"]).lasting == Lasting(
+        4.0, 6.0
+    )

@@ -30,11 +30,16 @@ CONDITIONS = (
 )
 
 
+class Ends(Exception):
+    """The program ends in a way, with a reason if it fails."""
+
+
 class Drawn:
     """A program as it is drawn: lines, and a function that carries it out on a state."""
 
     def __init__(self, chance):
         self.chance, self.index, self.marks, self.kinds = chance, 0, 0, set()
+        self.in_a_way = 0
 
     def number(self):
         self.index += 1
@@ -52,7 +57,8 @@ class Drawn:
         return lines, carried_out
 
     def part(self, depth):
-        kind = self.chance.choice(("mark", "set", "when", "case", "repeat") if depth else ("mark", "set"))
+        kinds = ("mark", "set", "when", "case", "repeat") if depth else ("mark", "set")
+        kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
 
@@ -80,9 +86,30 @@ class Drawn:
 
         return [f"{self.number()} SET {name} = {text}"], carried_out
 
+    def ends(self, _):
+        """The program ends in a way, somewhere: well, or with a reason."""
+        angle = self.chance.randint(1, 9)
+        before, last = self.number(), self.number()
+        reason = f"because of {last}" if self.chance.random() < 0.5 else ""
+        lines = [
+            f"{before} MOVEJ {angle} 0 0 0 0 0 [MIN] (deg)",
+            f'{last} ABORT "{reason}"' if reason else f"{last} STOP",
+        ]
+
+        def carried_out(state, passed):
+            raise Ends(reason)
+
+        return lines, carried_out
+
+    def way(self, depth):
+        self.in_a_way += 1
+        found = self.block(depth)
+        self.in_a_way -= 1
+        return found
+
     def when(self, depth):
         text, holds = self.chance.choice(CONDITIONS)
-        first, second = self.block(depth - 1), self.block(depth - 1)
+        first, second = self.way(depth - 1), self.way(depth - 1)
 
         def carried_out(state, passed):
             (first if holds(state) else second)[1](state, passed)
@@ -101,7 +128,7 @@ class Drawn:
     def case(self, depth):
         selector = self.chance.choice(("N", "JOB"))
         bounds = [(0, 1), (2, 2), (3, 5)]
-        ways = [self.block(depth - 1) for _ in (*bounds, "else")]
+        ways = [self.way(depth - 1) for _ in (*bounds, "else")]
         lines = [f"CASE {selector}"]
         for (low, high), way in zip(bounds, ways, strict=False):
             lines += [f"OF {low}..{high}" if low < high else f"OF {low}", *way[0]]
@@ -120,7 +147,7 @@ def robot(industrial6):
     return industrial6
 
 
-@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3)
+@exercises(whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.02, abort=0.02)
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
         chance = random.Random(f"{seed}-{tally.drawn['whole']}")
@@ -135,15 +162,22 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
                 made.machine.command(f"{variable}->*", 7)
                 made.machine.command(f"{variable}={state[name]}", 7)
             ended = made.perform(perform(made.operation, run))
+            stops, reason = False, ""
             try:
                 carried_out(state, passed)
                 is_whole = True
             except OverflowError:
                 is_whole = False
+            except Ends as end:
+                stops, reason = True, str(end)
+                is_whole = not reason
             told = [one.value for one in made.told if isinstance(one, OutputSet) and one.variable == "M2"]
             assert told == passed, (seed, lines)
             assert ended.well == is_whole, (seed, ended.what, lines)
-            assert is_whole or ended.code == "Y1630"
+            assert is_whole or ended.code == ("Y1635" if reason else "Y1630")
+            assert reason in ended.what
+            tally.count("stop", stops and not reason)
+            tally.count("abort", bool(reason))
             assert dict(ended.registers or (("N", 0), ("FLAG", 0))) == {
                 "N": state["N"],
                 "FLAG": state["FLAG"],

@@ -91,10 +91,46 @@ def test_ways_that_end_apart_are_one_finding_at_the_when(text, line):
     assert [each.span.line for each in found] == [line]
 
 
-def test_stop_in_a_when_is_refused_and_what_follows_stays():
+def test_stop_in_a_way_ends_it_and_what_follows_stays():
     program, found = checked(f"{HEAD}WHEN DOOR OFF\nP0010 STOP\nEND\nP0020 MOVEJ LOW")
-    assert codes(found) == ["Y0207"]
-    assert isinstance(program.steps[-1], JointMove)
+    assert codes(found) == []
+    assert [type(one).__name__ for one in program.steps] == ["When", "Finish", "EndWhen", "JointMove"]
+
+
+@pytest.mark.parametrize(
+    ("text", "codes_"),
+    [
+        # a way that goes on is reached, whatever the one before it does
+        ("WHEN DOOR OFF\nP10 STOP\nELSE\nP20 SET GLUE ON\nEND\nP30 SET GLUE OFF", []),
+        ("WHEN DOOR OFF\nP10 STOP\nP20 SET GLUE ON\nEND", ["Y1001"]),
+        ('WHEN DOOR OFF\nP10 ABORT "a"\nREPEAT 2\nP20 SET GLUE ON\nEND\nEND', ["Y1001"]),
+        ('WHEN DOOR OFF\nP10 STOP\nELSE\nP20 ABORT "a"\nEND\nP30 SET GLUE ON', ["Y1001"]),
+        ('WHEN DOOR OFF\nP10 STOP\nELSE\nP20 ABORT "a"\nEND\nWHEN DOOR OFF\nP30 SET GLUE ON\nEND', ["Y1001"]),
+        ('CASE DOOR\nOF 1\nP10 STOP\nOF 2\nP20 ABORT "a"\nELSE\nP30 STOP\nEND\nP40 SET GLUE ON', ["Y1001"]),
+        ('CASE DOOR\nOF 1\nP10 STOP\nOF 2\nP20 ABORT "a"\nELSE\nEND\nP40 SET GLUE OFF', []),
+        ('P10 ABORT "a"\nP20 SET GLUE ON', ["Y1001"]),
+        ("P10 ABORT", ["Y0401"]),
+        ("WHEN DOOR OFF\nP10 ABORT DOOR\nEND", ["Y0401"]),
+    ],
+)  # fmt: skip
+def test_what_is_reached_after_ways_that_end_the_program(text, codes_):
+    _, found = checked(f"{HEAD}{text}")
+    assert codes(found) == codes_
+
+
+@pytest.mark.parametrize(
+    ("text", "codes_"),
+    [
+        # the way that ends needs no common end; without ELSE the robot goes on from where it stood
+        ("WHEN DOOR OFF\nP10 MOVEJ LOW\nP20 STOP\nEND\nP30 MOVEJ HOME", []),
+        ("WHEN DOOR OFF\nP10 MOVEJ LOW\nELSE\nP20 MOVEJ 1 0 0 0 0 0 [5] (deg,s)\nP30 STOP\nEND", []),
+        ("WHEN DOOR OFF\nP10 MOVEJ LOW\nWHEN DOOR ON\nP20 STOP\nELSE\nP30 STOP\nEND\nEND\nP40 MOVEJ LOW", []),
+        ("WHEN DOOR OFF\nP10 MOVEJ LOW\nWHEN DOOR ON\nP20 STOP\nEND\nEND\nP40 MOVEJ LOW", ["Y1002"]),
+    ],
+)  # fmt: skip
+def test_a_way_that_ends_the_program_may_end_anywhere(text, codes_):
+    found = [one.code for one in planned(f"{HEAD}{text}")[1] if one.is_error]
+    assert found == codes_
 
 
 @pytest.mark.parametrize(

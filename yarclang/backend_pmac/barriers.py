@@ -31,6 +31,8 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
             return ("ENDIF",)
         case "set":
             raise ValueError("registers are kept by whoever streams, never in a program buffer")
+        case "stop" | "abort":
+            raise ValueError("an R would go on after a STOP in a program buffer")
 
 
 def _wait(barrier: Barrier, system: int) -> list[str]:

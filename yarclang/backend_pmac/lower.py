@@ -15,6 +15,7 @@ from yarclang.hir import (
     Dwell,
     Else,
     EndWhen,
+    Finish,
     Gap,
     Hold,
     Motion,
@@ -131,7 +132,8 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
     rests = True  # nothing was moved since the last dwell
     flows = False  # the last motion flows into the next one
     stands = plan.program.start
-    before: list[Array] = []
+    before: list[tuple[Array, Array | None]] = []
+    ended = False  # the program ends on every way that leads here
     for number, step in enumerate(steps):
         match step:
             case Stop():
@@ -146,17 +148,23 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                     yield Rest(0.0)
                 rests, written = True, None
                 yield Assignment(output.variable, value)
-            case WaitInput() | Hold() | When() | Else() | EndWhen() | SetRegister():
+            case WaitInput() | Hold() | When() | Else() | EndWhen() | SetRegister() | Finish():
                 if not rests:
                     yield Rest(0.0)
                 yield _barrier(number, step)
                 match step:
                     case When():
-                        before.append(stands)
+                        before.append((stands, stands))
+                    case Finish():
+                        ended = True
                     case Else():
-                        stands = before[-1]
+                        here, _ = before.pop()
+                        before.append((here, None if ended else stands))
+                        stands, ended = here, False
                     case EndWhen():
-                        before.pop()
+                        _, first = before.pop()
+                        if ended and first is not None:
+                            stands, ended = first, False
                 yield Stand(_printed(stands / units, decimals))
                 rests, written = True, None
             case _:
@@ -185,7 +193,7 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
     }
 
 
-def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen | SetRegister) -> Barrier:
+def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
         case WaitInput(input=signal, value=value, timeout=timeout):
@@ -199,6 +207,8 @@ def _barrier(number: int, step: WaitInput | Hold | When | Else | EndWhen | SetRe
             return Barrier(number, "set", name=name, label=label, condition=told)
         case Hold(text=text):
             return Barrier(number, "hold", name=text, label=label)
+        case Finish(fails=fails, text=text):
+            return Barrier(number, "abort" if fails else "stop", name=text if fails else "", label=label)
         case Else():
             return Barrier(number, "else", label=label)
         case EndWhen():

@@ -9,7 +9,7 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.decisions import simple
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.hir import Program, SetOutput, SetRegister, Stop, When
+from yarclang.hir import Finish, Program, SetOutput, SetRegister, Stop, When
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.pmac.program import LOADING, Target
@@ -25,6 +25,10 @@ def streamed_only(program: Program) -> Diagnostic | None:
         if isinstance(step, SetRegister | When) and not is_plain:
             message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
             help_ = "leave --target prog out, or decide by one input: WHEN DOOR ON"
+            return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
+        if isinstance(step, Finish):
+            message = f"{step.origin.name} ends the program in one of its ways, and in a program buffer an R would go on there"
+            help_ = "leave --target prog out, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
     return None
 

@@ -67,6 +67,7 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
     yield from _out_of_order(text)
     yield from _stands_elsewhere(text, start, slack)
     yield from _decided_unread(text)
+    yield from _after_an_end(text)
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
@@ -95,6 +96,8 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("else", number)
             case hir.EndWhen():
                 yield number, ("end", number)
+            case hir.Finish(fails=fails, text=said):
+                yield number, ("abort", number, _printable(said)) if fails else ("stop", number)
 
 
 def _told(text: ControllerText) -> Iterator[Deed]:
@@ -125,7 +128,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
             case Barred(kind="wait", condition=condition):
                 name, _, wanted = condition.partition("=")
                 yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
-            case Barred(kind="hold"):
+            case Barred(kind="hold" | "abort"):
                 yield (item.kind, item.step, item.name)
             case Barred():
                 yield (item.kind, item.step)
@@ -236,11 +239,26 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
             read.pop()
 
 
+def _after_an_end(text: ControllerText) -> Iterator[Fault]:
+    """What stands in a way after the program's end there: whoever streams never gets to it, and ways are counted as ended by their last barrier."""
+    ended: Barred | None = None
+    for item in text.course:
+        if ended is not None and not isinstance(item, Stood):
+            if not isinstance(item, Barred) or item.kind not in ("else", "end"):
+                yield None, f"line {ended.line} ends the program, and its way goes on after that"
+                return
+            ended = None
+        if isinstance(item, Barred) and item.kind in ("stop", "abort"):
+            ended = item
+
+
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
     """A slow RAPID must lead to where the robot stands already, and the ways of a WHEN must meet."""
     stand = start
+    over = False  # the program ends on every way that leads here
     before: list[Array] = []
     ends: list[Array | None] = []
+    over_first: list[bool] = []
     for item in text.course:
         match item:
             case Run(points=points):
@@ -252,17 +270,26 @@ def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Itera
             case Barred(kind="when"):
                 before.append(stand)
                 ends.append(None)
+                over_first.append(False)
+            case Barred(kind="stop" | "abort"):
+                over = True
             case Barred(kind="else", line=line):
                 if not before or ends[-1] is not None:
                     yield None, f"line {line}: a second way without a first"
                     return
                 ends[-1], stand = stand, before[-1]
+                over_first[-1], over = over, False
             case Barred(kind="end", line=line):
                 if not before:
                     yield None, f"line {line}: ways end that didn't begin"
                     return
-                first, other = before.pop(), ends.pop()
-                if (np.abs(stand - (first if other is None else other)) > slack).any():
+                first, other, is_over = before.pop(), ends.pop(), over_first.pop()
+                met = first if other is None else other
+                if is_over:
+                    continue
+                if over:
+                    stand, over = met, False
+                elif (np.abs(stand - met) > slack).any():
                     yield None, f"the ways that meet in line {line} end apart"
     if before:
         yield None, "a way of a WHEN has no end"

@@ -56,6 +56,8 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
             return hir.Else(origin)
         case Barred(kind="end"):
             return hir.EndWhen(origin)
+        case Barred(kind="stop" | "abort" as kind, name=text):
+            return hir.Finish(origin, kind == "abort", text)
         case Barred(kind="hold"):
             return hir.Hold(origin, "")
         case Barred(kind="wait"):

@@ -6,7 +6,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from yarclang.coordinator.resting import resting_place
-from yarclang.hir import Else, EndWhen, Hold, Motion, SetOutput, SetRegister, Step, Stop, WaitInput, When
+from yarclang.hir import (
+    Else,
+    EndWhen,
+    Finish,
+    Hold,
+    Motion,
+    SetOutput,
+    SetRegister,
+    Step,
+    Stop,
+    WaitInput,
+    When,
+)
 from yarclang.motion.plan import MotionPlan
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
@@ -47,7 +59,7 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
         if isinstance(step, When) and not left:
             return found
         found.append(number)
-        if isinstance(step, Stop):
+        if isinstance(step, Stop | Finish):
             return found
         passing = left.pop(0) if isinstance(step, When) else not isinstance(step, Else)
     return found
@@ -96,7 +108,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | Hold | When | Else | EndWhen | SetRegister)
+    return isinstance(step, WaitInput | Hold | When | Else | EndWhen | SetRegister | Finish)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

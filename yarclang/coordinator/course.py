@@ -15,7 +15,7 @@ from yarclang.coordinator.describing import takes
 from yarclang.coordinator.messages import courses, replies
 from yarclang.coordinator.programs import Loaded
 from yarclang.diagnostics import has_errors
-from yarclang.hir import Array, Dwell, Else, EndWhen, When
+from yarclang.hir import Array, Dwell, Else, EndWhen, Finish, When
 from yarclang.motion.curve import Sampler
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.sources import read_source
@@ -30,6 +30,8 @@ class _Way:
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0
+    ends: bool = False
+    """True if the program ends in it."""
 
 
 def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
@@ -85,6 +87,8 @@ def longest_way(plan: MotionPlan) -> set[int]:
                 way = _met(*opened.pop(), way)
             case Dwell(duration=duration):
                 way.time += float(duration)
+            case Finish():
+                way.ends = True
             case _:
                 way.steps.append(number)
                 way.time += durations.get(number, 0.0)
@@ -94,9 +98,13 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
-    """Return what was done before, and the longer of two ways after it."""
+    """Return what was done before, and the longer of two ways after it: of those in which the program goes on, if there is one."""
     longer = last if first is None or last.time > first.time else first
-    return _Way([*before.steps, *longer.steps], before.time + longer.time)
+    if first is not None and first.ends != last.ends:
+        longer = last if first.ends else first
+    elif first is None and last.ends:
+        longer = _Way()
+    return _Way([*before.steps, *longer.steps], before.time + longer.time, longer.ends)
 
 
 def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: int) -> replies.Course:

@@ -18,6 +18,9 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.outcome import Concerned, Ended, Where
 from yarclang.runtime.state import State
 
+_ABORTED = "Y1635"
+"""Code of an end that the program wants itself: it isn't gone on with."""
+
 
 def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
     """Return how an offer has ended."""
@@ -79,7 +82,7 @@ def run_described(
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
     """The command to begin with, to go on; empty: the first one; None where nobody knows."""
     plan = loaded.plan
-    if plan is None or not ended.command:
+    if plan is None or not ended.command or ended.code == _ABORTED:
         return None
     if not is_motion:
         if can_begin_at(plan, ended.command_index):
@@ -97,6 +100,8 @@ def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
     if place is None or plan is None or here is None:
         return place
     begins = beginning(plan, place) if place else (0, 0)
+    if place and not isinstance(begins, Diagnostic) and not can_begin_at(plan, place):
+        return None  # inside a way of a WHEN
     return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], here) else None
 
 

@@ -49,6 +49,10 @@ class Entry:
     whole: bool
 
 
+_ROUNDED = 1e-3
+"""A text's numbers are nearer than this to those that were planned [deg or mm]."""
+
+
 class History:
     """What was carried out and not taken back, oldest first.
 
@@ -70,6 +74,11 @@ class History:
         if ended.well:
             # where it was planned to end: the text has rounded numbers
             end = plan.motions[-1].waypoints[-1] if plan.motions else offer.start
+            if (
+                ended.joints is not None
+                and (np.abs(ended.joints - end) > _ROUNDED * self._robot.axis_units).any()
+            ):
+                end = ended.joints  # the program has ended in another way
             entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, True)
         elif ended.joints is None or not ended.command:
             return  # nothing has moved, or nobody knows

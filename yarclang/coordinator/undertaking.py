@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from yarclang.coordinator.backwards import Passed, passed
+from yarclang.coordinator.carried_out import taken
 from yarclang.coordinator.history import History
 from yarclang.coordinator.kept_parts import Performed
 from yarclang.coordinator.messages.events import PartBegan, Paused
@@ -46,6 +47,8 @@ class Undertaking:
         self._coordinator = coordinator
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
+        self._taken: frozenset[int] = frozenset()
+        """The steps of the program on the ways that the last part has taken."""
         self._registers: dict[str, int] = {}
         """What the registers held when the last part had ended: the next step or pass goes on with that."""
 
@@ -72,7 +75,7 @@ class Undertaking:
             ended = await self._perform(job, number)
             self._note(number, ended)
             number += 1
-            if not ended.well:
+            if not ended.well or (steps and ended.finished):
                 break
             if not steps and (self.times is None or self.passes < self.times):
                 renewed = await self._coordinator.carrying.renewed(self.loaded, number + 1)
@@ -129,6 +132,9 @@ class Undertaking:
             begin, end = steps_of(plan, *span, with_lead=is_lead, step=step)
             what = Performed(plan, begin, end, loaded.program, loaded.assumed)
             ended = await carrying.perform(goes_on, loaded.program, what)
+            self._taken = frozenset(
+                taken(plan.program.steps, begin, len(plan.program.steps) if end is None else end, ended.ways)
+            )
         self._registers.update(ended.registers)
         self.moved = self.moved or ended.well or bool(ended.command)
         return ended
@@ -148,7 +154,9 @@ class Undertaking:
             return
         begin, end = self._span(number)
         if ended.well:
-            self._done += passed(plan)[begin:end]
+            for at, one in list(enumerate(passed(plan)))[begin:end]:
+                if plan.motions[at].step in self._taken:
+                    self._done.append(replace(one, start=self._done[-1].end) if self._done else one)
             return
         if ended.joints is None or not ended.command:
             return

@@ -64,15 +64,6 @@ FINDINGS = (
         follows=(Follows("Y0116", "here"),),
     ),
     Finding(
-        "Y0207",
-        "not-in-this-version",
-        "error",
-        "a part of the language that this version doesn't carry out",
-        "The word belongs to the language, but this version can't do what it says; to leave it out silently would move the arm otherwise.",
-        "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 STOP\nEND",
-        'INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 HOLD "shut the door"\nEND',
-    ),
-    Finding(
         "Y0208",
         "declaration-too-late",
         "error",

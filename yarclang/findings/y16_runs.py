@@ -193,4 +193,11 @@ FINDINGS: tuple[Finding, ...] = (
         "a register would leave its range",
         "The program says in which range a register stays. A value outside of it, one that is no integer, or a division by zero ends the run where the robot stands, before anything is decided by it.",
     ),
+    Finding(
+        "Y1635",
+        "program-aborted",
+        "error",
+        "the program has ended the run with ABORT",
+        "The program has found something that it was written not to go on with, and says what. The robot stands, outputs are safe, and the run can't be resumed: the way goes on from nowhere.",
+    ),
 )

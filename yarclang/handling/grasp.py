@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 from yarclang.cell.model import Grip, Parts
 from yarclang.frozen import frozen
 from yarclang.handling.parts import NO_PARTS, Nearest
@@ -10,10 +12,14 @@ from yarclang.robot.model import Array
 
 @frozen
 class Whereabouts:
-    """Where the parts are between two steps; of each WHEN that isn't ended where they were before it, and where its first way leaves them (None: there is no ELSE yet)."""
+    """Where the parts are between two steps; of each WHEN that isn't ended where they were before it, and where its first way leaves them (None: there is no ELSE yet; "ends": the program ends in it).
+
+    `ends` is True if the program ends before this place on every way that leads here.
+    """
 
     parts: Parts = NO_PARTS
-    ways: tuple[tuple[Parts, Parts | None], ...] = ()
+    ways: tuple[tuple[Parts, Parts | Literal["ends"] | None], ...] = ()
+    ends: bool = False
 
 
 @frozen(eq=False)

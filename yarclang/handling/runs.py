@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from yarclang.cell.model import Grip
 from yarclang.frozen import frozen
-from yarclang.hir import Else, EndWhen, Gap, LineMove, Motion, SetOutput, Step, Stop, When
+from yarclang.hir import Else, EndWhen, Finish, Gap, LineMove, Motion, SetOutput, Step, Stop, When
 
 
 @frozen
@@ -93,7 +93,7 @@ def _along(
         first: the SET that stands before the first of these steps; None: there is none.
     """
     opens, ends = (When, EndWhen) if numbers.step > 0 else (EndWhen, When)
-    now = _NOWHERE if first is None else frozenset({_Way(first)})
+    now = behind = _NOWHERE if first is None else frozenset({_Way(first)})
     around: list[tuple[frozenset[_Way], frozenset[_Way] | None]] = []
     found: dict[int, frozenset[_Way]] = {}
     for at in numbers:
@@ -108,6 +108,9 @@ def _along(
                 now = before
             else:
                 now |= before if other is None else other
+        elif isinstance(step, Finish):
+            # forwards nothing follows in this way; backwards nothing stands after it
+            now = frozenset() if numbers.step > 0 else behind
         elif isinstance(step, Stop | Gap):
             now = _NOWHERE
         elif isinstance(step, SetOutput) and step.output.variable in closing:

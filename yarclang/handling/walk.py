@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from yarclang.handling.parts import (
 )
 from yarclang.handling.runs import BEFORE, NO_RUNS, Runs, runs_of
 from yarclang.handling.surroundings import INTO, PRESSED, hand_is_clear, on_all_ways, supports, surroundings
-from yarclang.hir import Else, EndWhen, Motion, SetOutput, Step, Stop, When
+from yarclang.hir import Else, EndWhen, Finish, Motion, SetOutput, Step, Stop, When
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 
@@ -64,11 +65,18 @@ class Handling:
         match one:
             case When():
                 return replace(stand, ways=(*stand.ways, (stand.parts, None))), None
+            case Finish():
+                return replace(stand, ends=True), None
             case Else():
                 *outer, (before, _) = stand.ways
-                return Whereabouts(before, (*outer, (before, stand.parts))), None
+                way: tuple[Parts, Parts | Literal["ends"]] = before, "ends" if stand.ends else stand.parts
+                return Whereabouts(before, (*outer, way)), None
             case EndWhen():
                 *outer, (before, first) = stand.ways
+                if first == "ends":
+                    return replace(stand, ways=tuple(outer)), None
+                if stand.ends:
+                    return Whereabouts(before if first is None else first, tuple(outer)), None
                 return Whereabouts(
                     either(before if first is None else first, stand.parts), tuple(outer)
                 ), None
@@ -286,11 +294,11 @@ def followed(
     begins: dict[int, Array] = {}
     grasps: dict[int, Grasp] = {}
     q: Array | None = start
-    ways: list[Array | None] = []
+    ways: list[tuple[Array | None, Array | None]] = []
     for number, step in enumerate(handling.steps):
         if number in left_out:
             continue
-        if isinstance(step, Stop):
+        if isinstance(step, Stop) or (isinstance(step, Finish) and not ways):
             break
         if isinstance(step, Motion):
             if number in ends:
@@ -302,11 +310,15 @@ def followed(
             q = ends.get(number)
             continue
         if isinstance(step, When):
-            ways.append(q)
+            ways.append((q, None))
         elif isinstance(step, Else):
-            q = ways[-1]
+            here, _ = ways.pop()
+            ways.append((here, None if stand.ends else q))
+            q = here
         elif isinstance(step, EndWhen):
-            ways.pop()
+            here, first = ways.pop()
+            if stand.ends:
+                q = here if first is None else first
         had = stand.parts
         stand, grasp = handling.passed(stand, number, q)
         if grasp is not None:

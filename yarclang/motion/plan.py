@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from yarclang.frozen import frozen
-from yarclang.hir import Array, Dwell, Else, EndWhen, Gap, Hold, Origin, Program, WaitInput, When
+from yarclang.hir import Array, Dwell, Else, EndWhen, Finish, Gap, Hold, Origin, Program, WaitInput, When
 from yarclang.lasting import Lasting, Part, Schedule, schedule_of
 from yarclang.motion.curve import Curve, Sampler
 from yarclang.motion.path import Path
@@ -77,6 +77,8 @@ class MotionPlan:
                     parts.append("else")
                 case EndWhen():
                     parts.append("end")
+                case Finish():
+                    parts.append("finish")
                 case _:
                     parts.append(float(durations.get(number, 0.0)))
         return schedule_of(parts)

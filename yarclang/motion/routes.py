@@ -24,6 +24,7 @@ from yarclang.hir import (
     AvoidMove,
     Else,
     EndWhen,
+    Finish,
     Gap,
     Goal,
     JointDelta,
@@ -71,6 +72,8 @@ class _Ways:
     before: _Stand
     first: Array | None = None
     parted: bool = False
+    first_ends: bool = False
+    """True if the program ends in the first way."""
 
 
 @frozen
@@ -85,6 +88,8 @@ class _Stand:
     choice: int | None = None
     flange: Array | None = None
     parts: Whereabouts = Whereabouts()
+    ends: bool = False
+    """True if the program ends before this place on every way that leads here."""
 
 
 @dataclass(slots=True)
@@ -257,14 +262,20 @@ class Router:
         match step:
             case When():
                 return replace(stand, ways=(*stand.ways, _Ways(step, stand)))
+            case Finish():
+                return replace(stand, ends=True)
             case Else():
                 *outer, here = stand.ways
-                parted = replace(here, first=stand.q, parted=True)
+                parted = replace(here, first=stand.q, parted=True, first_ends=stand.ends)
                 return replace(here.before, ways=(*outer, parted))
             case EndWhen():
                 *outer, ended = stand.ways
                 other = ended.first if ended.parted else ended.before.q
                 met = stand.q
+                if ended.first_ends:
+                    return _Stand(met, tuple(outer), None, ends=stand.ends)
+                if stand.ends:
+                    return _Stand(other, tuple(outer), None)
                 if met is None or other is None:
                     met = None
                 elif not self._same(met, other):

@@ -24,7 +24,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MS
 
-Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end"]
+Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort"]
 
 
 @frozen(eq=False)
@@ -150,6 +150,8 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "else": "the other way",
         "end": "the ways meet",
         "set": item.name,
+        "stop": "the program ends",
+        "abort": f"the program ends as a fault: {item.name}",
     }[item.kind]
     place, name, line = entry.index, entry.name, entry.source_line
     return Act(item.kind, place, name, line, what, step=item.step)  # type: ignore[arg-type]

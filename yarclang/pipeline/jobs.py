@@ -83,8 +83,20 @@ def job_of(
         common, _begins(content, schedule), _commands(content, schedule), found.guarded, sets, dwells
     )
     whole = made.part(loaded, content.runs, start, 0.0, schedule.places[-1])
+    whole = replace(whole, end=_read_only(_end_of(content, start) * robot.axis_units))
     legs = tuple(_legs(made, content, schedule, loaded, start)) if _has_barriers(content) else ()
     return Result(replace(whole, legs=legs, offset=offset, clock=clock, lasting=schedule.lasting))
+
+
+def _end_of(content: ControllerText, start: Array) -> Array:
+    """Return where the robot stands after the last line (n,) [axis units]; after ways that meet that is the point of the RAPID there."""
+    for item in reversed(content.course):
+        match item:
+            case Run(points=points):
+                return np.asarray(points[-1])
+            case Stood(point=point):
+                return point
+    return start
 
 
 def in_pieces(content: dict[str, Any]) -> str:
@@ -230,6 +242,7 @@ def _barrier(item: Barred, entry: Entry) -> Barrier:
         item.decided,
         item.again,
         item.register,
+        entry.name,
     )
 
 

@@ -142,9 +142,12 @@ def part(
             return Result(None, (_in_a_chain(plan, number, begin),))
     begin, end = steps_of(plan, first, last, with_lead=with_lead, step=step)
     chosen = steps[begin:end]
-    if (inside := _cut_way(chosen)) is not None:
-        message = "a program can't be begun or paused inside a WHEN: which way is taken isn't known"
-        help_ = "begin in front of the WHEN, or behind its END"
+    if _cut_way(chosen) is not None:
+        inside = _outermost_open(steps, begin) or _outermost_open(steps, end)
+        assert inside is not None  # a part of it is missing on one side or the other
+        word = "CASE" if inside.origin.name == "OF" else inside.origin.name
+        message = f"a program can't be begun or paused inside a {word}: which way is taken isn't known"
+        help_ = f"begin in front of the {word}, or behind its END"
         return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     around = _cells(plan) if since is None else _cells_since(plan, *since)
@@ -234,6 +237,17 @@ def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
                 return step
             case EndWhen():
                 opened.pop()
+    return opened[0] if opened else None
+
+
+def _outermost_open(steps: tuple[Step, ...], at: int) -> When | None:
+    """Return the first step of the outermost WHEN or CASE in whose ways a step stands; None if it stands in none."""
+    opened: list[When] = []
+    for step in steps[:at]:
+        if isinstance(step, When):
+            opened.append(step)
+        elif isinstance(step, EndWhen) and opened:
+            opened.pop()
     return opened[0] if opened else None
 
 

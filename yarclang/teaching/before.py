@@ -12,6 +12,7 @@ from yarclang.hir import (
     Array,
     Else,
     EndWhen,
+    Finish,
     Gap,
     JointDelta,
     JointGoal,
@@ -102,6 +103,28 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
             yield from blocks_around((*node.body, *(node.otherwise or ())), after)
 
 
+def _one_way(steps: Iterable[Step]) -> list[Step]:
+    """Return steps without WHENs: of the ways of one, which meet in one place, the first that doesn't end the program; of an open one its last."""
+    line: list[Step] = []
+    opened: list[tuple[int, list[Step]]] = []
+    for step in steps:
+        match step:
+            case When():
+                opened.append((len(line), []))
+            case Else() if opened:
+                begin, _ = opened.pop()
+                opened.append((begin, line[begin:]))
+                del line[begin:]
+            case EndWhen() if opened:
+                begin, first = opened.pop()
+                ends = len(line) > begin and isinstance(line[-1], Finish)
+                if ends or (first and not isinstance(first[-1], Finish)):
+                    line[begin:] = first
+            case _:
+                line.append(step)
+    return line
+
+
 class _Walk:
     """Follows goals from one to the next: the flange's pose, and the joints while they are known."""
 
@@ -112,18 +135,8 @@ class _Walk:
 
     def walked(self, steps: Iterable[Step]) -> Array:
         """Return (4, 4) where the flange stands after some steps."""
-        skipped = depth = 0
-        for step in steps:
-            # both ways of a WHEN end in one place
-            if isinstance(step, When):
-                depth += 1
-            elif isinstance(step, Else) and not skipped:
-                skipped = depth
-            elif isinstance(step, EndWhen):
-                skipped = 0 if skipped == depth else skipped
-                depth -= 1
-            elif not skipped:
-                self._step(step)
+        for step in _one_way(steps):
+            self._step(step)
         return np.asarray(self._flange)
 
     def _step(self, step: Step) -> None:

@@ -16,6 +16,7 @@ from yarclang.decisions import in_words, simple
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     Dwell,
+    Finish,
     Gap,
     Hold,
     Motion,
@@ -217,6 +218,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"
             return (("if", f"{said}; both ways are shown one after the other"),)
+        case Finish(fails=fails, text=text):
+            return (("ends", f"the program, as a fault: {text}" if fails else "the program"),)
         case SetRegister(register=register, value=number):
             return (("sets", f"{register} to {in_words(number)}"),)
     return ()

@@ -53,6 +53,31 @@ function compileArguments(settings, file) {
   return { command: program(settings, "yarcc"), args: [file, ...robot(settings)] };
 }
 
+/** How a program is run on a simulated robot. */
+function runArguments(settings, file) {
+  return { command: settings.path || "yarc", args: ["run", file, "--no-log", ...robot(settings)] };
+}
+
+/** The line, from 0, of the command that is carried out, as `yarc run` says it: `P0020(I=2)>P0030 DMOVEJ  1.0 s to 2.0 s of 5.5 s`.
+ *
+ * Of a command in a SUB of this file it is that line; in a module's, the line of the CALL. Nothing if the words name no command of the text. */
+function lineOf(words, text) {
+  const said = /^(?<way>P\d+\S*)\s/.exec(words);
+  if (!said) {
+    return undefined;
+  }
+  const indices = said.groups.way.split(">").map((part) => /P\d+/.exec(part)?.[0]).filter(Boolean);
+  const lines = text.split(/\r\n|\r|\n/);
+  for (const index of indices.reverse()) {
+    const wanted = new RegExp(`^\\s*P0*${Number(index.slice(1))}(?!\\S)`, "i");
+    const line = lines.findIndex((one) => wanted.test(one));
+    if (line >= 0) {
+      return line;
+    }
+  }
+  return undefined;
+}
+
 /** How a program is viewed with its robot: on a free port, since another one may be viewed. */
 function viewArguments(settings, file) {
   return {
@@ -90,7 +115,9 @@ module.exports = {
   complaint,
   pictureHtml,
   places,
+  lineOf,
   programOf,
+  runArguments,
   serverCommand,
   viewArguments,
 };

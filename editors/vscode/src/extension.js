@@ -9,9 +9,11 @@ const {
   addressIn,
   compileArguments,
   complaint,
+  lineOf,
   pictureHtml,
   places,
   programOf,
+  runArguments,
   serverCommand,
   viewArguments,
 } = require("./arguments");
@@ -29,6 +31,10 @@ let found = "";
 let changing = Promise.resolve();
 /** The programs that are viewed, by file. */
 const views = new Map();
+/** The programs that run on simulated robots, by file. */
+const runs = new Map();
+/** How the line of the command looks that is carried out. */
+let running;
 /** The panels with pictures, by file. */
 const panels = new Map();
 
@@ -44,15 +50,23 @@ async function activate(context) {
     commands.registerCommand("yarc.compileProgram", () => onProgram(compile)),
     commands.registerCommand("yarc.plotProgram", () => onProgram(plot)),
     commands.registerCommand("yarc.viewProgram", () => onProgram(view)),
+    commands.registerCommand("yarc.runProgram", () => onProgram(runSimulated)),
+    commands.registerCommand("yarc.stopRun", () => endRun(window.activeTextEditor?.document.uri)),
     commands.registerCommand("yarc.restartServer", restart),
     workspace.onDidChangeConfiguration((change) => change.affectsConfiguration("yarc") && restart()),
     vscode.languages.registerCompletionItemProvider("yarc", { provideCompletionItems: snippets }),
   );
+  running = window.createTextEditorDecorationType({
+    isWholeLine: true,
+    backgroundColor: new vscode.ThemeColor("editor.stackFrameHighlightBackground"),
+    overviewRulerColor: new vscode.ThemeColor("editor.stackFrameHighlightBackground"),
+  });
+  context.subscriptions.push(running);
   await restart();
 }
 
 async function deactivate() {
-  for (const one of views.values()) {
+  for (const one of [...views.values(), ...runs.values()]) {
     one.kill();
   }
   await stop();
@@ -269,6 +283,65 @@ async function view(uri) {
     });
   });
   await waitingFor(`opening ${name} in the browser`, () => opened);
+}
+
+/** Run a program on a simulated robot, with the line lit that is carried out; the run before ends first. */
+async function runSimulated(uri) {
+  const name = path.basename(uri.fsPath);
+  runs.get(uri.fsPath)?.kill();
+  let simulator;
+  let rest = "";
+  const heard = (piece) => {
+    const lines = (rest + piece).split("\n");
+    rest = lines.pop();
+    for (const line of lines) {
+      light(uri, line);
+    }
+  };
+  const started = (process) => {
+    simulator = process;
+    runs.set(uri.fsPath, simulator);
+  };
+  const outcome = await waitingFor(`running ${name} on a simulated robot`, () =>
+    runHeard(runArguments(settings(), uri.fsPath), uri, heard, started),
+  );
+  if (runs.get(uri.fsPath) !== simulator) {
+    return; // another run has begun
+  }
+  runs.delete(uri.fsPath);
+  light(uri, undefined);
+  if (outcome.status === 0) {
+    window.setStatusBarMessage(`$(check) ${name}: done`, 8000);
+  } else if (outcome.code || outcome.status) {
+    channel.show(true);
+    window.showErrorMessage(outcome.code ? `yarc can't be started: ${outcome.code}` : `${name} didn't run to its end`);
+  }
+}
+
+/** Light the line of the command that the words of a run name; without words, none. */
+function light(uri, words) {
+  for (const editor of window.visibleTextEditors) {
+    if (editor.document.uri.fsPath !== uri.fsPath) {
+      continue;
+    }
+    if (words === undefined) {
+      editor.setDecorations(running, []);
+      continue;
+    }
+    const line = lineOf(words, editor.document.getText());
+    if (line !== undefined) {
+      const range = editor.document.lineAt(line).range;
+      editor.setDecorations(running, [range]);
+      editor.revealRange(range, vscode.TextEditorRevealType.InCenterIfOutsideViewport);
+    }
+  }
+}
+
+/** End the run of a program: a simulated robot has nothing to bring to rest. */
+function endRun(uri) {
+  if (uri) {
+    runs.get(uri.fsPath)?.kill();
+  }
 }
 
 /** What is under way, in the status bar until it is done. */

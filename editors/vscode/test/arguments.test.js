@@ -7,6 +7,7 @@ const {
   addressIn,
   compileArguments,
   complaint,
+  lineOf,
   pictureHtml,
   places,
   programOf,
@@ -97,4 +98,13 @@ test("every command of the manifest is registered, and the other way round", () 
   const source = require("node:fs").readFileSync(path.join(__dirname, "..", "src", "extension.js"), "utf8");
   const registered = [...source.matchAll(/registerCommand\("([^"]+)"/g)].map((match) => match[1]);
   assert.deepStrictEqual(registered.sort(), manifest.contributes.commands.map((one) => one.command).sort());
+});
+
+test("the line of a run is that of the innermost command in the file, else that of the call", () => {
+  const text = "P0010 MOVEJ HOME\n  P0020 CALL PALLET.PUT\nP30 HOLD\n";
+  assert.strictEqual(lineOf("P0010 MOVEJ  0.0 s to 1.0 s", text), 0);
+  assert.strictEqual(lineOf("P0020>P0990(I=2) MOVEL  0.0 s", text), 1);
+  assert.strictEqual(lineOf("P0030 HOLD", text), 2);
+  assert.strictEqual(lineOf("P0300 HOLD", text), undefined);
+  assert.strictEqual(lineOf("init: loading", text), undefined);
 });

@@ -10,13 +10,15 @@ const test = require("node:test");
 
 /** The extension with an editor whose setting yarc.path is `yarcPath`; `seen` has what it did. */
 function extension(yarcPath) {
-  const seen = { errors: [], clients: [], registered: new Map(), shown: [] };
+  const seen = { status: [], errors: [], clients: [], registered: new Map(), shown: [] };
   const disposable = { dispose() {} };
   const vscode = {
     CompletionItem: class {},
     CompletionItemKind: {},
     ProgressLocation: {},
     SnippetString: class {},
+    TextEditorRevealType: {},
+    ThemeColor: class {},
     Uri: { parse: (text) => ({ fsPath: new URL(text).pathname }) },
     ViewColumn: { Beside: -2 },
     commands: { registerCommand: (name, run) => (seen.registered.set(name, run), disposable) },
@@ -25,6 +27,9 @@ function extension(yarcPath) {
       registerCompletionItemProvider: (_, provider) => ((seen.snippets = provider.provideCompletionItems), disposable),
     },
     window: {
+      createTextEditorDecorationType: () => disposable,
+      setStatusBarMessage: (message) => seen.status.push(message),
+      visibleTextEditors: [],
       createOutputChannel: () => ({ append() {}, appendLine() {}, show() {} }),
       showErrorMessage: (message) => (seen.errors.push(message), new Promise(() => {})), // nobody answers
       showTextDocument: async (uri, options) => seen.shown.push([uri.fsPath, options.viewColumn]),
@@ -105,4 +110,28 @@ test("what the server has written is shown beside the program", async (context) 
   const result = await showDocument({ uri: "file:///shown/a_4.txt", takeFocus: false }, () => assert.fail());
   assert.deepStrictEqual(result, { success: true });
   assert.deepStrictEqual(seen.shown, [["/shown/a_4.txt", vscode.ViewColumn.Beside]]);
+});
+
+test("a program runs on a simulated robot, with the line lit that is carried out", async (context) => {
+  const yarc = script(context, 'echo "INDUSTRIAL6 is simulated"; echo "P0020(I=1)>P0030 DMOVEJ  1.0 s to 2.0 s of 5.5 s"; echo "P0010 MOVEJ  2.0 s"');
+  const { activate, vscode, seen } = extension(yarc);
+  await activate({ subscriptions: [] });
+  const file = path.join(path.dirname(yarc), "a.yarc");
+  const text = "SUB GO\n  P0030 DMOVEJ 1 0 0 0 0 0\nEND\np10 MOVEJ HOME\nP0020 CALL GO\n";
+  const document = {
+    uri: { fsPath: file, scheme: "file" },
+    languageId: "yarc",
+    isDirty: false,
+    isUntitled: false,
+    fileName: file,
+    getText: () => text,
+    lineAt: (line) => ({ range: line }),
+  };
+  const lit = [];
+  const editor = { document, setDecorations: (_, ranges) => lit.push(...(ranges.length ? ranges : ["none"])), revealRange() {} };
+  vscode.window.activeTextEditor = editor;
+  vscode.window.visibleTextEditors = [editor];
+  await seen.registered.get("yarc.runProgram")();
+  assert.deepStrictEqual(lit, [1, 3, "none"]);
+  assert.deepStrictEqual(seen.status, ["$(check) a.yarc: done"]);
 });

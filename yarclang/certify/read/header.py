@@ -36,7 +36,7 @@ _ENTRY = re.compile(
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = re.compile(
-    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set) ([0-9]{1,9}) "
+    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort) ([0-9]{1,9}) "
     r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")

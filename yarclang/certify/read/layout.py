@@ -271,16 +271,23 @@ def _with_places(
     stand, behind = start, 0
     closing = _closing(segments, [last for first, last in spans.values() if last > first])
     before: int | None = None
-    ways: list[Array] = []
+    ways: list[tuple[Array, Array | None]] = []
+    ended = False  # the program ends on every way that leads here
     for entry, step in zip(entries, program.steps, strict=True):
         if not isinstance(step, hir.Motion):
             match step:
                 case hir.When():
-                    ways.append(stand)
+                    ways.append((stand, stand))
+                case hir.Finish():
+                    ended = True
                 case hir.Else() if ways:
-                    stand = ways[-1]
+                    origin, _ = ways.pop()
+                    ways.append((origin, None if ended else stand))
+                    stand, ended = origin, False
                 case hir.EndWhen() if ways:
-                    ways.pop()
+                    _, met = ways.pop()
+                    if ended and met is not None:
+                        stand, ended = met, False
             continue
         first, last = spans.get(entry.step, (behind, behind))
         begins.append(stand)

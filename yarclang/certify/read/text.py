@@ -15,7 +15,15 @@ from yarclang.lasting import Mark, Part, Schedule, schedule_of
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
-_MARKS: dict[str, Mark] = {"wait": "wait", "hold": "hold", "when": "when", "else": "else", "end": "end"}
+_MARKS: dict[str, Mark] = {
+    "wait": "wait",
+    "hold": "hold",
+    "when": "when",
+    "else": "else",
+    "end": "end",
+    "stop": "finish",
+    "abort": "finish",
+}
 
 
 @frozen

@@ -20,7 +20,7 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
-Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end"]
+Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort"]
 
 
 @frozen
@@ -190,6 +190,8 @@ class _Making:
             "else": "what follows is for the other case",
             "end": "both cases go on from here",
             "set": f"set the register {item.name}",
+            "stop": "end the program",
+            "abort": f"end the program as a fault: {item.name}",
         }[item.kind]
         entry = self._entries[item.step]
         place = " ".join(

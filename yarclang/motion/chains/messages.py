@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from yarclang.hir import Else, EndWhen, Gap, Motion, Origin, Step, Stop, TimedMove, When
+from yarclang.hir import Else, EndWhen, Finish, Gap, Motion, Origin, Step, Stop, TimedMove, When
 from yarclang.motion.curve import Curve
 from yarclang.motion.wording import Message, MessageAbout, length_text
 from yarclang.subjects import MissingUnit
@@ -18,7 +18,7 @@ def blend_without_unit(kind: Kind, what: str, origin: Origin) -> MessageAbout:
 
 def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
     """BLEND before something that isn't a motion, or that doesn't move."""
-    if following is None or isinstance(following, Stop):
+    if following is None or isinstance(following, Stop | Finish):
         what = "the program ends here"
     elif isinstance(following, TimedMove):
         what = f"{following.origin.name} follows, whose timetable begins at rest"

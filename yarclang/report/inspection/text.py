@@ -13,6 +13,7 @@ from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
+    Finish,
     FrameLink,
     Hold,
     JointGoal,
@@ -110,6 +111,8 @@ def _told(inspected: Inspected, step: Step) -> str | None:
                 return f"the way parts: is {in_words(condition)}?"
             read, wanted = compared
             return f"the way parts: is {read.name} ({read.variable}) {_state(wanted)}?"
+        case Finish(fails=fails, text=text):
+            return f"the program ends as a fault: {printable(text)}" if fails else "the program ends"
         case SetRegister(register=register, value=number):
             return f"the register {register} becomes {in_words(number)}"
         case _:

@@ -10,6 +10,7 @@ from yarclang.hir import (
     Array,
     Else,
     EndWhen,
+    Finish,
     Gap,
     JointGoal,
     Motion,
@@ -37,15 +38,19 @@ class Way:
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
     """The steps that lead to a step, in one line: of each WHEN only the way that goes there, or its last one."""
     line: list[Step] = []
-    opened: list[int] = []
+    opened: list[tuple[int, list[Step]]] = []
     for step in program.steps[:number]:
         match step:
             case When():
-                opened.append(len(line))
+                opened.append((len(line), []))
             case Else() if opened:
-                del line[opened[-1] :]
+                begin, _ = opened.pop()
+                opened.append((begin, line[begin:]))
+                del line[begin:]
             case EndWhen() if opened:
-                opened.pop()
+                begin, first = opened.pop()
+                if len(line) > begin and isinstance(line[-1], Finish):
+                    line[begin:] = first  # only the first way comes here
             case _:
                 line.append(step)
     return tuple(line)
@@ -97,7 +102,7 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     for step in program.steps[number + 1 :]:
         if isinstance(step, Motion) and step.leads_frame:
             line.append(alone(step))
-        elif isinstance(step, Motion | Gap | Stop | When | Else | EndWhen):
+        elif isinstance(step, Motion | Gap | Stop | When | Else | EndWhen | Finish):
             break
     if not line:
         return ""
@@ -114,7 +119,7 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
 
 def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:
     """Where the robot stands behind some steps from a start; None where they can't all be planned."""
-    if any(isinstance(one, Gap | Stop) for one in line):
+    if any(isinstance(one, Gap | Stop | Finish) for one in line):
         return None
     motions = tuple(alone(one) for one in line if isinstance(one, Motion))
     if not motions:

@@ -29,6 +29,9 @@ from yarclang.runtime.state import Event
 LOST = "Y1606"
 """Code of a connection that was lost."""
 
+_TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
+"""What a decision means for the lines under its word."""
+
 _LOOK = 0.02
 """Time between two looks at an input [s]."""
 
@@ -96,6 +99,18 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
         if leg.barrier is None:
             break
         here = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
+        if leg.barrier.kind == "stop":
+            operation.remark(f"{_title(leg.barrier)}: the program ends here")
+            return Ended(
+                True,
+                joints=stands,
+                done=here.done,
+                clock=here.clock,
+                ways=ways,
+                barriers=barriers,
+                registers=held.told,
+                finished=True,
+            )
         try:
             before, place = place, (yield from _pass(operation, job, place, leg.barrier, held))
         except Stopped as stopped:
@@ -138,6 +153,9 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
             return place + 1 if holds else _behind(job.legs, place, "else", "end")
         case "set":
             yield from _set(operation, job, barrier, held)
+        case "abort":
+            what = f"{_title(barrier)} ends the program: {barrier.name}"
+            raise Trouble(what, "see to its reason, then start the program anew", "Y1635")
         case "else":
             return _behind(job.legs, place, "end")
     return place + 1
@@ -152,14 +170,15 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     compared = simple(barrier.decided)
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
     if compared is not None and barrier.name:
-        operation.remark(f"{_title(barrier)}: {said} is {state_text(held.inputs[compared[0].variable])}")
+        state = state_text(held.inputs[compared[0].variable])
+        operation.remark(f"{_title(barrier)}: {said} is {state}: {_TAKEN[holds]}")
         return holds
     known = [f"{name} is {held.registers[name]}" for name in registers_of(barrier.decided)]
     known += [
         f"{one.variable} is {state_text(held.inputs[one.variable])}" for one in inputs_of(barrier.decided)
     ]
     operation.remark(
-        f"{_title(barrier)}: {barrier.name or said} {'holds' if holds else 'does not hold'}, {', '.join(known)}"
+        f"{_title(barrier)}: {barrier.name or said} {'holds' if holds else 'does not hold'}, {', '.join(known)}: {_TAKEN[holds]}"
     )
     return holds
 
@@ -331,8 +350,8 @@ def _lost(operation: Operation, here: _Standing, why: str) -> Ended:
 
 
 def _concerned(barrier: Barrier) -> Concerned:
-    return Concerned(barrier.label, barrier.kind.upper(), barrier.source_line)
+    return Concerned(barrier.label, barrier.word or barrier.kind.upper(), barrier.source_line)
 
 
 def _title(barrier: Barrier) -> str:
-    return f"{barrier.label or f'line {barrier.source_line}:'} {barrier.kind.upper()}"
+    return f"{barrier.label or f'line {barrier.source_line}:'} {barrier.word or barrier.kind.upper()}"

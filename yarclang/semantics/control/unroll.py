@@ -12,7 +12,7 @@ from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Else, EndWhen, Gap, Origin, Output, Step, Stop, When
+from yarclang.hir import Array, Else, EndWhen, Finish, Gap, Origin, Output, Step, Stop, When
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import read_action, read_assignment, read_when
 from yarclang.semantics.context import Context, Defaults
@@ -112,6 +112,7 @@ class _Unroller:
         """Blocks and calls that are being carried out."""
         self._whens = 0
         self._ended: str | None = None
+        self._ended_by = "STOP"
         self._told_unreachable = False
         self._is_too_much = False
 
@@ -153,7 +154,9 @@ class _Unroller:
             ):  # which are counted with all that is in them
                 is_command = head.index is not None or head.name.name not in _NO_COMMANDS
                 self._add_counted(Count(int(is_command), size), head, file)
-            if isinstance(node, Block):
+            if isinstance(node, Block) and self._ended is not None and node.head.name.name != "SUB":
+                self._tell_unreachable(node.head, file)
+            elif isinstance(node, Block):
                 self._block(node, file, scope, place)
             elif node.index is None and node.name.name in DECLARATIONS:
                 self._declaring.declare(node, file, scope)
@@ -257,10 +260,13 @@ class _Unroller:
         self._count_command(block.head, file)
         self._whens += 1
         self._nodes(block.body, file, Scope(scope), place)
+        ended = [self._way_ended()]
         if block.otherwise is not None:
             head = block.otherwise_head or block.head
             self._steps.append(Else(replace(origin_of(head, "ELSE", file.findings), place=when.origin.place)))
             self._nodes(block.otherwise, file, Scope(scope), place)
+        ended.append(self._way_ended())
+        self._meet(ended)
         self._whens -= 1
         end = block.end or block.head
         self._steps.append(EndWhen(replace(origin_of(end, "END", file.findings), place=when.origin.place)))
@@ -274,6 +280,7 @@ class _Unroller:
         around = findings.place  # the lines of the ways have places of their own
         self._whens += 1
         opened = 0
+        ended: list[str | None] = []
 
         def origin(statement: Statement, word: str) -> Origin:
             return replace(origin_of(statement, word, findings), place=around)
@@ -288,11 +295,33 @@ class _Unroller:
                 self._steps.append(When(origin(way.of, "OF"), way.condition, again=opened > 0))
                 opened += 1
             self._nodes(tuple(way.nodes), file, Scope(scope), place)
+            ended.append(self._way_ended())
         if block.otherwise is not None:
             self._steps.append(Else(origin(block.otherwise_head or block.head, "ELSE")))
             self._nodes(block.otherwise, file, Scope(scope), place)
+            ended.append(self._way_ended())
+        self._meet(ended)
         self._whens -= 1
         self._steps += [EndWhen(origin(block.end or block.head, "END"))] * opened
+
+    def _way_ended(self) -> str | None:
+        """Return what ends the program in the way that was carried out last; the next one is reached all the same."""
+        ended, self._ended, self._told_unreachable = self._ended, None, False
+        return ended
+
+    def _meet(self, ended: list[str | None]) -> None:
+        """Go on after ways of which each has ended the program or hasn't: if all have, nothing that follows is reached."""
+        if all(one is not None for one in ended):
+            self._ended = ended[-1]
+
+    def _tell_unreachable(self, statement: Statement, file: File) -> None:
+        """Warn of the first line after the program's end."""
+        if not self._told_unreachable:
+            message = f"this is never reached: {self._ended} ends the program"
+            file.findings.add(
+                "Y1001", message, statement.head_span, f"move {self._ended_by} to the end, or take it away"
+            )
+        self._told_unreachable = True
 
     def _call(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
         findings = file.findings
@@ -330,12 +359,7 @@ class _Unroller:
         file.command_seen = True
         self._count_command(statement, file)
         if self._ended is not None:
-            if not self._told_unreachable:
-                message = f"this is never reached: {self._ended} ends the program"
-                file.findings.add(
-                    "Y1001", message, statement.head_span, "move STOP to the end, or take it away"
-                )
-            self._told_unreachable = True
+            self._tell_unreachable(statement, file)
             return
         word = statement.name.name
         if word == "CALL":
@@ -353,9 +377,7 @@ class _Unroller:
             step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)
             steps = () if step is None else (step,)
         if any(isinstance(step, Stop) for step in steps) and self._whens:
-            message = "STOP in a WHEN is not carried out by this version"
-            file.findings.add("Y0207", message, statement.head_span, "write HOLD, or move it behind the END")
-            steps = ()
+            steps = tuple(Finish(step.origin) if isinstance(step, Stop) else step for step in steps)
         if given:
             name_arguments(statement, file.findings, before, given)
             if told := said_of_time(statement.time, given):
@@ -367,8 +389,8 @@ class _Unroller:
                 )
         for step in steps or (Gap(),):
             self._steps.append(step)
-            if isinstance(step, Stop):
-                self._ended = step.origin.label or "STOP"
+            if isinstance(step, Stop | Finish):
+                self._ended, self._ended_by = step.origin.label or step.origin.name, step.origin.name
 
     def _read(
         self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool

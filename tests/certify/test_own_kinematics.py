@@ -26,6 +26,7 @@ from yarclang.robot.kinematics import elbow, fk
 from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.library import stdlib_folder
 from yarclang.semantics.values import poses as program_poses
+from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 from yarclang.transforms import rpy_rotation
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
@@ -258,6 +259,30 @@ def test_wrong_placements_of_the_planner_hide_no_collision(arms, monkeypatch):
     assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
     right = placing.placements
     monkeypatch.setattr(placing, "placements", lambda screws, q: right(screws, -q))
+    assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
+
+
+def _thinner(shape):
+    match shape:
+        case Box(size=size):
+            return Box(size * 0.2)
+        case Cylinder(radius=radius, length=length):
+            return Cylinder(0.2 * radius, length)
+        case Capsule(radius=radius, length=length):
+            return Capsule(0.2 * radius, length)
+        case Sphere(radius=radius):
+            return Sphere(0.2 * radius)
+        case _:
+            return shape
+
+
+def test_wrong_sizes_of_links_hide_no_collision(arms, monkeypatch):
+    """All that asks for shapes but the judge is given thinner links: only a clearance depends on it."""
+    text = "P0010 MOVEJ 42 0 0 0 0 0 [6] (deg,s)\n"
+    wall = WALL.replace("0, 1250, 1176", "-800, 680, 1764")
+    assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
+    right = link_shapes.shape_of
+    monkeypatch.setattr(link_shapes, "shape_of", lambda *given: _thinner(right(*given)))
     assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
 
 

@@ -1,33 +1,49 @@
 """Errors put into the code, one at a time: `python benchmarks/mutants.py [--count 200] [--seed 0]`, in an environment with yarclang and its tests.
 
-Each mutant is a copy of the package with one change of one expression: a sign, an off by one, a dropped term, exchanged limits, another axis, another unit. In a
-process of its own the mutant compiles a few programs; each text that it certifies is judged again by the code without the change, with the claims made anew.
-Then the tests that belong to the changed module are run. The table says of each mutant who saw it:
+Each mutant is one change of one expression: a sign, an off by one, a dropped term, exchanged limits, another axis, another unit. A forked process imports the package anew, with
+the changed module in the place of its file, and compiles the programs of `mutant_corpus.py`: some must be written, and some, a step beyond these, must not be.
+Each text that it certifies and that isn't, to the byte, the one that is written without the change is judged by the code without the change, with the claims made anew.
+Then the tests that import the changed module are run, or those of its room if there are none. The result says of each mutant who saw it:
 
-- `certificate`: the mutant wrote none of the programs that are written without it, or stopped, so that nothing reaches a robot;
-- `judge`: a text that the mutant certified is refused by the judge without the change;
+- `certificate`: nothing wrong was written: one of the programs wasn't written, or the compiler stopped;
+- `wrong`: a text that the mutant certified is refused without the change: it is written and wrong;
 - `tests`: the certificate saw nothing, the tests did;
 - `same`: what is written is the same to the byte, and no test fails;
-- `survives`: other texts are certified, hold before the judge without the change too, and no test fails.
+- `survives`: other texts are certified, hold before the judge without the change too, and no test fails;
+- `open`: the tests weren't asked, or took too long.
 
-A mutant that is certified and refused by the unchanged judge is written and wrong: of these there may be none unless the change is in the judge itself. REASONS says of
-known survivors why they stand.
+Results are added to a file, line by line, and what is in it isn't done again: a run may be stopped, and another one may ask the tests of what is `open`. REASONS says of `wrong`,
+`same` and `survives` why they stand.
 """
 
 from __future__ import annotations
 
 import argparse
 import ast
+import contextlib
+import importlib.abc
+import importlib.util
 import json
 import os
+import pickle
 import random
-import shutil
-import subprocess
+import re
+import select
+import signal
 import sys
 import tempfile
-from collections.abc import Iterator
+import time
+from collections import Counter
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.machinery import ModuleSpec
 from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+from mutant_corpus import Case, cases, write  # after the threads are set: numpy comes with it
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "yarclang"
@@ -63,79 +79,21 @@ TESTS = {
     "collision": ["tests/collision"],
     "runtime": ["tests/runtime"],
 }
-LONGEST = 900.0
-"""A mutant that takes longer than this [s] is stopped, and counts as seen."""
-REASONS: dict[str, str] = {}
-"""Of survivors, by `file:line kind`, why they stand."""
-
-PROGRAM = """DEFAULT {TCP} (mm,deg,s) {B}
-P0010 MOVEJ_RPY 0 1174.4 1276 0 0 0 [9]
-P0020 MOVEL 200 1074.4 1326 10 -5 20 [4] BLEND 10
-P0030 DMOVE 0 0 -50 0 0 15 [2]
-P0040 DMOVE 0 60 0 0 0 0 [2] {TCP}
-P0050 MOVEJ_SPLINE 10 -5 -20 10 20 30; 0 0 -30 0 20 0; HOME [12]
-P0060 MOVEJ_LSPB 20 10 -20 0 10 0 [MIN]
-"""
-CHILD = r"""
-import json, sys
-from pathlib import Path
-import yarclang
-folder = Path(sys.argv[1])
-found = {}
-for name, text, cell in json.loads(Path(sys.argv[2]).read_text()):
-    try:
-        made = yarclang.compile(text, robot="INDUSTRIAL6", name=name, folder=folder, cell=cell)
-        found[name] = made.value.text if made.ok else None
-    except BaseException as error:
-        found[name] = None
-(folder / "found.json").write_text(json.dumps(found))
-"""
-JUDGE = r"""
-import json, sys
-from pathlib import Path
-import yarclang
-folder = Path(sys.argv[1])
-texts = json.loads((folder / "found.json").read_text())
-seen = []
-for name, text, cell in json.loads(Path(sys.argv[2]).read_text()):
-    if texts.get(name) is not None:
-        judged = yarclang.prove(texts[name], text, robot="INDUSTRIAL6", name=name, folder=folder, cell=cell)
-        if not judged.ok:
-            seen.append([name, *sorted({one.code for one in judged.diagnostics if one.severity == "error"})])
-(folder / "judged.json").write_text(json.dumps(seen))
-"""
-CELL = """units = "mm,deg,s"
-[[obstacles]]
-name = "POST"
-shape = "box"
-frame = "B"
-xyz = [-800, 680, 1764]
-size = [200, 200, 200]
-rpy = [0, 0, 10]
-margin = 5
-
-[[zones]]
-name = "FLOOR"
-rule = "allowed"
-shape = "half-space"
-frame = "B"
-normal = [0, 0, 1]
-xyz = [0, 0, 50]
-
-[[zones]]
-name = "NEAR"
-rule = "slow"
-shape = "box"
-frame = "B"
-xyz = [0, 1100, 1250]
-size = [700, 400, 300]
-speed = 500
-"""
+LONGEST = 60.0
+"""A mutant that compiles, or whose texts are judged, for longer than this [s] is stopped, and counts as seen."""
+LONGEST_TESTS = 240.0
+"""Tests that take longer than this [s] are stopped, and say nothing."""
+_ZONES = "planner and judge share the geometry of zones (docs/certificate.md); tests/collision/zones/test_zone_speed.py sees it"
+REASONS: dict[str, str] = {
+    "collision/zones/speed.py exchanged limits: bound > self.best[self.motion[segment]] * (1.0 + self.sharp) "
+    "-> bound <= self.best[self.motion[segment]] * (1.0 + self.sharp (1)": _ZONES,
+}
+"""Why mutants stand that were seen by nobody, or are written and wrong; by their keys in the file of results."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mutation:
-    """One change: in a file of the package, the place in the tree's walk, what kind, and how the line reads then."""
+    """One change: in a file of the package, the place in the tree's walk, what kind, how the expression reads then, and the how manieth like it."""
 
     file: str
     node: int
@@ -143,11 +101,12 @@ class Mutation:
     line: int
     was: str
     becomes: str
+    which: int
 
     @property
-    def name(self) -> str:
-        """How tables and REASONS call it."""
-        return f"{self.file}:{self.line} {self.kind}"
+    def key(self) -> str:
+        """How results and REASONS call it: without the line, which changes with every edit above it."""
+        return f"{self.file} {self.kind}: {self.was[:60]} -> {self.becomes[:60]} ({self.which})"
 
 
 def changed(node: ast.AST, kind: str) -> ast.AST | None:
@@ -172,7 +131,7 @@ def changed(node: ast.AST, kind: str) -> ast.AST | None:
         case "exchanged limits", ast.Compare(ops=[ast.Lt() | ast.Gt() | ast.LtE() | ast.GtE() as one]):
             other = {ast.Lt: ast.GtE, ast.Gt: ast.LtE, ast.LtE: ast.Gt, ast.GtE: ast.Lt}[type(one)]
             return ast.Compare(node.left, [other()], node.comparators)
-        case "wrong axis", ast.Subscript(slice=ast.Constant(value=0 | 1 | 2 as axis)):
+        case "wrong axis", ast.Subscript(slice=ast.Constant(value=int() as axis)) if axis in range(3):
             return ast.Subscript(node.value, ast.Constant((axis + 1) % 3), node.ctx)
         case "wrong unit", ast.Name(id="MM" | "DEG" | "MS"):
             return ast.Constant(1.0)
@@ -190,6 +149,7 @@ def mutations() -> Iterator[Mutation]:
         path = PACKAGE / place
         for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
             text = file.read_text()
+            alike: Counter[tuple[str, str, str]] = Counter()
             in_annotations = set(_idle(ast.parse(text)))
             for number, node in enumerate(ast.walk(ast.parse(text))):
                 if number in in_annotations:
@@ -199,7 +159,9 @@ def mutations() -> Iterator[Mutation]:
                     if new is not None and ast.unparse(new) != ast.unparse(node):
                         line = node.lineno  # type: ignore[attr-defined]  # an expression
                         name = str(file.relative_to(PACKAGE))
-                        yield Mutation(name, number, kind, line, ast.unparse(node), ast.unparse(new))
+                        was, becomes = ast.unparse(node), ast.unparse(new)
+                        alike[kind, was, becomes] += 1
+                        yield Mutation(name, number, kind, line, was, becomes, alike[kind, was, becomes])
 
 
 def _idle(tree: ast.Module) -> Iterator[int]:
@@ -230,76 +192,161 @@ def applied(mutation: Mutation, text: str) -> str:
     return ast.unparse(ast.fix_missing_locations(_Change().visit(tree))) + "\n"
 
 
-def run(code: str | list[str], root: Path, folder: Path, *, tests: bool = False) -> int:
-    """Run a child with a tree's package, and return its exit status; -1 if it took too long."""
-    command = (
-        [sys.executable, *code]
-        if isinstance(code, list)
-        else [sys.executable, "-c", code, str(folder), str(folder / "programs.json")]
-    )
-    environment = dict(os.environ, PYTHONPATH=str(root), YARCLANG_LOCKS=str(folder), OMP_NUM_THREADS="1")
-    try:
-        done = subprocess.run(
-            command,
-            check=False,
-            cwd=root if tests else folder,
-            env=environment,
-            capture_output=True,
-            timeout=LONGEST,
+class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
+    """Gives one module of the package another text; all others are imported as ever."""
+
+    def __init__(self, mutation: Mutation) -> None:
+        self._path = PACKAGE / mutation.file
+        parts = ("yarclang", *Path(mutation.file).with_suffix("").parts)
+        self._module = ".".join(part for part in parts if part != "__init__")
+        self._text = applied(mutation, self._path.read_text())
+
+    def find_spec(self, name: str, _path: object, _target: object = None) -> ModuleSpec | None:
+        """Answer for the changed module alone."""
+        if name != self._module:
+            return None
+        package = self._path.name == "__init__.py"
+        return importlib.util.spec_from_file_location(
+            name,
+            self._path,
+            loader=self,
+            submodule_search_locations=[str(self._path.parent)] if package else None,
         )
-    except subprocess.TimeoutExpired:
-        return -1
-    return done.returncode
+
+    def exec_module(self, module: ModuleType) -> None:
+        """Carry out the other text."""
+        exec(compile(self._text, str(self._path), "exec"), module.__dict__)
 
 
-def judged(mutation: Mutation, plain: dict[str, str | None], *, tests: bool) -> tuple[str, str]:
-    """Return who saw a mutant, and what was seen."""
-    with tempfile.TemporaryDirectory(prefix="mutant-") as made:
-        folder = Path(made)
-        root = folder / "tree"
-        root.mkdir()
-        shutil.copytree(PACKAGE, root / "yarclang", ignore=shutil.ignore_patterns("__pycache__"))
-        for name in ("tests", "stdlib", "examples", "pyproject.toml", "README.md", "docs"):
-            (root / name).symlink_to(ROOT / name)
-        file = root / "yarclang" / mutation.file
-        file.write_text(applied(mutation, file.read_text()))
-        write_programs(folder)
-        status = run(CHILD, root, folder)
-        if status != 0 or not (folder / "found.json").exists():
-            return "certificate", "nothing was written: the compiler stops"
-        texts = json.loads((folder / "found.json").read_text())
-        lost = [name for name, text in plain.items() if text is not None and texts.get(name) is None]
-        run(JUDGE, ROOT, folder)
-        refused = json.loads((folder / "judged.json").read_text())
-        if refused:
-            return "judge", f"written and wrong: {refused}"
-        if lost:
-            return "certificate", f"not written: {', '.join(lost)}"
-        if tests:
-            own = TESTS[mutation.file.split("/")[0]]
-            if (
-                run(
-                    ["-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", *own],
-                    root,
-                    folder,
-                    tests=True,
-                )
-                != 0
-            ):
-                return "tests", " ".join(own)
-        return ("same", "") if texts == plain else ("survives", "other texts, which hold")
+def apart(work: Callable[[], Any], longest: float) -> tuple[bool, Any]:
+    """Do work in a forked process and return whether it came to an end, and what it returned."""
+    reading, writing = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.setsid()
+        os.close(reading)
+        status = 1
+        try:
+            nothing = os.open(os.devnull, os.O_RDWR)
+            for stream in (0, 1, 2):
+                os.dup2(nothing, stream)
+            made = pickle.dumps(work())
+            with os.fdopen(writing, "wb") as out:
+                out.write(made)
+            status = 0
+        finally:
+            os._exit(status)
+    os.close(writing)
+    got = b""
+    ends = time.monotonic() + longest
+    with os.fdopen(reading, "rb", buffering=0) as told:
+        while (left := ends - time.monotonic()) > 0.0:
+            if not select.select([told], [], [], left)[0]:
+                break
+            part = told.read(1 << 16)
+            if not part:
+                break
+            got += part
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(child, signal.SIGKILL)  # what it has started, too
+    os.waitpid(child, 0)
+    return (True, pickle.loads(got)) if got else (False, None)
 
 
-def write_programs(folder: Path) -> None:
-    """Write the programs, and the cell, that every mutant compiles."""
-    cell = folder / "cell.toml"
-    cell.write_text(CELL)
-    listing = (ROOT / "examples" / "01_listing4.yarc").read_text()
-    programs = [("listing4", listing, None), ("all", PROGRAM, None), ("in a cell", PROGRAM, str(cell))]
-    # and one that must not be written
-    into = "P0010 MOVEJ 40 0 0 0 0 0 [6] (deg,s)\nP0020 MOVEJ 60 0 0 0 0 0 [6] (deg,s)\n"
-    programs.append(("into the post", into, str(cell)))
-    (folder / "programs.json").write_text(json.dumps(programs))
+def with_change(mutation: Mutation) -> None:
+    """Forget the package, and import it from now on with the change."""
+    for name in [name for name in sys.modules if name.split(".")[0] == "yarclang"]:
+        del sys.modules[name]
+    sys.meta_path.insert(0, Changed(mutation))
+
+
+def compiled(folder: Path) -> dict[str, str | None]:
+    """Return the texts of all programs by their names; None of what isn't written."""
+    import yarclang
+
+    found: dict[str, str | None] = {}
+    for case in cases():
+        try:
+            made = yarclang.compile(case.text, **_place(case, folder))
+            found[case.name] = made.value.text if made.ok and made.value is not None else None
+        except Exception:
+            found[case.name] = None
+    return found
+
+
+def refused(texts: dict[str, str], folder: Path) -> list[str]:
+    """Return which texts the judge refuses, with the findings' codes."""
+    import yarclang
+
+    seen = []
+    for case in cases():
+        if case.name in texts:
+            judged = yarclang.prove(texts[case.name], case.text, **_place(case, folder))
+            codes = sorted({one.code for one in judged.diagnostics if one.severity == "error"})
+            if codes or not judged.ok:
+                seen.append(f"{case.name} ({' '.join(codes)})")
+    return seen
+
+
+def _place(case: Case, folder: Path) -> dict[str, Any]:
+    robot = str(folder / case.robot) if "/" in case.robot else case.robot
+    cell = str(folder / case.cell) if case.cell else None
+    return {"robot": robot, "name": case.name, "folder": folder, "cell": cell}
+
+
+def by_certificate(mutation: Mutation, plain: dict[str, str | None], folder: Path) -> tuple[str, str]:
+    """Return who saw a mutant before any test, and what was seen."""
+
+    def work() -> dict[str, str | None]:
+        with_change(mutation)
+        return compiled(folder)
+
+    ended, texts = apart(work, LONGEST)
+    if not ended:
+        return "certificate", "nothing is written: the compiler stops"
+    other = {name: text for name, text in texts.items() if text is not None and text != plain[name]}
+    if other:
+        ended, wrong = apart(lambda: refused(other, folder), LONGEST)
+        if not ended or wrong:
+            return "wrong", f"written and wrong: {', '.join(wrong or other)}"
+    lost = [name for name, text in plain.items() if text is not None and texts[name] is None]
+    if lost:
+        return "certificate", f"not written: {', '.join(lost)}"
+    return "open", f"other texts, which hold: {', '.join(other)}" if other else ""
+
+
+def by_tests(mutation: Mutation, files: list[str]) -> tuple[str, str]:
+    """Return whether tests see a mutant."""
+
+    def work() -> int:
+        import pytest
+
+        os.chdir(ROOT)
+        sys.path.insert(0, str(ROOT / "tests"))
+        with_change(mutation)
+        return int(pytest.main(["-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", *files]))
+
+    ended, status = apart(work, LONGEST_TESTS)
+    if not ended:
+        return "open", "its tests take too long"
+    return ("tests", " ".join(files)) if status else ("", "")
+
+
+def tests_of(file: str) -> list[str]:
+    """Return the tests that import a module, or, if none does, those of its room."""
+    module = ".".join(Path(file).with_suffix("").parts)
+    inside, name = module.rpartition(".")[::2]
+    pattern = re.compile(
+        rf"^(from yarclang\.{re.escape(module)} import|import yarclang\.{re.escape(module)}\b"
+        rf"|from yarclang\.{re.escape(inside)} import [^\n]*\b{name}\b)",
+        re.MULTILINE,
+    )
+    found = [
+        str(path.relative_to(ROOT))
+        for path in sorted((ROOT / "tests").rglob("test_*.py"))
+        if pattern.search(path.read_text())
+    ]
+    return found or TESTS[file.split("/", maxsplit=1)[0]]
 
 
 def chosen(count: int, seed: int) -> list[Mutation]:
@@ -317,32 +364,51 @@ def chosen(count: int, seed: int) -> list[Mutation]:
 
 
 def main() -> None:
-    """Judge the mutants and print a line for each, and how many were seen by whom."""
+    """Judge the mutants, add a line for each to the results, and count who saw how many."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--first", type=int, default=0, help="leave out so many of them")
     parser.add_argument("--no-tests", action="store_true", help="ask only the certificate")
     parser.add_argument("--only", default="", help="files that begin so")
+    parser.add_argument("--results", type=Path, default=Path("mutants.jsonl"), help="file of results")
+    parser.add_argument("--again", action="store_true", help="ask the certificate again of what it has seen")
     given = parser.parse_args()
-    drawn = [one for one in chosen(given.count, given.seed) if one.file.startswith(given.only)][given.first :]
-    with tempfile.TemporaryDirectory(prefix="mutant-") as made:
-        write_programs(Path(made))
-        run(CHILD, ROOT, Path(made))
-        plain = json.loads((Path(made) / "found.json").read_text())
-    print(
-        f"without a change: {', '.join(name for name, text in plain.items() if text)} are written", flush=True
-    )
-    counted: dict[str, int] = {}
-    for one in drawn:
-        seen, what = judged(one, plain, tests=not given.no_tests)
-        counted[seen] = counted.get(seen, 0) + 1
-        reason = REASONS.get(one.name, "")
-        print(
-            f"{seen:11}  {one.name}: {one.was[:50]} -> {one.becomes[:50]}  {what} {reason}".rstrip(),
-            flush=True,
-        )
-    print(", ".join(f"{seen} {count}" for seen, count in sorted(counted.items())))
+    drawn = [one for one in chosen(given.count, given.seed) if one.file.startswith(given.only)]
+    known: dict[str, dict[str, str]] = {}
+    if given.results.exists() and not given.again:
+        known = {one["key"]: one for one in map(json.loads, given.results.read_text().splitlines())}
+    with tempfile.TemporaryDirectory(prefix="mutant-") as made, given.results.open("a") as out:
+        folder = Path(made)
+        write(folder)
+        os.environ["YARCLANG_LOCKS"] = folder.name
+        plain = compiled(folder)
+        for case in cases():
+            if (plain[case.name] is None) != (case.refused is not None):
+                raise SystemExit(f"{case.name} isn't what it must be without a change")
+        for one in drawn:
+            row = known.get(one.key)
+            if row is not None and (row["seen"] != "open" or given.no_tests):
+                continue
+            if row is None:
+                seen, what = by_certificate(one, plain, folder)
+                row = {"key": one.key, "seen": seen, "what": what}
+            if row["seen"] == "open" and not given.no_tests:
+                seen, what = by_tests(one, tests_of(one.file))
+                row = {
+                    "key": one.key,
+                    "seen": seen or ("survives" if row["what"] else "same"),
+                    "what": what or row["what"],
+                }
+            known[one.key] = row
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+            print(f"{row['seen']:11}  {one.key}  {row['what']}".rstrip(), flush=True)
+    rows = [known[one.key] for one in drawn if one.key in known]
+    counted = Counter(row["seen"] for row in rows)
+    print(f"{len(rows)} mutants: {', '.join(f'{seen} {count}' for seen, count in sorted(counted.items()))}")
+    for row in rows:
+        if row["seen"] in {"wrong", "same", "survives"}:
+            print(f"{row['seen']:9} {row['key']}: {REASONS.get(row['key'], 'NO REASON')}")
 
 
 if __name__ == "__main__":

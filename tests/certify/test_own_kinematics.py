@@ -23,8 +23,10 @@ from yarclang.robot import actuation, description, dynamics, link_shapes
 from yarclang.robot import tools as robot_tools
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics import elbow, fk
+from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.library import stdlib_folder
 from yarclang.semantics.values import poses as program_poses
+from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 from yarclang.transforms import rpy_rotation
 
 ROBOTS = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")
@@ -260,6 +262,30 @@ def test_wrong_placements_of_the_planner_hide_no_collision(arms, monkeypatch):
     assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
 
 
+def _thinner(shape):
+    match shape:
+        case Box(size=size):
+            return Box(size * 0.2)
+        case Cylinder(radius=radius, length=length):
+            return Cylinder(0.2 * radius, length)
+        case Capsule(radius=radius, length=length):
+            return Capsule(0.2 * radius, length)
+        case Sphere(radius=radius):
+            return Sphere(0.2 * radius)
+        case _:
+            return shape
+
+
+def test_wrong_sizes_of_links_hide_no_collision(arms, monkeypatch):
+    """All that asks for shapes but the judge is given thinner links: only a clearance depends on it."""
+    text = "P0010 MOVEJ 42 0 0 0 0 0 [6] (deg,s)\n"
+    wall = WALL.replace("0, 1250, 1176", "-800, 680, 1764")
+    assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
+    right = link_shapes.shape_of
+    monkeypatch.setattr(link_shapes, "shape_of", lambda *given: _thinner(right(*given)))
+    assert _codes(_compiled(arms, text, wall)) & {"Y0901", "Y0903"}
+
+
 def test_a_wrong_elbow_of_the_planner_hides_no_breach(arms, monkeypatch):
     zone = """units = "mm,deg"
 [[zones]]
@@ -307,6 +333,40 @@ def test_a_lost_mass_is_refused(arms, monkeypatch):
         description, "dynamics_of", lambda *given: replace(right(*given), mass=0.9 * right(*given).mass)
     )
     assert "Y1194" in _codes(_compiled(arms, weighed=True))
+
+
+def test_a_link_without_mass_keeps_its_inertia(arms):
+    """CAD exports write such links; Pinocchio counts what they need to be turned, and so do we."""
+    folder = arms(weighed=True)
+    urdf = folder / "industrial6.urdf"
+    turned = MASSES.replace("<mass value='12'/>", "<mass value='0'/>")
+    urdf.write_text(urdf.read_text().replace('<link name="flange"/>', f'<link name="flange">{turned}</link>'))
+    made = yarclang.compile(PROGRAM, robot=str(folder / "robot.toml"), folder=folder)
+    assert made.ok, made.diagnostics
+
+
+FAR = """<link name="world"/>
+<joint name="far" type="fixed"><parent link="world"/><child link="base_link"/>
+<origin xyz="{0}.123 -{0}.456 3.1" rpy="0.1 0.2 0.3"/></joint>
+<link name="base_link">"""
+
+
+@pytest.mark.parametrize("metres", [10, 100, 1000])
+@pytest.mark.parametrize("base", ["base_link", "world"])
+def test_an_arm_far_from_its_root_keeps_its_closed_form(arms, metres, base):
+    """A hall's origin as the root of a URDF, and as {B}: rounding mustn't look like a joint that slides."""
+    folder = arms()
+    urdf, toml = folder / "industrial6.urdf", folder / "robot.toml"
+    urdf.write_text(urdf.read_text().replace('<link name="base_link">', FAR.format(metres)))
+    toml.write_text(toml.read_text().replace('base = "base_link"', f'base = "{base}"'))
+    robot = load_robot(str(folder)).value
+    assert robot is not None
+    assert not fk.links_of(robot.chain).slide.any()
+    assert not arm.axes_of(own_robot(robot).chain).slide.any()
+    assert form_of(robot.chain) is not None
+    text = re.sub(r"P0020.*\nP0030.*\n", "", PROGRAM)
+    made = yarclang.compile(text, robot=str(toml), folder=folder)
+    assert made.ok, made.diagnostics
 
 
 def test_an_error_of_the_judges_own_kinematics_is_refused(arms, monkeypatch):

@@ -65,7 +65,7 @@ def hunted(tally, which, seed, kind, count, thin, tooled):
     random = np.random.default_rng(seed)
     one = arm(which)
     tools = (tool_of(random),) if tooled else ()
-    robot, cell = replace(one.robot, tools=tools), a_cell(random, count, thin)
+    robot, cell = replace(one.robot, tools=tools, written=None), a_cell(random, count, thin)
     scene = scene_of(robot, cell).value
     course, half = a_motion(random, robot.size, kind)
     spans = np.array([[0, half], [half, len(course.x)]])

@@ -411,6 +411,7 @@ IN_URDF = [
     ("Y1342", '<link name="flange"/>', '<link name="flange">\n<inertial/></link>', "<inertial/>"),
     ("Y1342", '<material name="grey"><color', "<material><color", "<material><color"),
     ("Y1343", 'joint name="flange_mount"', 'joint name="flange mount"', "flange mount"),
+    ("Y1343", 'joint name="flange_mount"', 'joint name="universe"', "universe"),
     ("Y1344", '<link name="flange"/>', '<link name="flange"/>\n<link name="flange" />', 'flange" />'),
     ("Y1344", 'joint name="J2"', 'joint name="J1"', 'joint name="J1" type="revolute"'),
     ("Y1345", 'xyz="0 0 0.23"', 'xyz="0 0 abc"', "abc"),

@@ -25,7 +25,7 @@ def slider():
     robot = robot_of("INDUSTRIAL6")
     screws = robot.chain.screws.copy()
     screws[0] = 0, 0, 1, 0, 0, 0
-    return replace(robot, chain=replace(robot.chain, screws=screws))
+    return replace(robot, chain=replace(robot.chain, screws=screws), written=None)
 
 
 def read(text, units=DEG, robot="INDUSTRIAL6", own=frozenset()):

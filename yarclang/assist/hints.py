@@ -8,6 +8,7 @@ from typing import Any
 
 from yarclang.assist.motions import first_motion, most_used, pace_in
 from yarclang.assist.view import View
+from yarclang.certify.outward import percent
 from yarclang.hir import Motion, Origin
 from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
@@ -76,7 +77,7 @@ def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterato
             lines.append(f"at least {shortest:.3f} s under the whole limits that the command may use")
         if (certificate := known.proved(number)) is not None:
             what, load = most_used(certificate)
-            parts.append(f"{load.share * 100:.0f} %")
-            lines.append(f"uses {load.share * 100:.1f} % of the {what} limit of {load.name}")
+            parts.append(f"{percent(load.share)} %")
+            lines.append(f"uses {percent(load.share, 1)} % of the {what} limit of {load.name}")
         end = statement.whole_span
         yield Hint(end.end_line, end.end_column, ", ".join(filter(None, parts)), "\n\n".join(lines))

@@ -11,6 +11,7 @@ from yarclang.assist.motions import MotionFacts, facts_of, first_motion, pace_in
 from yarclang.assist.pose_lines import joints_text
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import DECLARED, command_text, unit_text, word_text
+from yarclang.certify.outward import down, least, percent
 from yarclang.findings.finding import Finding
 from yarclang.report.inspection.limits import Pace
 from yarclang.report.pose_text import pose_text
@@ -130,11 +131,11 @@ def motion_lines(view: View, facts: MotionFacts, pace: Pace | None) -> Iterator[
     shortest = f", at least {pace.shortest:.3f} s" if pace is not None and pace.shortest is not None else ""
     yield f"- takes {facts.duration:.3f} s{shortest}, from {facts.begins:.3f} s on"
     if (load := facts.load) is not None:
-        yield f"- nearest limit: {load[0]} of {load[1].name}, {load[1].share * 100:.0f} %"
+        yield f"- nearest limit: {load[0]} of {load[1].name}, {percent(load[1].share)} %"
     if facts.certificate is not None and facts.certificate.position.name:
         position = facts.certificate.position
-        yield f"- farthest joint: {position.name}, {position.share * 100:.0f} % of the way to its limit"
+        yield f"- farthest joint: {position.name}, {percent(position.share)} % of the way to its limit"
     yield f"- smallest singular value {facts.smallest:.3f}"
     if (clear := facts.clearance) is not None:
         between = f" ({clear.first} and {clear.second})" if clear.first else ""
-        yield f"- clearance at least {clear.distance / MM:.1f} mm{between}"
+        yield f"- clearance at least {down(least(clear.distance, MM), 1)} mm{between}"

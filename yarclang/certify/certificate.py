@@ -7,6 +7,7 @@ from array import array
 from dataclasses import field
 from typing import Any, Literal
 
+from yarclang.certify.outward import least, most, percent, up
 from yarclang.certify.read.text import ControllerText
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting
@@ -114,12 +115,12 @@ class Deviation:
     def to_json(self) -> dict[str, Any]:
         """In mm and deg."""
         return {
-            "position_mm": _number(self.position / MM),
-            "angle_deg": _number(self.angle / DEG),
-            "end_position_mm": _number(self.end_position / MM),
-            "end_angle_deg": _number(self.end_angle / DEG),
-            "remainder_position_mm": _number(self.remainder_position / MM),
-            "remainder_angle_deg": _number(self.remainder_angle / DEG),
+            "position_mm": _number(most(self.position, MM)),
+            "angle_deg": _number(most(self.angle, DEG)),
+            "end_position_mm": _number(most(self.end_position, MM)),
+            "end_angle_deg": _number(most(self.end_angle, DEG)),
+            "remainder_position_mm": _number(most(self.remainder_position, MM)),
+            "remainder_angle_deg": _number(most(self.remainder_angle, DEG)),
         }
 
 
@@ -144,8 +145,8 @@ class Blended:
             "segments": self.segments,
             "radius_mm": _number(self.radius / MM),
             "turn_deg": _number(self.turn / DEG),
-            "position_mm": _number(self.position / MM),
-            "angle_deg": _number(self.angle / DEG),
+            "position_mm": _number(most(self.position, MM)),
+            "angle_deg": _number(most(self.angle, DEG)),
         }
 
 
@@ -168,10 +169,11 @@ class ToolSpeed:
     def to_json(self) -> dict[str, Any]:
         """In mm/s or deg/s."""
         unit, name = (DEG, "deg_s") if self.turns else (MM, "mm_s")
-        values = {"largest": self.largest}
+        values = {"largest": most(self.largest, unit)}
         if not math.isnan(self.programmed):
-            values.update(programmed=self.programmed, cruise_least=self.least, cruise_most=self.most)
-        return {f"{key}_{name}": _number(value / unit) for key, value in values.items()}
+            values["programmed"] = self.programmed / unit
+            values["cruise_least"], values["cruise_most"] = least(self.least, unit), most(self.most, unit)
+        return {f"{key}_{name}": _number(value) for key, value in values.items()}
 
 
 @frozen
@@ -189,7 +191,7 @@ class Clearance:
     def to_json(self) -> dict[str, Any]:
         """In mm."""
         return {
-            "at_least_mm": _number(self.distance / MM),
+            "at_least_mm": _number(least(self.distance, MM)),
             "bodies": [self.first, self.second] if self.first else None,
             **({} if self.at is None else {"at_s": self.at}),
         }
@@ -212,7 +214,7 @@ class ZoneSpeed:
     def to_json(self) -> dict[str, Any]:
         """In mm/s."""
         return {
-            "largest_mm_s": _number(self.largest / MM),
+            "largest_mm_s": _number(most(self.largest, MM)),
             "limit_mm_s": _number(self.limit / MM),
             "part": self.part,
             "zone": self.zone,
@@ -387,7 +389,10 @@ class Certificate:
                 "position_mm": self.tolerance.position / MM,
                 "angle_deg": self.tolerance.angle / DEG,
             },
-            "deviation": {"position_mm": _number(self.position / MM), "angle_deg": _number(self.angle / DEG)},
+            "deviation": {
+                "position_mm": _number(most(self.position, MM)),
+                "angle_deg": _number(most(self.angle, DEG)),
+            },
             "loads": {kind: self.worst(kind).to_json() for kind in kinds},
         }
 
@@ -403,8 +408,8 @@ class Certificate:
         }
         if torque := [command.torque.share for command in self.commands if command.torque]:
             shares["torque"] = max(torque)
-        loads = ", ".join(f"{name} {share * 100.0:.0f} %" for name, share in shares.items())
-        path = f"path within {bound_text(self.position / MM)} mm, {bound_text(self.angle / DEG)} deg"
+        loads = ", ".join(f"{name} {percent(share)} %" for name, share in shares.items())
+        path = f"path within {bound_text(self.position, MM)} mm, {bound_text(self.angle, DEG)} deg"
         told = ""
         if free:
             kinds = {command.kind == "timed" for command in self.commands if not command.jerk_judged}
@@ -416,13 +421,13 @@ class Certificate:
                 )
                 if is_timed in kinds
             )
-            told = f"; jerk of {whose} up to {max(free) * 100.0:.0f} %, not judged"
+            told = f"; jerk of {whose} up to {percent(max(free))} %, not judged"
         return f"{path}; {loads} of the limits{told}"
 
 
-def bound_text(value: float) -> str:
-    """A bound with four decimals, rounded up: what is printed is proved as well."""
-    return f"{math.ceil(value * 1e4 - 1e-9) / 1e4:.4f}" if math.isfinite(value) else "unproved"
+def bound_text(value: float, unit: float) -> str:
+    """Return an upper bound in MM or DEG with four decimals, rounded up: what is printed is proved as well."""
+    return up(most(value, unit), 4)
 
 
 def _number(value: float) -> float | None:

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from yarclang.certify.certificate import IDLE, Certificate, Clearance, CommandCertificate, Load, bound_text
+from yarclang.certify.outward import percent
 from yarclang.cli.columns import (
     LEAST_PLACE,
     LONGEST_PLACE,
@@ -188,7 +189,7 @@ def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, wid
 
 
 def _share(one: Nearest) -> str:
-    return "-" if one.share is None else f"{one.share * 100:.0f}%"
+    return "-" if one.share is None else f"{percent(one.share)}%"
 
 
 def _full_place(command: CommandCertificate) -> str:
@@ -227,8 +228,8 @@ def _columns(
         column("jerk", [_jerk(group) for group in groups]),
         loads("motor", "motor_velocity"),
         loads("hold", "hold"),
-        column("path mm", [bound_text(max(one.deviation.position for one in group) / MM) for group in groups]),
-        column("path deg", [bound_text(max(one.deviation.angle for one in group) / DEG) for group in groups]),
+        column("path mm", [bound_text(max(one.deviation.position for one in group), MM) for group in groups]),
+        column("path deg", [bound_text(max(one.deviation.angle for one in group), DEG) for group in groups]),
     ]  # fmt: skip
     if any(command.torque for command in certificate.commands):
         columns.append(loads("torque", "torque"))
@@ -331,11 +332,11 @@ def _clearance(clearance: Clearance | None, *, with_time: bool) -> str:
     if not clearance.first:
         return f"over {clearance.distance / MM:g}"
     when = when_text(clearance) if with_time else ""
-    return f"{whole_tenths(clearance.distance / MM)} {clearance.first}, {clearance.second}{when}"
+    return f"{whole_tenths(clearance.distance)} {clearance.first}, {clearance.second}{when}"
 
 
 def _load(load: Load) -> str:
-    return f"{load.name} {load.share * 100:.0f}%" if load.name else "-"
+    return f"{load.name} {percent(load.share)}%" if load.name else "-"
 
 
 _VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.cell.model import Present
 from yarclang.certify.certificate import CommandCertificate, Load
+from yarclang.certify.outward import least, most
 from yarclang.coordinator.kept_parts import Known
 from yarclang.coordinator.messages import events, replies
 from yarclang.coordinator.messages.events import Finished
@@ -111,11 +112,13 @@ def _motion(one: OfferedMotion) -> replies.MotionOffered:
         peaks=_peaks(proved),
         path=None
         if proved.kind == "joint"
-        else replies.PathBound(position_mm=deviation.position / MM, angle_deg=deviation.angle / DEG),
+        else replies.PathBound(
+            position_mm=most(deviation.position, MM), angle_deg=most(deviation.angle, DEG)
+        ),
         clearance=None
         if clearance is None
         else replies.ClearanceBound(
-            distance_mm=clearance.distance / MM, first=clearance.first, second=clearance.second
+            distance_mm=least(clearance.distance, MM), first=clearance.first, second=clearance.second
         ),
     )
 

@@ -38,9 +38,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1343",
         "urdf-name",
         "error",
-        "the name of a link or joint has letters that can't be used",
+        "the name of a link or joint can't be used",
         "Such names become keys of robot.toml and words of messages: ASCII letters, digits, and . _ - are "
-        "safe everywhere.",
+        "safe everywhere. A joint named universe is taken for the one that Pinocchio puts above the root.",
         '<joint name="axis 1" type="revolute">',
         '<joint name="axis_1" type="revolute">',
     ),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from yarclang.certify.certificate import bound_text
+from yarclang.certify.outward import down, percent, up
 from yarclang.coordinator.describing import joints_of, lasting_of
 from yarclang.coordinator.messages.events import Finished
 from yarclang.coordinator.messages.replies import ClearanceBound, Ended, MotionOffered, OfferDescribed, Peaks
@@ -38,9 +38,7 @@ def _motion_text(one: MotionOffered) -> str:
     if one.clearance is not None:
         words.append(_clearance_text(one.clearance))
     if one.path is not None:
-        words.append(
-            f"path within {bound_text(one.path.position_mm)} mm, {bound_text(one.path.angle_deg)} deg"
-        )
+        words.append(f"path within {up(one.path.position_mm, 4)} mm, {up(one.path.angle_deg, 4)} deg")
     return "  ".join(word for word in words if word)
 
 
@@ -57,13 +55,13 @@ def _peak_text(peaks: Peaks) -> str:
     used["its motor's speed"] = peaks.motor_velocity
     # of limits that are used as much as each other, the one that people think of first
     name, peak = max(used.items(), key=lambda item: round(item[1].share / _TIGHT))
-    return f"{peak.name} at {peak.share * 100:.0f} % of {name}" if peak.name else ""
+    return f"{peak.name} at {percent(peak.share)} % of {name}" if peak.name else ""
 
 
 def _clearance_text(clearance: ClearanceBound) -> str:
     if not clearance.first:
-        return f"over {clearance.distance_mm:.0f} mm clear"
-    return f"{clearance.distance_mm:.1f} mm clear ({clearance.first}, {clearance.second})"
+        return f"over {down(clearance.distance_mm, 0)} mm clear"
+    return f"{down(clearance.distance_mm, 1)} mm clear ({clearance.first}, {clearance.second})"
 
 
 def ended_text(ended: Ended | Finished, robot: Robot) -> str:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 from yarclang.certify.certificate import Clearance, CommandCertificate, ZoneSpeed
+from yarclang.certify.outward import down, least, most, up
 from yarclang.units import MM
 
 
@@ -27,7 +26,7 @@ def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
 def distance_text(clearance: Clearance) -> str:
     """`at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
     between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
-    return f"at least {whole_tenths(clearance.distance / MM)} mm{between}{when_text(clearance, ', nearest')}"
+    return f"at least {whole_tenths(clearance.distance)} mm{between}{when_text(clearance, ', nearest')}"
 
 
 def when_text(clearance: Clearance, word: str = "") -> str:
@@ -35,10 +34,10 @@ def when_text(clearance: Clearance, word: str = "") -> str:
     return "" if clearance.at is None else f"{word} at {clearance.at:.3f} s"
 
 
-def whole_tenths(value: float) -> str:
-    """A distance with one decimal, rounded down: what is printed is proved as well."""
-    return f"{math.floor(value * 10.0) / 10.0:.1f}"
+def whole_tenths(distance: float) -> str:
+    """Return a distance [m] in mm with one decimal, rounded down: what is printed is proved as well."""
+    return down(least(distance, MM), 1)
 
 
 def _speed_text(speed: ZoneSpeed) -> str:
-    return f"{speed.part} at most {speed.largest / MM:.1f} mm/s in {speed.zone}, where {speed.limit / MM:g} mm/s are allowed"
+    return f"{speed.part} at most {up(most(speed.largest, MM), 1)} mm/s in {speed.zone}, where {speed.limit / MM:g} mm/s are allowed"

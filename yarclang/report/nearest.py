@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from heapq import nlargest
 from operator import attrgetter
@@ -18,6 +19,7 @@ from yarclang.certify.certificate import (
     ZoneSpeed,
     bound_text,
 )
+from yarclang.certify.outward import down_to, most, up_to
 from yarclang.frozen import frozen
 from yarclang.report.distances import whole_tenths
 from yarclang.robot.model import Robot, Tolerance
@@ -25,6 +27,9 @@ from yarclang.units import DEG, MM
 
 MOST = 10
 """Places that are shown."""
+
+_MORE, _LESS = 1.0 + 1e-15, 1.0 - 1e-15
+"""What products of shares and limits may be off by, rounded thrice."""
 
 
 @frozen
@@ -155,7 +160,7 @@ class _Measure:
             ("path deg", command.deviation.angle, tolerance.angle, DEG, "deg"),
         ):
             share = value / limit
-            yield _Found(command, what, share, share, _of_tolerance, (value / unit, limit / unit, called))
+            yield _Found(command, what, share, share, _of_tolerance, (value, limit, unit, called))
         yield from self._distances(command)
         if (speed := command.zone_speed) is not None:
             yield _Found(command, "speed in zone", speed.share, speed.share, _in_zone, (speed,))
@@ -176,28 +181,30 @@ class _Measure:
 
 def _before_limit(name: str, share: float, half: float, unit: str) -> str:
     """Return `J2 12.3 deg before its limit`."""
-    return f"{name} {max(0.0, (1.0 - share) * half):.4g} {unit} before its limit"
+    return f"{name} {down_to(max(0.0, (1.0 - share) * half) * _LESS, 4)} {unit} before its limit"
 
 
 def _of_limit(load: Load, limit: float, unit: str, form: str) -> str:
     """Return `J2 90 of 100 deg/s`."""
-    return f"{load.name} {load.share * limit:{form}} of {limit:{form}} {unit}"
+    used = load.share * limit * _MORE
+    told = f"{math.ceil(used):,}" if form == ",.0f" else up_to(used, 4)
+    return f"{load.name} {told} of {limit:{form}} {unit}"
 
 
-def _of_tolerance(value: float, limit: float, unit: str) -> str:
+def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
     """Return `0.0012 of 0.02 mm`."""
-    return f"{bound_text(value)} of {limit:.4g} {unit}"
+    return f"{bound_text(value, unit)} of {limit / unit:.4g} {called}"
 
 
 def _in_zone(speed: ZoneSpeed) -> str:
     """Return `FINGERS 90 of 100 mm/s in WORKER`."""
-    return f"{speed.part} {speed.largest / MM:.4g} of {speed.limit / MM:.4g} mm/s in {speed.zone}"
+    return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s in {speed.zone}"
 
 
 def _distance(near: Clearance, margin: float) -> str:
     """Return `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
     wanted = f", margin {margin / MM:.4g} mm" if margin > 0.0 else ""
-    return f"{whole_tenths(near.distance / MM)} mm ({near.first}, {near.second}){wanted}"
+    return f"{whole_tenths(near.distance)} mm ({near.first}, {near.second}){wanted}"
 
 
 def _scale(

@@ -67,7 +67,7 @@ def _links(urdf: Urdf, places: dict[str, tuple[Array, int]], base_from_root: Arr
     for name, link in urdf.links.items():
         inertial = link.first("inertial")
         mass = urdf.numbers(inertial.first("mass") if inertial else None, "value", 1, (0.0,))
-        if inertial is None or not mass or mass[0] <= 0.0:
+        if inertial is None or not mass:
             continue
         root_from_link, joint = places[name]
         placed = base_from_root @ root_from_link @ placed_at(urdf, inertial.first("origin"))
@@ -77,6 +77,8 @@ def _links(urdf: Urdf, places: dict[str, tuple[Array, int]], base_from_root: Arr
             for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
         )
         own = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        if mass[0] == 0.0 and not own.any():
+            continue
         turn = placed[:3, :3]
         yield _Lump(joint, mass[0], placed[:3, 3], turn @ own @ turn.T)
 
@@ -94,10 +96,11 @@ def _together(lumps: Sequence[_Lump]) -> _Lump:
     """Bodies that never move against each other as one."""
     mass = sum(one.mass for one in lumps)
     if mass == 0.0:
-        return _Lump(0, 0.0, np.zeros(3), np.zeros((3, 3)))
+        return _Lump(0, 0.0, np.zeros(3), sum((one.inertia for one in lumps), np.zeros((3, 3))))
     center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for one in lumps:
+        # a body without mass turns as it is, wherever it is
         away = one.center - center
         inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return _Lump(lumps[0].joint, mass, center, inertia)

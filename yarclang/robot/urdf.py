@@ -24,6 +24,8 @@ UNARMED = ("planar", "floating")
 """Joint types that an arm's chain can't have; elsewhere in the file they may be."""
 
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
+_ROOT = "universe"
+"""Pinocchio's own joint above the root: it takes one of this name for that, and its limits and place from there."""
 _MOST_LINKS = 1000
 
 
@@ -110,6 +112,9 @@ def _register(
         elif not _NAME.fullmatch(name):
             message = f"The name \"{name[:40]}\" has letters that a robot's names can't have."
             urdf.say("Y1343", message, "Use ASCII letters, digits, and . _ - only.", element, "name")
+        elif name == _ROOT and element.tag == "joint":
+            message = f"A joint has the name {_ROOT}, which readers of URDF give to what the root stands on."
+            urdf.say("Y1343", message, "Give the joint another name.", element, "name")
         elif name in first:
             line = bisect.bisect_right(urdf.starts, first[name].start)
             message = f"A second {element.tag} {name}; the first is in line {line}."

@@ -11,6 +11,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell
 from yarclang.certify.certificate import Certificate, CommandCertificate
+from yarclang.certify.outward import percent
 from yarclang.decisions import in_words, simple
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
@@ -122,7 +123,7 @@ def _worst(
     return tuple(
         Worst(
             number_of[one.command.step],
-            f"{'' if one.share is None else f'{100.0 * one.share:.0f} % '}{one.what}: {one.figure}, {one.command.index or one.command.name}",
+            f"{'' if one.share is None else f'{percent(one.share)} % '}{one.what}: {one.figure}, {one.command.index or one.command.name}",
         )
         for one in nearest_places(certificate, robot, cell)
     )

@@ -31,6 +31,7 @@ from yarclang.robot.model import (
     ToolShape,
     Written,
 )
+from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 
 _DEGREE = np.pi / 180.0
 _MILLIMETRE = 1e-3
@@ -57,7 +58,7 @@ class _Tree:
     """A URDF: its joints by the link below each, for each link its collision shapes' places in it (4, 4), and the efforts of joints that have one."""
 
     above: Mapping[str, _Joint]
-    shapes: Mapping[str, tuple[Array, ...]]
+    shapes: Mapping[str, tuple[tuple[Array, Shape | None], ...]]
     efforts: Mapping[str, float]
 
 
@@ -140,7 +141,7 @@ def _read_urdf(text: str) -> _Tree:
         if effort > 0.0:
             efforts[joint.name] = effort
     shapes = {
-        link.attrib["name"]: tuple(_origin(one) for one in link.findall("collision"))
+        link.attrib["name"]: tuple((_origin(one), _size(one)) for one in link.findall("collision"))
         for link in root.findall("link")
     }
     return _Tree(above, shapes, efforts)
@@ -166,6 +167,20 @@ def _origin(element: ElementTree.Element) -> Array:
     origin = element.find("origin")
     nothing = (0.0, 0.0, 0.0)
     return of_numbers(np.array(_numbers(origin, "xyz", nothing) + _numbers(origin, "rpy", nothing)))
+
+
+def _size(element: ElementTree.Element) -> Shape | None:
+    """Return the shape of a <collision> by its own numbers [m]; None of a mesh."""
+    for one in element.findall("geometry/*"):
+        if one.tag == "box":
+            return Box(_sealed(np.array(_numbers(one, "size", ()))))
+        if one.tag == "sphere":
+            (radius,) = _numbers(one, "radius", ())
+            return Sphere(radius)
+        if one.tag in {"cylinder", "capsule"}:
+            (radius,), (length,) = _numbers(one, "radius", ()), _numbers(one, "length", ())
+            return Cylinder(radius, length) if one.tag == "cylinder" else Capsule(radius, length)
+    return None
 
 
 def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
@@ -199,7 +214,7 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
 def _link_shapes(
     known: Sequence[LinkShape], tree: _Tree, base_from_root: Array, moving: tuple[str, ...]
 ) -> tuple[LinkShape, ...]:
-    """Place the links' shapes anew: the shapes themselves are those that are known."""
+    """Place and size the links' shapes anew; of a mesh the file is the known one."""
     count: dict[str, int] = {}
     found = []
     for one in known:
@@ -207,8 +222,11 @@ def _link_shapes(
         count[one.link] = number + 1
         placed, above = _place(tree, one.link)
         joint = sum(name in moving for name in above)
-        made = _sealed(base_from_root @ placed @ tree.shapes[one.link][number])
-        found.append(LinkShape(one.link, joint, made, one.shape))
+        link_from_shape, own = tree.shapes[one.link][number]
+        if (own is None) != isinstance(one.shape, Mesh):
+            raise ContradictionError(f"a collision shape of {one.link} is another one")
+        made = _sealed(base_from_root @ placed @ link_from_shape)
+        found.append(LinkShape(one.link, joint, made, one.shape if own is None else own))
     if sum(map(len, tree.shapes.values())) != len(known):
         raise ContradictionError("the URDF has another number of collision shapes")
     return tuple(found)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from yarclang.certify.certificate import Certificate
+from yarclang.certify.outward import percent
 from yarclang.findings import Finding
 from yarclang.hir import Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
@@ -18,7 +19,7 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
         step = around.steps[one.step]
         if one.hold.share <= MUCH or not isinstance(step, Motion):
             continue
-        message = f"a hold in the worst moment of this motion asks {one.hold.share * 100:.0f} % of the stop acceleration of {one.hold.name}"
+        message = f"a hold in the worst moment of this motion asks {percent(one.hold.share)} % of the stop acceleration of {one.hold.name}"
         help_ = "make the motion slower (ACC 50%, or a longer time), or hold more slowly: controller.hold_time in robot.toml"
         yield remark_at(step.origin, message, help_)
 

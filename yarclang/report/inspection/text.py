@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
+from yarclang.certify.outward import percent
 from yarclang.decisions import in_words, simple
 from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
@@ -331,9 +332,11 @@ def _certificate(one: CommandCertificate | None) -> Iterator[str]:
     if one is None:
         return
     deviation = one.deviation
-    path = f"{bound_text(deviation.position / MM)} mm, {bound_text(deviation.angle / DEG)} deg"
-    left = f"{bound_text(deviation.remainder_position / MM)} mm, {bound_text(deviation.remainder_angle / DEG)} deg"
-    end = f"{bound_text(deviation.end_position / MM)} mm, {bound_text(deviation.end_angle / DEG)} deg"
+    path = f"{bound_text(deviation.position, MM)} mm, {bound_text(deviation.angle, DEG)} deg"
+    left = (
+        f"{bound_text(deviation.remainder_position, MM)} mm, {bound_text(deviation.remainder_angle, DEG)} deg"
+    )
+    end = f"{bound_text(deviation.end_position, MM)} mm, {bound_text(deviation.end_angle, DEG)} deg"
     yield f"path within {path} of the programmed one (of that {left} for what lies between the places looked at)"
     yield f"end within {end} of the target"
     loads = (
@@ -351,7 +354,7 @@ def _certificate(one: CommandCertificate | None) -> Iterator[str]:
 
 
 def _load(name: str, load: Load) -> str:
-    return f"{name} {load.name} {load.share * 100:.0f} %"
+    return f"{name} {load.name} {percent(load.share)} %"
 
 
 def stretch_lines(

@@ -19,6 +19,9 @@ from yarclang.robot.model import Array, Chain, Lines
 
 BLOCK = 1024
 """Samples in one block: the arrays of a step stay in the second-level cache."""
+NO_PITCH = 1e-11
+"""Joint that slides by less [m] per rad only turns; if its axis is farther than 1 m from {B}'s origin, by this share of the distance. No joint of a URDF does both: what is
+left is rounding, about 1e-14 m of an arm 100 m from its URDF's root, and an arm that slides has no closed form."""
 
 
 def skew(vectors: Array) -> Array:
@@ -175,7 +178,8 @@ def links_of(chain: Chain) -> Links:
     scale = np.where(prismatic, np.linalg.norm(linear, axis=1), turn)
     axes = np.where(prismatic[:, None], linear, angular) / scale[:, None]
     slide = np.where(prismatic, scale, np.einsum("ni,ni->n", axes, linear))
-    slide[np.abs(slide) < 1e-15] = 0.0
+    # rounding, of an arm that stands far from the origin of {B} or of its URDF: see NO_PITCH
+    slide[np.abs(slide) < NO_PITCH * np.maximum(1.0, np.linalg.norm(linear, axis=1))] = 0.0
     frames = np.zeros((chain.size, 4, 4))
     frames[:, :3, 2] = axes
     # the coordinate axis that is farthest from z gives a safe x

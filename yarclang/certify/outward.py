@@ -1,0 +1,91 @@
+"""Bounds in other units and in few digits, rounded outwards: what is printed is never nearer to the good side than what is proved."""
+
+from __future__ import annotations
+
+import math
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+
+from yarclang.units import MM
+
+_WIDE = 40
+"""Digits of intermediate values: more than a double's product by 100 and its rounding need."""
+_DIGITS_OVER = 6
+"""Digits of a share that is slightly above 1."""
+_SLIGHTLY = 1.01
+
+
+def most(value: float, unit: float) -> float:
+    """Return an upper bound (m, m/s, rad or rad/s) in `unit`, MM or DEG, rounded up; 0 stays 0."""
+    return _moved(value, unit, math.inf)
+
+
+def least(value: float, unit: float) -> float:
+    """Return a lower bound in `unit`, MM or DEG, rounded down; 0 stays 0."""
+    return _moved(value, unit, -math.inf)
+
+
+def _moved(value: float, unit: float, towards: float) -> float:
+    if value == 0.0 or not math.isfinite(value):
+        return value
+    if unit == MM:
+        # one rounding, of the product: 1000 is exact
+        found = value * 1000.0
+        missing = _product_error(value, 1000.0, found)
+        is_outside = missing <= 0.0 if towards > 0.0 else missing >= 0.0
+        return found if is_outside else math.nextafter(found, towards)
+    # two roundings, of the unit and of the quotient, of half a last place each
+    return math.nextafter(math.nextafter(value / unit, towards), towards)
+
+
+def _product_error(one: float, small: float, product: float) -> float:
+    """Return one * small - product exactly (Veltkamp, Dekker); `small` is an integer of at most 26 bits."""
+    split = 134217729.0 * one
+    high = split - (split - one)
+    return (high * small - product) + (one - high) * small
+
+
+def up(value: float, decimals: int) -> str:
+    """Return an upper bound with so many decimals."""
+    return _decimals(value, decimals, ROUND_CEILING)
+
+
+def down(value: float, decimals: int) -> str:
+    """Return a lower bound with so many decimals."""
+    return _decimals(value, decimals, ROUND_FLOOR)
+
+
+def _decimals(value: float, decimals: int, rounding: str) -> str:
+    if not math.isfinite(value):
+        return "unproved"
+    exact = Decimal(value)
+    step = Decimal(1).scaleb(-decimals)
+    context = Context(prec=max(_WIDE, exact.adjusted() + decimals + 2), rounding=rounding)
+    made = exact.quantize(step, context=context)
+    return f"{abs(made) if made == 0 else made:.{decimals}f}"
+
+
+def up_to(value: float, digits: int) -> str:
+    """Return an upper bound with so many digits, without trailing zeros, as the format `g` has them."""
+    return _digits(value, digits, ROUND_CEILING)
+
+
+def down_to(value: float, digits: int) -> str:
+    """Return a lower bound with so many digits, as `up_to`."""
+    return _digits(value, digits, ROUND_FLOOR)
+
+
+def _digits(value: float, digits: int, rounding: str) -> str:
+    if not math.isfinite(value):
+        return "unproved"
+    return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
+
+
+def percent(share: float, decimals: int = 0) -> str:
+    """Return a share of a limit in percent, rounded up, without the sign; what is slightly above the limit itself has more digits: 100.001."""
+    if not math.isfinite(share):
+        return "unproved"
+    exact = Context(prec=_WIDE, rounding=ROUND_CEILING).multiply(Decimal(share), Decimal(100))
+    if 1.0 < share < _SLIGHTLY:
+        return f"{Context(prec=_DIGITS_OVER, rounding=ROUND_CEILING).create_decimal(exact):f}"
+    context = Context(prec=max(_WIDE, exact.adjusted() + decimals + 2), rounding=ROUND_CEILING)
+    return f"{exact.quantize(Decimal(1).scaleb(-decimals), context=context):.{decimals}f}"

@@ -125,7 +125,7 @@ def primary(draw, depth, primaries):
         return f"{function.lower()}{draw(gap)}({f'{draw(gap)},{draw(gap)}'.join(arguments)})"
     if kind == "element" and depth:
         indices = [draw(expression(0, depth - 1, primaries)) for _ in range(draw(st.integers(1, 2)))]
-        return f"{draw(name)}{draw(gap)}[{f'{draw(gap)},{draw(gap)}'.join(indices)}{draw(gap)}]"
+        return f"{draw(name)}[{f'{draw(gap)},{draw(gap)}'.join(indices)}{draw(gap)}]"
     return draw(unsigned if kind != "whole" else whole)
 
 

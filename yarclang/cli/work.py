@@ -134,7 +134,7 @@ def options_from(planning: dict[str, Any]) -> Options:
         start=planning.get("start"),
         tm=planning.get("tm"),
         tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
-        target=planning.get("target", "rotary"),
+        target=planning.get("target", ""),
         cell=planning.get("cell"),
     )
 

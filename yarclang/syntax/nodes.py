@@ -69,8 +69,9 @@ class Nodes:
 
     def element(self, children: list[Any]) -> Element:
         """A number of a table, with its index or indices."""
-        token, _, *indices, closing = children
-        table = named(str(token), place_of(token))
+        token, *indices, closing = children
+        place = place_of(token)
+        table = named(str(token)[:-1], Place(place.row, place.start, place.end - 1))
         values = tuple(one for one in indices if getattr(one, "type", None) != "COMMA")
         return Element(table, values, from_to(table.place, place_of(closing)))
 

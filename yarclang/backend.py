@@ -38,8 +38,8 @@ class Written:
     Attributes:
         target: what the text is for.
         loading: what a person who loads the text by hand must know.
-        start: where it starts, as it prints that.
-        segments: the segment times in use as printed [ms]: none, one, or the least and the largest.
+        start: where it starts: each axis's name and a decimal number in its axis unit, nothing between, as `A0.5B-3`.
+        segments: the segment times in use as printed [ms], up to four digits and twelve decimals: none, one, or the least and the largest.
         time: prints a segment time [ms].
         text: returns the whole text with the lines of a header.
     """

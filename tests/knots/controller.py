@@ -140,8 +140,10 @@ def _read(text, controller, memory):
         return Unreadable(*refusal.args)
 
 
-_TIMES = re.compile(r"([TD]),([0-9]{1,7}\.[0-9]{6})")
-_KNOT = re.compile(r"-?[0-9]{1,7}\.[0-9]{6}(?:,-?[0-9]{1,7}\.[0-9]{6})*")
+_PLAIN = r"(?:0|[1-9][0-9]{0,6})\.[0-9]{6}"
+_NUMBER = rf"(?!-0\.0{{6}})-?{_PLAIN}"
+_TIMES = re.compile(rf"([TD]),({_PLAIN})")
+_KNOT = re.compile(rf"{_NUMBER}(?:,{_NUMBER})*")
 
 
 def _read_body(lines, preamble, controller):
@@ -153,7 +155,9 @@ def _read_body(lines, preamble, controller):
     course, points, numbers, segment = [], [], [], None
 
     def finish():
-        if segment is not None and points:
+        if segment is not None and not points:
+            lines.refuse("follows a time without knots")
+        if segment is not None:
             course.append(Run(segment[0], segment[1], np.array(points), np.array(numbers)))
         points.clear()
         numbers.clear()

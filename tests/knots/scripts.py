@@ -103,14 +103,14 @@ def perform(operation, job):
         yield from ask(operation, f"push {line}")
     yield from ask(operation, "run")
     operation.go(Event.BEGIN)
-    rows = sum(line[0] not in "T" for line in job.lines)
+    rows, done = sum(line[0] not in "T" for line in job.lines), 0.0
     while True:
         while operation.orders:
             order = operation.orders.popleft()
             if isinstance(order, Stop | Abort):
                 _, _, place = yield from ask(operation, "stop")
                 operation.go(Event.STOP, "stopped on its path")
-                return Ended(False, "stopped on its path", "", place * robot.axis_units)
+                return Ended(False, "stopped on its path", "", place * robot.axis_units, done=done)
             if isinstance(order, Hold) and operation.state is State.MOVE:
                 yield from ask(operation, "hold")
                 operation.go(Event.HOLD, "a hold was asked for")

@@ -1,6 +1,7 @@
 """A second kind of controller, in this folder: what is neutral asks the backend, and no room knows the one kind."""
 
 import asyncio
+import re
 import shutil
 
 import numpy as np
@@ -14,6 +15,8 @@ from yarclang.coordinator.engine import NO_LOG
 from yarclang.coordinator.loading import Source, load
 from yarclang.coordinator.ordered import OrderedSession
 from yarclang.coordinator.servicing import Servicing
+from yarclang.emitted.header import UNSEALED
+from yarclang.emitted.seal import sealed
 from yarclang.pipeline.controller_text import judge_text
 from yarclang.pipeline.inputs import Options
 from yarclang.robot.description import load_robot
@@ -66,6 +69,18 @@ def judged(folder, text):
     return judge_text(source, folder, Options(robot=str(folder / "arm")))
 
 
+def resealed(text):
+    """Seal a changed text anew, so that the judge has to find what was changed."""
+    summary = re.search(r"\n; certificate ([^\n]*)\n", text)[1]
+    bare = re.sub(r"\n; certificate [^\n]*\n", f"\n; certificate {UNSEALED}\n", text, count=1)
+    return sealed(re.sub(r"\n; sha256 [^\n]*\n", f"\n; sha256 {UNSEALED}\n", bare, count=1), summary)
+
+
+def test_a_text_that_is_sealed_anew_is_the_same(folder):
+    text = compiled(folder)
+    assert resealed(text) == text
+
+
 def test_yarcc_writes_it_and_the_judge_reads_it_back(folder):
     text = compiled(folder)
     assert "; target table" in text
@@ -83,16 +98,28 @@ def test_one_changed_knot_is_refused(folder, row):
     values = lines[numbers[row]].split(",")
     values[0] = f"{float(values[0]) + 0.5:.6f}"
     lines[numbers[row]] = ",".join(values)
-    made = judged(folder, "\n".join(lines) + "\n")
+    made = judged(folder, resealed("\n".join(lines) + "\n"))
     assert made.value is None
     assert any(one.is_error for one in made.diagnostics)
 
 
 @pytest.mark.parametrize(
-    ("was", "becomes"), [("END\n", ""), ("T,", "U,"), ("END\n", "END\nT,5.000000\n"), ("T,", "T,0.5\nT,")]
+    ("was", "becomes"),
+    [
+        ("END\n", ""),
+        ("\nT,", "\nU,"),
+        ("END\n", "END\nT,5.000000\n"),
+        ("\nT,", "\nT,0.5\nT,"),
+        ("\nT,", "\nT,0.500000\nT,"),
+        ("\n0.0", "\n00.0"),
+        (",0.000000,", ",-0.000000,"),
+        ("\nD,", "\nD,0"),
+    ],
 )
 def test_what_is_no_table_is_refused(folder, was, becomes):
-    made = judged(folder, compiled(folder).replace(was, becomes, 1))
+    text = compiled(folder)
+    assert was in text
+    made = judged(folder, resealed(text.replace(was, becomes, 1)))
     assert made.value is None
 
 

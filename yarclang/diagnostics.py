@@ -92,6 +92,19 @@ class Diagnostic:
                 object.__setattr__(self, name, _TOO_LONG.sub(lambda found: found[0][:_SHOWN] + "…", text))
 
     @property
+    def shown_at(self) -> Span | None:
+        """The span within its lines: of what is missing at the end of a line, the line's last character."""
+        span = self.span
+        if span is None or self.source is None or len(self.source.lines) < span.end_line:
+            return span
+        first, last = len(self.source.line(span.line)), len(self.source.line(span.end_line))
+        column = min(span.column, max(first, 1))
+        end = min(span.end_column, last + 1)
+        if span.line == span.end_line:
+            end = max(end, column + 1)
+        return Span(span.line, column, span.end_line, end)
+
+    @property
     def clause(self) -> str:
         """The message as a part of a longer sentence: without a full stop."""
         return self.message.rstrip(".")

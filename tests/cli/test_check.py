@@ -356,3 +356,13 @@ def test_notes_are_counted_and_whole_here_and_one_line_where_a_program_is_used(t
     assert "warning Y0603: nothing moves" in shown
     assert "the curve swings" not in shown
     assert shown.endswith("1 note (Y0505): yarc check p.yarc shows it\n")
+
+
+@pytest.mark.parametrize("line", ["P0010 MOVEJ 0 10 0 0 0 0 [5] (", "LET A =", "P0010 SET GLUE", "REPEAT"])
+def test_what_is_missing_at_the_end_of_a_line_is_shown_within_it(here, line):
+    Path("a.yarc").write_text(line + "\n")
+    found = json.loads(check("a.yarc", "--format", "json").stdout)["diagnostics"]
+    assert found
+    for one in found:
+        if one["line"] == 1:
+            assert 1 <= one["column"] < one["end_column"] <= len(line) + 1

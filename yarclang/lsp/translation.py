@@ -76,9 +76,10 @@ def _made_on_line(
     code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
 ) -> types.Diagnostic:
     """A finding in one line: most of a long program's are the same after an edit."""
+    column = min(span.column, max(len(line), 1))  # of what is missing at the end, the last character
     range_ = types.Range(
-        position_in(line, span.line, span.column, encoding),
-        position_in(line, span.line, max(span.end_column, span.column + 1), encoding),
+        position_in(line, span.line, column, encoding),
+        position_in(line, span.line, max(span.end_column, column + 1), encoding),
     )
     return _diagnostic(code, severity, message, help_, range_)
 

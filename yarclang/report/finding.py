@@ -59,7 +59,7 @@ def _excerpt(diagnostic: Diagnostic) -> list[str]:
 
 def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
     """One finding as plain data; lines and columns count from 1, `end_column` lies behind the last character."""
-    span = diagnostic.span
+    span = diagnostic.shown_at
     return {
         "file": diagnostic.source.name if diagnostic.source else None,
         "line": span.line if span else None,

@@ -21,10 +21,11 @@ def _command(one: Diagnostic) -> str:
     properties: dict[str, object] = {}
     if one.source is not None:
         properties["file"] = path_of(one)
-    if one.source is not None and one.span is not None:
-        properties |= {"line": one.span.line, "endLine": one.span.end_line}
-        if one.span.line == one.span.end_line:  # columns count within one line only
-            properties |= {"col": one.span.column, "endColumn": one.span.end_column}
+    span = one.shown_at
+    if one.source is not None and span is not None:
+        properties |= {"line": span.line, "endLine": span.end_line}
+        if span.line == span.end_line:  # columns count within one line only
+            properties |= {"col": span.column, "endColumn": span.end_column}
     properties["title"] = f"{one.code} {everything()[one.code].name}"
     shown = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
     return f"::{_COMMANDS[one.severity]} {shown}::{_data(told_text(one))}"

@@ -83,8 +83,8 @@ def _result(one: Diagnostic, rule: int) -> dict[str, Any]:
         return result
     artifact = {"uri": _uri(path_of(one))}
     place: dict[str, Any] = {"artifactLocation": artifact}
-    if one.span is not None:
-        place["region"] = _region(one.span)
+    if one.shown_at is not None:
+        place["region"] = _region(one.shown_at)
     result["locations"] = [{"physicalLocation": place}]
     if one.fix is not None:
         result["fixes"] = [_fix(one.fix, artifact)]

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
-NEEDS = {"peer_rtb": "roboticstoolbox", "peer_search": "roboticstoolbox", "motion": "ruckig"}
+NEEDS = {"peer_rtb": "roboticstoolbox", "peer_search": "roboticstoolbox", "motion": "ruckig", "run": "pyperf"}
 """Scripts that begin with an import of a peer, which has an environment of its own."""
 
 SCRIPTS = sorted(

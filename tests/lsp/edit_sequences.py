@@ -237,7 +237,8 @@ class Sequence:
         params: dict[str, Any] = {"textDocument": {"uri": self.uri}}
         match what:
             case "codeAction":
-                params |= {"range": {"start": at, "end": at}, "context": {"diagnostics": []}}
+                # from here to the end: at one place alone there is seldom something to do
+                params |= {"range": {"start": at, "end": whole["end"]}, "context": {"diagnostics": []}}
             case "formatting" | "rangeFormatting":
                 params |= {"range": whole, "options": {"tabSize": 2, "insertSpaces": True}}
             case "inlayHint":

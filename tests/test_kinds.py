@@ -34,6 +34,7 @@ ALLOWED = {
     "coordinator/live/proof.py": "names the law of the curve, as the manual does",
     "findings": FINDING,
     "lint/rules": EXAMPLES,
+    "mistakes/blocks.py": EXAMPLES,
     "mistakes/foreign.py": "words of other languages, and examples of programs",
     "pipeline/checking.py": HELP,
     "repl/dots/looking.py": EXAMPLES,

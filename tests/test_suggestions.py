@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from yarclang.subjects import suggest
-from yarclang.suggestions import _common, _places, nearest
+from yarclang.suggestions import _common, _places, is_slip, nearest
 
 
 def ratio(word, name):
@@ -82,3 +82,30 @@ def test_the_longest_common_subsequence_is_that_of_its_definition():
     for _ in range(500):
         one, other = ("".join(chance.choices("ABC1", k=chance.randrange(9))) for _ in range(2))
         assert _common(_places(one), len(one), other) == table(one, other)
+
+
+@pytest.mark.parametrize(
+    ("word", "name"),
+    [("REDY", "READY"), ("BNECH", "BENCH"), ("MOVEJJ", "MOVEJ"), ("pikc", "PICK"), ("PIICK", "PICK")],
+)
+def test_a_slip_of_the_fingers(word, name):
+    assert is_slip(word, name)
+
+
+@pytest.mark.parametrize(
+    ("word", "name"),
+    [
+        ("PICK2", "PICK1"),
+        ("PICK12", "PICK21"),
+        ("PICK", "PICK1"),
+        ("SIDE_B", "SIDE_A"),
+        ("PART", "PARTS"),
+        ("GRIP_CLOSE", "GRIP_OPEN"),
+        ("UP", "UPS"),
+        ("IN", "ON"),
+        ("READY", "READY"),
+    ],
+)
+def test_another_name_is_no_slip(word, name):
+    assert not is_slip(word, name)
+    assert not is_slip(name, word)

@@ -12,6 +12,9 @@ _LONGEST_NAME = 200
 _NEAR = 0.6
 """How like a mistyped word what was meant is at least: difflib's ratio."""
 
+_SHORTEST_SLIP = 3
+"""Letters of a word in which one may be missing; a shorter one is another word."""
+
 _AS_NEAR = 0.08
 """Names whose likeness is less by this are as likely as the nearest."""
 
@@ -30,6 +33,29 @@ def nearest(word: str, known: Iterable[str]) -> str:
 def near(word: str, known: Iterable[str]) -> tuple[str, ...]:
     """Return the known names that a mistyped word may mean, whatever its case: the nearest, then those hardly less like it."""
     return _near(word.upper(), tuple(known))
+
+
+def is_slip(word: str, name: str) -> bool:
+    """Return True if a word is a name with one letter missing, one too many, or two exchanged: nobody means another thing by it.
+
+    Another letter or another number makes another name: PICK2 is not PICK1, and SIDE_B not SIDE_A.
+    """
+    one, other = word.upper(), name.upper()
+    if len(one) == len(other):
+        apart = [at for at, (mine, theirs) in enumerate(zip(one, other, strict=True)) if mine != theirs]
+        if len(apart) != 2 or apart[1] != apart[0] + 1:
+            return False
+        changed = one[apart[0] : apart[1] + 1]
+        return changed[::-1] == other[apart[0] : apart[1] + 1] and changed.isalpha()
+    shorter, longer = sorted((one, other), key=len)
+    if len(longer) != len(shorter) + 1 or len(shorter) < _SHORTEST_SLIP:
+        return False
+    at = next((at for at, letter in enumerate(shorter) if letter != longer[at]), len(shorter))
+    if at == len(
+        shorter
+    ):  # a letter at the end tells names apart, as PART and PARTS, unless it is the same one twice
+        return longer[-1].isalpha() and longer[-1] == longer[-2]
+    return longer[at].isalpha() and shorter[at:] == longer[at + 1 :]
 
 
 @lru_cache(maxsize=256)

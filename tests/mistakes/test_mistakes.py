@@ -1,10 +1,16 @@
 """A mistake gets one finding, at the right place, that says what to do, with its fix where one repair is likely."""
 
+import random
+import time
 from pathlib import Path
 
 import pytest
 from mistakes.looking import faults_of
-from mistakes.table import MISTAKES
+from mistakes.table import HEAD, MISTAKES
+
+from yarclang.mistakes.answers import GUESSERS
+from yarclang.mistakes.line import Around, Line
+from yarclang.source import SourceFile
 
 OPEN = frozenset(Path(__file__).with_name("open.txt").read_text(encoding="utf-8").split())
 """Those whose answers aren't as they should be: this list gets shorter, never longer."""
@@ -22,3 +28,41 @@ def test_a_mistake_is_answered(mistake):
         assert faults, "it is answered as it should be: take its name out of open.txt"
     else:
         assert not faults, "\n".join(faults)
+
+
+PIECES = (
+    *("P0010 ", "MOVEJ ", "MOVEJ_RPY ", "SET ", "WAIT ", "LET ", "IF ", "HOLD ", "CALL ", "FRAME ", "READY", "Offs(p,1)", "sleep(2)"),
+    *("A", " ", "1", ",", ";", "=", "(", ")", "[", "]", "{", "}", "X0 ", "$", "-", "_", ".", "V ", "NEAR A ", "0,", "//", '"', "!"),
+    *("2.5", "10°", "10deg", "1,174", "--", "#", "END", "BLEND", "TCP"),
+)  # fmt: skip
+
+
+def test_any_line_is_answered_within_itself():
+    """No guess fails, none takes long, and each has a place in its line."""
+    chance, guessed = random.Random(5), 0
+    around = Around(SourceFile("a.yarc", HEAD + "\n"))
+    for number in range(4_000):
+        text = "".join(chance.choice(PIECES) for _ in range(chance.randint(1, 14)))
+        if number % 40 == 0:
+            text = (text * 400)[:400]
+        for guesser in GUESSERS:
+            guess = guesser(Line(text, 2, around))
+            if guess is not None:
+                guessed += 1
+                assert 0 <= guess.begin <= guess.end <= len(text), (guesser.__name__, text)
+                assert guess.message
+                assert guess.help
+    assert guessed > 1_000
+
+
+def test_a_line_of_nothing_but_a_sign_takes_no_time():
+    begun = time.process_time()
+    for text in (
+        'A = "' + " " * 390,
+        "LET A" + "+A" * 190,
+        "P0010 MOVEJ " + "0," * 190,
+        "P0010 SET A" + " " * 380 + "?",
+    ):
+        for guesser in GUESSERS:
+            guesser(Line(text, 2, Around(SourceFile("a.yarc", ""))))
+    assert time.process_time() - begun < 2.0

@@ -205,6 +205,12 @@ def wait(line: Line) -> Guess | None:
             f"{found['name']} ON",
             f"write WAIT {found['name']} ON",
         )
+    if found := re.fullmatch(r"\s+(?P<all>(?:FOR\s+)?\$?[A-Z]*IN?\s*\[.*)", line.values, re.I):
+        at = line.behind + found.start("all")
+        help_ = "declare the input, as INPUT DOOR M11, and write WAIT DOOR ON"
+        return line.guess(
+            at, at + len(found["all"]), "WAIT takes an input by its name, and what it shall be", None, help_
+        )
     return None
 
 

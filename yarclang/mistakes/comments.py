@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from yarclang.mistakes.line import Guess, Line, is_number
+from yarclang.mistakes.line import Guess, Line
 
 _WHOLE = re.compile(r"\s*(?P<sign>//+|#+|;+|--+|/\*|\*+|%|'|\()\s*(?P<said>.*)")
 _REM = re.compile(r"\s*(?P<sign>REM)(?:\s+(?P<said>.*))?$", re.I)
@@ -33,9 +33,22 @@ def behind(line: Line) -> Guess | None:
     if found is None or not line.word or "!" in line.text or '"' in line.bare:
         return None
     sign, said = found["sign"], found["said"]
-    if sign == ";" and (not _WORDS.match(said) or is_number(said.split()[0]) or line.is_declaration):
+    if sign == ";" and (line.is_declaration or not _are_words(line, said)):
+        return None
+    if sign.startswith("--") and not _WORDS.match(said):
         return None
     return _written(line, found.start("sign"), sign, said)
+
+
+def _are_words(line: Line, said: str) -> bool:
+    """Return True if what stands behind a semicolon is a remark, and no way-point: several words, none of them a name of the program."""
+    words = said.split()
+    known = {name.upper() for names in line.around.declared.values() for name in names} | {"HOME"}
+    return (
+        len(words) > 1
+        and all(map(_WORDS.match, words))
+        and not known & {word.upper().strip(".,") for word in words}
+    )
 
 
 def _written(line: Line, at: int, sign: str, said: str) -> Guess:

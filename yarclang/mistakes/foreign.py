@@ -53,7 +53,7 @@ _WORDS = MappingProxyType(
         **dict.fromkeys(("IMPORT", "INCLUDE", "LOAD"), "write USE PALLET, with the module's name"),
         **dict.fromkeys(
             ("VAR", "PERS", "CONST", "INT", "REAL", "DECL", "NUM", "BOOL", "LOCAL", "GLOBAL"),
-            "write LET N = 4 for a number that never changes; " + _REGISTER,
+            "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and changed by SET N = N + 1",
         ),
         **dict.fromkeys(
             ("LAPPRO", "JAPPRO", "LDEPART", "JDEPART", "APPRO", "DEPART"),

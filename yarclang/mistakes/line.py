@@ -9,7 +9,7 @@ from functools import cached_property
 from yarclang.commands.registry import commands
 from yarclang.semantics.names.commands import is_command
 from yarclang.source import SourceFile
-from yarclang.suggestions import nearest
+from yarclang.suggestions import near
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import DECLARATIONS
 from yarclang.units import UNITS
@@ -166,11 +166,20 @@ def is_number(text: str) -> bool:
     return _NUMBER.fullmatch(text) is not None
 
 
+_THOUSAND = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
+
+
+def is_thousand(text: str) -> bool:
+    """Return True if the comma of a number may part its thousands as well as its decimals."""
+    return _THOUSAND.fullmatch(text) is not None
+
+
 def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
     """Return what the first of several guessers says, if one says something."""
     return next((found for one in guessers if (found := one(line)) is not None), None)
 
 
-def like(word: str, known: Iterable[str]) -> str:
-    """Return the known name that a word is most like."""
-    return nearest(word, known)
+def only(word: str, known: Iterable[str]) -> str:
+    """Return the known name that a word is like, if it is like no other as much."""
+    found = near(word, known)
+    return found[0] if len(found) == 1 else ""

@@ -9,6 +9,7 @@ from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.mistakes.line import Around
 from yarclang.source import SourceFile, Span
 from yarclang.subjects import Name
+from yarclang.suggestions import is_slip
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
@@ -27,13 +28,14 @@ def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
 
 
 def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
-    """Return the finding of an unknown name with its fix, if one known name alone is near; or with the line that declares it too late."""
+    """Return the finding of an unknown name with its fix, if it is one known name but for a slip of the fingers; or with the line that declares it too late."""
     if one.fix is not None or not isinstance(one.subject, Name) or one.span is None:
         return one
     if (line := around.lines_of.get(one.subject.name, 0)) > one.span.line:
         return replace(
             one, help=f"{one.subject.name} is declared in line {line}: a name is known from there on"
         )
-    if one.subject.meant and not one.subject.others:
-        return replace(one, fix=with_name(source, one, one.subject.meant))
+    meant = one.subject.meant
+    if meant and not one.subject.others and is_slip(one.subject.name, meant):
+        return replace(one, fix=with_name(source, one, meant))
     return one

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 from itertools import pairwise
 
-from yarclang.mistakes.line import Guess, Line, is_number
+from yarclang.mistakes.line import Guess, Line, is_number, is_thousand
 from yarclang.units import UNITS
 
 _TOKEN = re.compile(r"[^\s;{}\[\]()\"]+")
@@ -24,6 +24,9 @@ _NAMED = re.compile(
 )
 _LIST = re.compile(
     r"(?P<open>[(\[{]\s*)?(?P<list>[-+]?[0-9.]+(?:\s*[,;]\s*[-+]?[0-9.]+){2,})(?P<close>\s*[)\]}])?(?P<end>;)?"
+)
+_ORDERS = frozenset(
+    (*"XYZ", *turns) for turns in ((), tuple("ABC"), tuple("RPY"), ("RX", "RY", "RZ"), tuple("UVW"))
 )
 _SEVERAL = 3
 """So many numbers at least make a list."""
@@ -43,6 +46,12 @@ def value_list(line: Line) -> Guess | None:
     decimals = [one for one in re.split(r"\s+", found["list"]) if _COMMA.fullmatch(one)]
     if any(mark in found["list"] for mark in ",") and _are_decimals(found["list"], len(decimals)):
         return None
+    gaps = {any(sign.isspace() for sign in gap) for gap in re.findall(r"\s*[,;]\s*", found["list"])}
+    if len(gaps) > 1:
+        help_ = "write blanks between the values, and a point as the decimal sign"
+        return line.guess(
+            begin, begin + found.end(), "commas stand between values, and perhaps within them", None, help_
+        )
     marks = "commas" if "," in found["list"] else "semicolons"
     put = " ".join(values)
     if begin == line.behind and line.behind > line.begin:
@@ -69,11 +78,26 @@ def _named(line: Line, begin: int, rest: str) -> Guess | None:
     end = begin + found[-1].end()
     if end < len(line.bare) and not line.bare[end].isspace():
         return None
-    names = " ".join(one["name"] for one in found)
+    names = [one["name"].upper() for one in found]
     put = " ".join(one["value"] for one in found)
-    return line.guess(
-        begin, end, f"values stand without the names of their axes ({names})", put, f"write blanks between the values: {put}"
-    )  # fmt: skip
+    message = f"values stand without the names of their axes ({' '.join(names)})"
+    if not _in_order(names):
+        help_ = (
+            "write the values alone, in the order of the command: X Y Z roll pitch yaw, or one for each joint"
+        )
+        return line.guess(begin, end, message, None, help_)
+    turned = [one["value"] for one in found[3:] if one["name"].upper() in "ABC"]
+    if any(float(value) != 0.0 for value in turned):
+        help_ = "write X Y Z roll pitch yaw: angles about x, y, z of the base; A of KRL is about z, B about y and C about x"
+        return line.guess(begin, end, message, None, help_)
+    return line.guess(begin, end, message, put, f"write blanks between the values: {put}")
+
+
+def _in_order(names: list[str]) -> bool:
+    """Return True if the names of axes have the order in which a command takes its values."""
+    if names[0].startswith("J"):
+        return names == [f"J{number}" for number in range(1, len(names) + 1)]
+    return tuple(names) in _ORDERS
 
 
 def decimal_commas(line: Line) -> Guess | None:
@@ -83,6 +107,13 @@ def decimal_commas(line: Line) -> Guess | None:
     tokens = [one for one in _tokens(line) if _COMMA.fullmatch(one[1])]
     if not tokens:
         return None
+    at, text = tokens[0]
+    if any(is_thousand(one) for _, one in tokens):
+        at, text = next(token for token in tokens if is_thousand(token[1]))
+        help_ = f"write {text.replace(',', '')}, or {text.replace(',', '.')}"
+        return line.guess(
+            at, at + len(text), f"`{text}` is not a number: digits stand without commas", None, help_
+        )
     repaired = line.text
     for at, text in reversed(tokens):
         repaired = repaired[:at] + text.replace(",", ".") + repaired[at + len(text) :]

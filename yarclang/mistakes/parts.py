@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from yarclang.mistakes.line import Guess, Line, is_number, like
+from yarclang.mistakes.line import Guess, Line, is_number, is_thousand, only
 from yarclang.syntax.words import OPTIONS, STATES
 from yarclang.units import UNITS
 
@@ -55,6 +55,11 @@ def time(line: Line) -> Guess | None:
     if re.fullmatch(r"[0-9]+,[0-9]+", inside):
         value = inside.replace(",", ".")
         at = found.start("inside")
+        if is_thousand(inside):
+            help_ = f"write {inside.replace(',', '')}, or {value}"
+            return line.guess(
+                at, at + len(inside), f"`{inside}` is not a number: digits stand without commas", None, help_
+            )
         return line.guess(
             at, at + len(inside), f"`{inside}` is not a number: the decimal sign is a point", value
         )
@@ -198,7 +203,7 @@ def option(line: Line) -> Guess | None:
         )
     for found in _OPTION.finditer(line.bare, line.behind):
         word = found["word"].upper()
-        meant = word if word in OPTIONS else like(word, OPTIONS)
+        meant = word if word in OPTIONS else only(word, OPTIONS)
         if not meant or (word == meant and "=" not in found["rest"]) or word in STATES:
             continue
         if "=" in found["rest"]:

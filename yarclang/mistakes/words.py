@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 
 from yarclang.commands.registry import actions, commands
-from yarclang.mistakes.line import Guess, Line, like
+from yarclang.mistakes.line import Guess, Line, only
 from yarclang.motion.profile import profile_names
 from yarclang.semantics.names.commands import is_command
+from yarclang.suggestions import is_slip, near
 from yarclang.syntax.words import AVOID, DECLARATIONS
 
 _TARGETS = ("RPY", "QUAT")
@@ -62,7 +63,7 @@ def suffix(line: Line) -> Guess | None:
     end = at + 1 + len(unknown[0])
     if re.fullmatch(r"REL.*|INC.*|DELTA|OFFS.*", unknown[0]):
         return None
-    meant = like(unknown[0], known)
+    meant = only(unknown[0], known)
     takes = ", ".join(f"_{one}" for one in known) or "none"
     if meant and meant not in own:
         return line.guess(
@@ -108,13 +109,16 @@ def word(line: Line) -> Guess | None:
             "write MOVEJ (in joint space), MOVEJ_RPY (in joint space, to a pose), MOVEL (straight) or DMOVE (relative)",
         )  # fmt: skip
     known = {*commands(), *actions(), "CALL"}
-    meant = like(upper, (*known, *DECLARATIONS))
-    if not meant:
+    likely = near(upper, (*known, *DECLARATIONS))
+    slips = tuple(one for one in likely if is_slip(upper, one))
+    likely = slips if len(slips) == 1 else likely
+    if len(likely) == 1:
         return line.guess(
-            line.begin,
-            line.behind,
-            f"{line.word} is no command",
-            None,
-            f"the commands are {', '.join(sorted(known))}",
+            line.begin, line.behind, f"{line.word} is no command", likely[0], f"did you mean {likely[0]}?"
         )
-    return line.guess(line.begin, line.behind, f"{line.word} is no command", meant, f"did you mean {meant}?")
+    help_ = (
+        f"did you mean {', or '.join(sorted(likely))}?"
+        if likely
+        else f"the commands are {', '.join(sorted(known))}"
+    )
+    return line.guess(line.begin, line.behind, f"{line.word} is no command", None, help_)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from yarclang.diagnostics import Collector, Edit, Fix
 from yarclang.progress import each
+from yarclang.semantics.names.commands import is_command
 from yarclang.source import Span
 from yarclang.syntax.ast import Module, Statement
 from yarclang.syntax.words import DECLARATIONS, LONGEST_INDEX
@@ -38,7 +39,7 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
             meant = f"P{new:04d}" if new >= 0 else ""
             help_ = f"write {meant or 'P0010 (any number that is free)'} before the name"
             edit = Edit(Span.on_line(span.line, span.column, span.column), f"{meant} ")
-            fix = Fix(f"write {meant}", (edit,)) if meant else None
+            fix = Fix(f"write {meant}", (edit,)) if meant and is_command(statement.name.text) else None
             findings.add("Y0105", f"{statement.name.text} has no index", span, help_, fix)
             continue
         number = _number(statement)

@@ -77,7 +77,11 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
     spec, suffixes, old = _longest_match(name)
     if spec is None:
         subject = unknown(name, _known(tuple(profiles)))
-        help_ = INSTEAD.get(name) or subject.question or f"the commands are {', '.join(commands())}"
+        help_ = (
+            INSTEAD.get(name)
+            or subject.question
+            or f"the commands are {', '.join(sorted({*commands(), *actions(), 'CALL'}))}"
+        )
         findings.add("Y0202", f"{statement.name.text} is no command", span, help_, subject=subject)
         return None
     target, profile, avoids = "", DEFAULT_PROFILE, False

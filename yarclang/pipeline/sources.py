@@ -29,6 +29,9 @@ _REMEDIES = {
     errno.EINVAL: "give a file, or - and the text on standard input",
 }
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
+_NO_TEXT = "\ufffd"
+"""What stands for a byte that isn't text."""
+
 _OTHER_MARKS = (
     (codecs.BOM_UTF32_LE, "UTF-32"),  # before UTF-16, whose mark it begins with
     (codecs.BOM_UTF32_BE, "UTF-32"),
@@ -90,7 +93,7 @@ def decode_source(name: str, content: bytes) -> Result[SourceFile]:
     column = len(before[before.rfind(b"\n") + 1 :].decode("utf-8")) + 1
     what = f"0x{content[bad]:02X}" + (f" ({character_name(chr(content[bad]))})" if content[bad] < 128 else "")
     message = f"this is not text: the first byte that isn't is {what}, at line {line}, column {column}"
-    shown = SourceFile(name, before.decode("utf-8"))
+    shown = SourceFile(name, before.decode("utf-8") + _NO_TEXT)
     return Result(
         None, (Diagnostic("Y0103", message, shown, Span.on_line(line, column, column + 1), NOT_TEXT),)
     )

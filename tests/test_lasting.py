@@ -277,7 +277,7 @@ def test_every_command_says_the_same(tmp_path, monkeypatch):
     # nobody knows when it goes on
     assert f"6.500 s of {TAKES}" in said("inspect", "test.yarc", "P0030")
     told = json.loads(said("yarcc", "test.yarc", "--format", "json"))
-    takes = {"duration_s": 15.0, "duration_at_least_s": 10.0, "waits": 2, "waits_at_least": 1}
+    takes = {"duration_s": 15.0, "duration_at_least_s": 10.0, "waits": 2, "waits_at_least": 1, "loops": False}
     assert {key: told["files"][0]["certificate"][key] for key in takes} == pytest.approx(takes)
     told = json.loads(said("diff", "test.yarc", "test.pmc", "--format", "json"))
     assert {key: told["first"][key] for key in takes} == pytest.approx(takes)

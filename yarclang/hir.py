@@ -527,6 +527,34 @@ class Finish:
 
 
 @frozen
+class Loop:
+    """The steps from here to the EndLoop of the same depth are done again and again: pass after pass, each from where the first one begins."""
+
+    origin: Origin
+
+
+@frozen
+class NextPass:
+    """The innermost loop begins anew: the robot stands, and all is, as at its first pass. No step follows in its way."""
+
+    origin: Origin
+
+
+@frozen
+class Exit:
+    """The innermost loop is left: the program goes on behind it. No step follows in its way."""
+
+    origin: Origin
+
+
+@frozen
+class EndLoop:
+    """All Exits of a loop meet here, at the same joint positions."""
+
+    origin: Origin
+
+
+@frozen
 class SetRegister:
     """A register takes a value when the robot stands."""
 
@@ -556,7 +584,23 @@ class Gap:
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
-Action = Dwell | SetOutput | WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish
+Action = (
+    Dwell
+    | SetOutput
+    | WaitInput
+    | WaitUntil
+    | Hold
+    | Say
+    | When
+    | Else
+    | EndWhen
+    | SetRegister
+    | Finish
+    | Loop
+    | NextPass
+    | Exit
+    | EndLoop
+)
 Step = Motion | Action | Stop | Gap
 
 

@@ -13,7 +13,13 @@ from yarclang.runtime.notices import Remark
 from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.signals import OutputSet
 
-HEAD = ("REGISTER N 0..6", "REGISTER FLAG 0..1", "INPUT JOB M70", "INPUT EMPTY M71")
+HEAD = (
+    "REGISTER N 0..6",
+    "REGISTER FLAG 0..1",
+    *(f"REGISTER K{depth} 0..9" for depth in range(3)),
+    "INPUT JOB M70",
+    "INPUT EMPTY M71",
+)
 PROGRAMS = 8
 
 NUMBERS = (
@@ -40,12 +46,16 @@ class Ends(Exception):
     """The program ends in a way, with a reason if it fails."""
 
 
+class Leaves(Exception):
+    """The innermost loop is left."""
+
+
 class Drawn:
     """A program as it is drawn: lines, and a function that carries it out on a state."""
 
     def __init__(self, chance):
         self.chance, self.index, self.marks, self.kinds = chance, 0, 0, set()
-        self.in_a_way = 0
+        self.in_a_way, self.in_a_loop = 0, 0
 
     def number(self):
         self.index += 1
@@ -53,7 +63,7 @@ class Drawn:
 
     def block(self, depth):
         """Lines and what they do: a function of the state and a list of marks that were passed."""
-        parts = [self.part(depth) for _ in range(self.chance.randint(1, 3))]
+        parts = [self.part(depth) for _ in range(self.chance.randint(1, 3) + (depth == 2))]
         lines = [line for some, _ in parts for line in some]
 
         def carried_out(state, passed):
@@ -63,10 +73,12 @@ class Drawn:
         return lines, carried_out
 
     def part(self, depth):
-        still, parting = ("mark", "set"), ("when", "case", "repeat")
+        still, parting = ("mark", "set"), ("when", "case", "repeat", "loop", "counted")
         kinds = (*still, *still, *still, *parting, *parting, *parting) if depth else (*still, "mark")
-        kinds = (*kinds, "wait", "say")
+        kinds = (*kinds, "say") if self.in_a_loop else (*kinds, "wait", "say")
         kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
+        if kind == "ends" and self.in_a_loop and self.chance.random() < 0.7:
+            kind = "leave"
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
 
@@ -85,6 +97,9 @@ class Drawn:
         name = self.chance.choice(("N", "N", "FLAG"))
         text, value = self.chance.choice(NUMBERS)
         high = 6 if name == "N" else 1
+        if self.chance.random() < 0.9:
+            whole, text = value, f"({text}) % {high + 1}"
+            value = lambda state: whole(state) % (high + 1)  # noqa: E731
 
         def carried_out(state, passed):
             number = value(state)
@@ -151,6 +166,62 @@ class Drawn:
 
         return ["REPEAT 2", *lines, "END"], carried_out
 
+    def leave(self, _):
+        def carried_out(state, passed):
+            raise Leaves
+
+        return [f"{self.number()} EXIT"], carried_out
+
+    def body(self, depth):
+        """Lines of a loop; in the ways around it, EXIT and STOP stand in its own ways only."""
+        around, self.in_a_way = self.in_a_way, 0
+        self.in_a_loop += 1
+        found = self.block(depth)
+        self.in_a_loop -= 1
+        self.in_a_way = around
+        return found
+
+    def counted(self, depth):
+        """As often as a register says in front of it."""
+        lines, does = self.body(depth - 1)
+
+        def carried_out(state, passed):
+            try:
+                for _ in range(state["N"]):
+                    does(state, passed)
+                    state["passes"] += 1
+            except Leaves:
+                state["left"] += 1
+
+        return ["REPEAT N", *lines, "END"], carried_out
+
+    def loop(self, depth):
+        """LOOP or WHILE, of a few passes at most."""
+        name, most = f"K{depth}", self.chance.randint(1, 3)
+        text, holds = self.chance.choice(CONDITIONS)
+        is_while = self.chance.random() < 0.5
+        before, counts = self.number(), self.number()
+        lines, does = self.body(depth - 1)
+
+        def carried_out(state, passed):
+            state[name] = 0
+            try:
+                while not is_while or (state[name] < most and holds(state)):
+                    state[name] += 1
+                    does(state, passed)
+                    if not is_while and (state[name] >= most or holds(state)):
+                        break
+                    state["passes"] += 1
+            except Leaves:
+                state["left"] += 1
+
+        count = f"{counts} SET {name} = {name} + 1"
+        if is_while:
+            looped = [f"WHILE {name} < {most} AND ({text})", count, *lines, "END"]
+        else:
+            looped = ["LOOP", count, *lines, f"UNTIL {name} >= {most} OR ({text})"]
+        return [f"{before} SET {name} = 0", *looped], carried_out
+
     def case(self, depth):
         selector = self.chance.choice(("N", "JOB"))
         bounds = [(0, 1), (2, 2), (3, 5)]
@@ -174,7 +245,18 @@ def robot(industrial6):
 
 
 @exercises(
-    whole=0.3, ends=0.05, when=0.4, case=0.4, repeat=0.3, stop=0.01, abort=0.01, waits=0.1, say=0.1, group=0.2
+    whole=0.3,
+    ends=0.05,
+    when=0.4,
+    case=0.4,
+    repeat=0.3,
+    stop=0.01,
+    abort=0.01,
+    waits=0.1,
+    say=0.1,
+    group=0.2,
+    passes=0.08,
+    left=0.02,
 )
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
@@ -185,7 +267,14 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
         head = [line.replace("JOB M70", "JOB M72..M74") if is_group else line for line in HEAD]
         run = job(robot, *head, *lines)
         for _ in range(2):
-            state = {"N": 0, "FLAG": 0, "JOB": chance.randint(0, 6), "EMPTY": chance.randint(0, 1)}
+            counters = dict.fromkeys(("K0", "K1", "K2", "passes", "left"), 0)
+            state = {
+                "N": 0,
+                "FLAG": 0,
+                **counters,
+                "JOB": chance.randint(0, 6),
+                "EMPTY": chance.randint(0, 1),
+            }
             passed, state["said"] = [], []
             made = world(robot)
             values = {"M70": state["JOB"], "M71": state["EMPTY"]}
@@ -216,7 +305,10 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             tally.count("stop", stops and not reason)
             tally.count("abort", "because" in reason)
             tally.count("waits", "wait" in program.kinds and "waited" not in reason)
-            assert dict(ended.registers or (("N", 0), ("FLAG", 0))) == {
+            tally.count("passes", state["passes"] > 1)
+            tally.count("left", state["left"])
+            held = dict(ended.registers or (("N", 0), ("FLAG", 0)))
+            assert {name: held[name] for name in ("N", "FLAG")} == {
                 "N": state["N"],
                 "FLAG": state["FLAG"],
             }

@@ -178,7 +178,7 @@ class _Maker(NameMaker):
         slot = slots[at] if at < len(slots) else None
         if slot is Slot.INPUT:
             yield from self.known(Input, "input")
-            if self.cursor.head in ("WHEN", "WAIT"):
+            if self.cursor.head in ("WHEN", "WAIT", "WHILE", "UNTIL"):
                 yield from self.known(Register, "register")
         elif slot is Slot.OUTPUT:
             yield from self.known(Output, "output")

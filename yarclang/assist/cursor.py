@@ -73,7 +73,9 @@ class Cursor:
     @property
     def is_decided(self) -> bool:
         """Whether an expression stands here whose value is known only when the program runs."""
-        marks = {"WHEN": _OF_CONDITIONS, "WAIT": _OF_CONDITIONS, "SET": {"="}}.get(self.head, set())
+        marks = {"SET": {"="}, **dict.fromkeys(("WHEN", "WAIT", "WHILE", "UNTIL"), _OF_CONDITIONS)}.get(
+            self.head, set()
+        )
         return any(one.text.upper() in marks for one in self.before)
 
     @property

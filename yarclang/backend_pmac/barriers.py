@@ -33,6 +33,8 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
             raise ValueError("registers are kept by whoever streams, never in a program buffer")
         case "say":
             raise ValueError("whoever streams tells the operator, never a program buffer")
+        case "loop" | "next" | "exit" | "endloop":
+            raise ValueError("whoever streams begins a loop anew, never a program buffer")
         case "stop" | "abort":
             raise ValueError("an R would go on after a STOP in a program buffer")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,11 +15,15 @@ from yarclang.hir import (
     Array,
     Dwell,
     Else,
+    EndLoop,
     EndWhen,
+    Exit,
     Finish,
     Gap,
     Hold,
+    Loop,
     Motion,
+    NextPass,
     Say,
     SetOutput,
     SetRegister,
@@ -45,6 +50,7 @@ from yarclang.pmac.variables import ARMED
 from yarclang.robot.actuation import counts_per_joint, to_counts
 from yarclang.robot.model import START_SHARE, Robot, Tolerance
 from yarclang.units import MS
+from yarclang.ways import Turn, Ways
 
 
 def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
@@ -134,8 +140,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
     rests = True  # nothing was moved since the last dwell
     flows = False  # the last motion flows into the next one
     stands = plan.program.start
-    before: list[tuple[Array, Array | None]] = []
-    ended = False  # the program ends on every way that leads here
+    ways = Ways(stands)
     for number, step in enumerate(steps):
         match step:
             case Stop():
@@ -160,23 +165,17 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                 | EndWhen()
                 | SetRegister()
                 | Finish()
+                | Loop()
+                | NextPass()
+                | Exit()
+                | EndLoop()
             ):
                 if not rests:
                     yield Rest(0.0)
                 yield _barrier(number, step)
-                match step:
-                    case When():
-                        before.append((stands, stands))
-                    case Finish():
-                        ended = True
-                    case Else():
-                        here, _ = before.pop()
-                        before.append((here, None if ended else stands))
-                        stands, ended = here, False
-                    case EndWhen():
-                        _, first = before.pop()
-                        if ended and first is not None:
-                            stands, ended = first, False
+                if isinstance(step, Turn):
+                    ways = replace(ways, state=stands).turned(step, lambda _, last, __: last)
+                    stands = ways.state
                 yield Stand(_printed(stands / units, decimals))
                 rests, written = True, None
             case _:
@@ -205,9 +204,7 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
     }
 
 
-def _barrier(
-    number: int, step: WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish
-) -> Barrier:
+def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | SetRegister | Turn) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
         case WaitInput(input=signal, value=value, timeout=timeout):
@@ -238,6 +235,14 @@ def _barrier(
             return Barrier(number, "else", label=label)
         case EndWhen():
             return Barrier(number, "end", label=label)
+        case Loop():
+            return Barrier(number, "loop", label=label)
+        case NextPass():
+            return Barrier(number, "next", label=label)
+        case Exit():
+            return Barrier(number, "exit", label=label)
+        case EndLoop():
+            return Barrier(number, "endloop", label=label)
 
 
 def _printed(values: Array, decimals: int) -> Array:

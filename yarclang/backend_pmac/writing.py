@@ -9,7 +9,7 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.decisions import simple
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.hir import Finish, Program, Say, SetOutput, SetRegister, Stop, WaitUntil, When
+from yarclang.hir import Finish, Loop, Program, Say, SetOutput, SetRegister, Stop, WaitUntil, When
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.pmac.program import LOADING, Target
@@ -21,6 +21,10 @@ from yarclang.units import MS
 def streamed_only(program: Program) -> Diagnostic | None:
     """Return what is said of a program that can't be carried out by a program buffer alone; None if it can."""
     for step in program.steps:
+        if isinstance(step, Loop):
+            message = f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs without it"
+            help_ = "leave --target prog out, or repeat a number of times: REPEAT 4"
+            return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         is_plain = isinstance(step, When) and not step.again and simple(step.condition) is not None
         if isinstance(step, SetRegister | When | WaitUntil) and not is_plain:
             message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"

@@ -12,6 +12,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.read.ways import Standing
 from yarclang.decisions import called, in_words, inputs_of
 from yarclang.robot.model import Array
 from yarclang.units import MS
@@ -98,6 +99,14 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("hold", number, _printable(text))
             case hir.Else():
                 yield number, ("else", number)
+            case hir.Loop():
+                yield number, ("loop", number)
+            case hir.NextPass():
+                yield number, ("next", number)
+            case hir.Exit():
+                yield number, ("exit", number)
+            case hir.EndLoop():
+                yield number, ("endloop", number)
             case hir.EndWhen():
                 yield number, ("end", number)
             case hir.Finish(fails=fails, text=said):
@@ -246,56 +255,36 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """What stands in a way after the program's end there: whoever streams never gets to it, and ways are counted as ended by their last barrier."""
+    """What stands in a way after it has ended there, the program or a pass of a loop: whoever streams never gets to it, and ways are counted as ended by their last barrier."""
     ended: Barred | None = None
     for item in text.course:
         if ended is not None and not isinstance(item, Stood):
-            if not isinstance(item, Barred) or item.kind not in ("else", "end"):
-                yield None, f"line {ended.line} ends the program, and its way goes on after that"
+            if not isinstance(item, Barred) or item.kind not in ("else", "end", "endloop"):
+                yield None, f"line {ended.line} ends its way, which goes on after that"
                 return
             ended = None
-        if isinstance(item, Barred) and item.kind in ("stop", "abort"):
+        if isinstance(item, Barred) and item.kind in ("stop", "abort", "next", "exit"):
             ended = item
 
 
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """A slow RAPID must lead to where the robot stands already, and the ways of a WHEN must meet."""
-    stand = start
-    over = False  # the program ends on every way that leads here
-    before: list[Array] = []
-    ends: list[Array | None] = []
-    over_first: list[bool] = []
+    """A slow RAPID must lead to where the robot stands already, the ways of a WHEN and those out of a loop must meet, and a pass of a loop must end where the first one begins."""
+    standing = Standing(start)
     for item in text.course:
         match item:
             case Run(points=points):
-                stand = points[-1]
+                standing.at = points[-1]
             case Stood(line=line, point=point):
-                if (np.abs(point - stand) > slack).any():
+                if (np.abs(point - standing.at) > slack).any():
                     yield None, f"line {line + 2} leads away from where the robot stands"
-                stand = point
-            case Barred(kind="when"):
-                before.append(stand)
-                ends.append(None)
-                over_first.append(False)
-            case Barred(kind="stop" | "abort"):
-                over = True
-            case Barred(kind="else", line=line):
-                if not before or ends[-1] is not None:
-                    yield None, f"line {line}: a second way without a first"
+                standing.at = point
+            case Barred(kind=kind, line=line):
+                try:
+                    met = standing.pass_(kind)
+                except ValueError as error:
+                    yield None, f"line {line}: {error}"
                     return
-                ends[-1], stand = stand, before[-1]
-                over_first[-1], over = over, False
-            case Barred(kind="end", line=line):
-                if not before:
-                    yield None, f"line {line}: ways end that didn't begin"
-                    return
-                first, other, is_over = before.pop(), ends.pop(), over_first.pop()
-                met = first if other is None else other
-                if is_over:
-                    continue
-                if over:
-                    stand, over = met, False
-                elif (np.abs(stand - met) > slack).any():
-                    yield None, f"the ways that meet in line {line} end apart"
-    if before:
-        yield None, "a way of a WHEN has no end"
+                if met is not None and (np.abs(met[0] - standing.at) > slack).any():
+                    yield None, f"{met[1]} (line {line})"
+    if standing.open:
+        yield None, "a loop has no end" if standing.open[-1].begins else "a way of a WHEN has no end"

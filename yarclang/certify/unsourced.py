@@ -56,6 +56,14 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
             return hir.Else(origin)
         case Barred(kind="end"):
             return hir.EndWhen(origin)
+        case Barred(kind="loop"):
+            return hir.Loop(origin)
+        case Barred(kind="next"):
+            return hir.NextPass(origin)
+        case Barred(kind="exit"):
+            return hir.Exit(origin)
+        case Barred(kind="endloop"):
+            return hir.EndLoop(origin)
         case Barred(kind="stop" | "abort" as kind, name=text):
             return hir.Finish(origin, kind == "abort", text)
         case Barred(kind="say", name=text):

@@ -165,7 +165,7 @@ class Judge:
         # of times that are printed as one, only the longest is said
         least = takes.least if takes.varies else takes.most
         off = max(abs(least - claimed.least), abs(takes.most - claimed.most))
-        waits = (takes.fewest, takes.waits) != (claimed.fewest, claimed.waits)
+        waits = (takes.fewest, takes.waits, takes.loops) != (claimed.fewest, claimed.waits, claimed.loops)
         if off > 0.5e-3 + 1e-9 * takes.most or waits:
             self.find(
                 "Y1153",

@@ -8,10 +8,14 @@ from dataclasses import dataclass
 from yarclang.coordinator.resting import resting_place
 from yarclang.hir import (
     Else,
+    EndLoop,
     EndWhen,
+    Exit,
     Finish,
     Hold,
+    Loop,
     Motion,
+    NextPass,
     Say,
     SetOutput,
     SetRegister,
@@ -25,6 +29,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.scripts import scripts_of
+from yarclang.ways import Turn
 
 _LOST = "Y1606"
 """Code of a connection that was lost."""
@@ -42,29 +47,37 @@ class CarriedOut:
 
 
 def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> list[int]:
-    """Return the numbers of the steps from `begin` to `end` on the ways that were taken, up to the first WHEN whose way isn't known.
+    """Return the numbers of the steps from `begin` to `end` on the ways that were taken, up to the first WHEN whose way isn't known. Of a loop it is the last pass.
 
-    A WHEN is there where it was passed, an ELSE where a way ended at it, and the end of a WHEN where the robot came to it.
+    A WHEN is there where it was passed, an ELSE where a way ended at it, and the end of a WHEN or a loop where the robot came to it.
     """
     left, found = list(ways), list[int]()
     passing, depth = True, 0
+    opens: type[Step]
+    closes: type[Step]
+    opens, closes = _WAY
     for number in range(begin, end):
         step = steps[number]
         if not passing:
-            if isinstance(step, When):
+            if isinstance(step, opens):
                 depth += 1
-            elif isinstance(step, EndWhen) and depth:
+            elif isinstance(step, closes) and depth:
                 depth -= 1
-            elif isinstance(step, Else | EndWhen) and not depth:
+            elif isinstance(step, closes) or (isinstance(step, Else) and closes is EndWhen and not depth):
                 passing = True
             continue
         if isinstance(step, When) and not left:
             return found
         found.append(number)
-        if isinstance(step, Stop | Finish):
+        if isinstance(step, Stop | Finish | NextPass):
             return found
-        passing = left.pop(0) if isinstance(step, When) else not isinstance(step, Else)
+        passing = left.pop(0) if isinstance(step, When) else not isinstance(step, Else | Exit)
+        opens, closes = _PASSES if isinstance(step, Exit) else _WAY
     return found
+
+
+_WAY, _PASSES = (When, EndWhen), (Loop, EndLoop)
+"""What begins and ends what is skipped: another way, and the rest of a loop that is left."""
 
 
 def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: Ended) -> CarriedOut:
@@ -110,7 +123,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | WaitUntil | Hold | Say | When | Else | EndWhen | SetRegister | Finish)
+    return isinstance(step, WaitInput | WaitUntil | Hold | Say | SetRegister | Turn)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from yarclang.coordinator.describing import takes
 from yarclang.coordinator.messages import courses, replies
 from yarclang.coordinator.programs import Loaded
 from yarclang.diagnostics import has_errors
-from yarclang.hir import Array, Dwell, Else, EndWhen, Finish, When
+from yarclang.hir import Array, Dwell, Else, EndLoop, EndWhen, Exit, Finish, Loop, When
 from yarclang.motion.curve import Sampler
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pipeline.sources import read_source
@@ -32,6 +32,8 @@ class _Way:
     time: float = 0.0
     ends: bool = False
     """True if the program ends in it."""
+    exits: bool = False
+    """True if a loop is left in it."""
 
 
 def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
@@ -71,9 +73,9 @@ def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[
 
 
 def longest_way(plan: MotionPlan) -> set[int]:
-    """Return the steps that are done if each WHEN takes its longer way; the first one, if both take the same time."""
+    """Return the steps that are done if each WHEN takes its longer way, the first one if both take the same time, and each loop makes one pass, up to where it is left."""
     durations = {motion.step: motion.curve.duration for motion in plan.motions}
-    way, opened = _Way(), list[tuple[_Way, _Way | None]]()
+    way, opened, loops = _Way(), list[tuple[_Way, _Way | None]](), list[_Way]()
     for number, step in enumerate(plan.program.steps):
         match step:
             case When():
@@ -89,6 +91,17 @@ def longest_way(plan: MotionPlan) -> set[int]:
                 way.time += float(duration)
             case Finish():
                 way.ends = True
+            case Exit() if loops:
+                # what follows in the loop isn't done any more: the robot goes on from here
+                way.exits = True
+            case Loop():
+                loops.append(way)
+                way = _Way()
+            case EndLoop() if loops:
+                before, way = loops.pop(), replace(way, exits=False)
+                way = _Way([*before.steps, *way.steps], before.time + way.time, way.ends)
+            case _ if way.exits:
+                pass
             case _:
                 way.steps.append(number)
                 way.time += durations.get(number, 0.0)
@@ -99,12 +112,18 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
     """Return what was done before, and the longer of two ways after it: of those in which the program goes on, if there is one."""
+    if before.exits:
+        return before
     longer = last if first is None or last.time > first.time else first
     if first is not None and first.ends != last.ends:
         longer = last if first.ends else first
     elif first is None and last.ends:
         longer = _Way()
-    return _Way([*before.steps, *longer.steps], before.time + longer.time, longer.ends)
+    if first is not None and first.exits != last.exits and not (first.ends or last.ends):
+        longer = first if first.exits else last
+    elif first is None and last.exits:
+        longer = last
+    return _Way([*before.steps, *longer.steps], before.time + longer.time, longer.ends, longer.exits)
 
 
 def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: int) -> replies.Course:

@@ -68,12 +68,15 @@ def takes(lasting: Lasting) -> replies.Takes:
         duration_at_least_s=lasting.least,
         waits=lasting.waits,
         waits_at_least=lasting.fewest,
+        loops=lasting.loops,
     )
 
 
 def lasting_of(takes: replies.Takes) -> Lasting:
     """Return how long something takes, as a message tells it."""
-    return Lasting(takes.duration_at_least_s, takes.duration_s, takes.waits_at_least, takes.waits)
+    return Lasting(
+        takes.duration_at_least_s, takes.duration_s, takes.waits_at_least, takes.waits, takes.loops
+    )
 
 
 def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:

@@ -12,7 +12,7 @@ from yarclang.coordinator.carried_out import CarriedOut, carried_out
 from yarclang.handling.parts import either, first_parts, remove
 from yarclang.handling.present import are_same, beside, is_same, on_cell, present_after, presently
 from yarclang.handling.walk import Handling, flange_pose, followed, handling_of
-from yarclang.hir import Else, EndWhen, Motion, SetOutput, Step, When
+from yarclang.hir import Motion, SetOutput, Step
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.cells import file_of
 from yarclang.pipeline.parts import ends_of
@@ -21,6 +21,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
+from yarclang.ways import Turn
 
 ELSEWHERE = "Y1620"
 """Code of what can't be done since parts are elsewhere, or nobody knows where."""
@@ -221,11 +222,7 @@ class KeptParts:
             chosen = surely | {at for at in more if isinstance(steps[at], Motion) or at in perhaps}
             if perhaps and not _agrees(steps, chosen, outputs):
                 continue
-            left_out = {
-                at
-                for at, one in enumerate(steps)
-                if at not in chosen or isinstance(one, When | Else | EndWhen)
-            }
+            left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
             found.append(present_after(handling, walked, q))
         if not found:  # somebody else has set an output: as the program has it

@@ -82,4 +82,14 @@ FINDINGS = (
         "P0010 MOVEL {CUP} 0 0 -30 0 0 0 [1] (mm,deg,s) {TOP}\nP0020 SET GRIP ON      ! the cup is 30 mm in the box",
         "P0010 MOVEL {CUP} 0 0 0 0 0 0 [1] (mm,deg,s) {TOP}\nP0020 SET GRIP ON      ! the cup is on the box",
     ),
+    Finding(
+        "Y0948",
+        "loop-moves-parts",
+        "error",
+        "a loop leaves a part elsewhere than where it was",
+        "One pass of a loop is proved, and carried out as often as the program says when it runs. That holds for each pass if all is around the robot as in the first one: "
+        "a part that was taken lies there again, or the next of its kind has come, and what was put down was taken away by a machine (an output with `removes` in the cell.toml).",
+        "LOOP\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nUNTIL DONE ON",
+        "REPEAT I 4\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nEND",
+    ),
 )

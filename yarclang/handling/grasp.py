@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from dataclasses import replace
 
 from yarclang.cell.model import Grip, Parts
 from yarclang.frozen import frozen
 from yarclang.handling.parts import NO_PARTS, Nearest
 from yarclang.robot.model import Array
+from yarclang.ways import Ways
 
 
 @frozen
 class Whereabouts:
-    """Where the parts are between two steps; of each WHEN that isn't ended where they were before it, and where its first way leaves them (None: there is no ELSE yet; "ends": the program ends in it).
+    """Where the parts are between two steps; `unlike` names one that isn't where it was at the last loop's first pass, right in front of its next one (empty: all are)."""
 
-    `ends` is True if the program ends before this place on every way that leads here.
-    """
+    ways: Ways[Parts] = Ways(NO_PARTS)
+    unlike: str = ""
 
-    parts: Parts = NO_PARTS
-    ways: tuple[tuple[Parts, Parts | Literal["ends"] | None], ...] = ()
-    ends: bool = False
+    @property
+    def parts(self) -> Parts:
+        """Where the parts are."""
+        return self.ways.state
+
+    def moved(self, parts: Parts) -> Whereabouts:
+        """Return what is known if the parts are elsewhere now."""
+        return Whereabouts(replace(self.ways, state=parts))
 
 
 @frozen(eq=False)

@@ -216,6 +216,30 @@ def either(one: Parts, other: Parts) -> Parts:
     )
 
 
+def unlike(first: Parts, again: Parts) -> str:
+    """Return the name of a part that isn't where it was, of a gripper that isn't as it was, or nothing: then a loop can begin anew.
+
+    The next part of a kind is like the one before it.
+    """
+    one, other = (arrive(parts, frozenset()) for parts in (first, again))
+    left = list(other.items)
+    for item in one.items:
+        found = next((at for at, each in enumerate(left) if _are_one_kind(item, each)), None)
+        if found is None:
+            return item.name
+        left.pop(found)
+    if left:
+        return left[0].name
+    if one.closed != other.closed:
+        return "the gripper"
+    kinds = [sorted(each.part.body.name for each in parts.expected) for parts in (one, other)]
+    return "" if kinds[0] == kinds[1] else (kinds[0] or kinds[1])[0]
+
+
+def _are_one_kind(one: Item, other: Item) -> bool:
+    return one.part == other.part and _are_alike(replace(one, number=other.number), other)
+
+
 def _are_alike(one: Item, other: Item) -> bool:
     """Return True if a part is at the same place but for what is lost in computing: one that was put down and taken again where it lay."""
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and bool(

@@ -7,7 +7,22 @@ from functools import lru_cache
 
 from yarclang.cell.model import Grip
 from yarclang.frozen import frozen
-from yarclang.hir import Else, EndWhen, Finish, Gap, LineMove, Motion, SetOutput, Step, Stop, When
+from yarclang.hir import (
+    Else,
+    EndLoop,
+    EndWhen,
+    Exit,
+    Finish,
+    Gap,
+    LineMove,
+    Loop,
+    Motion,
+    NextPass,
+    SetOutput,
+    Step,
+    Stop,
+    When,
+)
 
 
 @frozen
@@ -111,7 +126,8 @@ def _along(
         elif isinstance(step, Finish):
             # forwards nothing follows in this way; backwards nothing stands after it
             now = frozenset() if numbers.step > 0 else behind
-        elif isinstance(step, Stop | Gap):
+        elif isinstance(step, Stop | Gap | Loop | NextPass | Exit | EndLoop):
+            # from one pass of a loop to the next, and out of it, nobody leads in or out
             now = _NOWHERE
         elif isinstance(step, SetOutput) and step.output.variable in closing:
             now = frozenset(_after_set(steps, at, closing, now, forwards=numbers.step > 0))

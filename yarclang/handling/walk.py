@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import replace
-from typing import Literal
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -18,12 +17,14 @@ from yarclang.handling.parts import (
     first_parts,
     open_,
     remove,
+    unlike,
 )
 from yarclang.handling.runs import BEFORE, NO_RUNS, Runs, runs_of
 from yarclang.handling.surroundings import INTO, PRESSED, hand_is_clear, on_all_ways, supports, surroundings
-from yarclang.hir import Else, EndWhen, Finish, Motion, SetOutput, Step, Stop, When
+from yarclang.hir import Finish, Motion, NextPass, SetOutput, Step, Stop
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
+from yarclang.ways import Turn, Ways
 
 
 @frozen(eq=False)
@@ -42,13 +43,13 @@ class Handling:
 
     def first(self) -> Whereabouts:
         """Return where the parts are when the program starts."""
-        return Whereabouts(first_parts(self.cell))
+        return Whereabouts(Ways(first_parts(self.cell)))
 
     def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
         """Return where the parts are on a motion: what was taken away is followed by the next of its kind."""
         if not stand.parts.expected:
             return stand
-        return replace(stand, parts=arrive(stand.parts, self.runs.leaves.get(step, frozenset())))
+        return stand.moved(arrive(stand.parts, self.runs.leaves.get(step, frozenset())))
 
     def passed(self, stand: Whereabouts, step: int, q: Array | None) -> tuple[Whereabouts, Grasp | None]:
         """Carry out a step that doesn't move the robot.
@@ -62,30 +63,22 @@ class Handling:
             What is then, and what a gripper did, if the step moves one.
         """
         one = self.steps[step]
-        match one:
-            case When():
-                return replace(stand, ways=(*stand.ways, (stand.parts, None))), None
-            case Finish():
-                return replace(stand, ends=True), None
-            case Else():
-                *outer, (before, _) = stand.ways
-                way: tuple[Parts, Parts | Literal["ends"]] = before, "ends" if stand.ends else stand.parts
-                return Whereabouts(before, (*outer, way)), None
-            case EndWhen():
-                *outer, (before, first) = stand.ways
-                if first == "ends":
-                    return replace(stand, ways=tuple(outer)), None
-                if stand.ends:
-                    return Whereabouts(before if first is None else first, tuple(outer)), None
-                return Whereabouts(
-                    either(before if first is None else first, stand.parts), tuple(outer)
-                ), None
-            case SetOutput(output=output, value=value):
-                removal = self.cell.removals.get(output.variable) if self.cell is not None else None
-                if removal is not None and value == removal.value:
-                    return replace(stand, parts=remove(stand.parts, removal)), None
-                grasp = self._grasp(stand.parts, step, one, q)
-                return (stand, None) if grasp is None else (replace(stand, parts=grasp.after), grasp)
+        if isinstance(one, Turn):
+            wrong = ""
+
+            def meet(first: Parts, other: Parts, where: Turn) -> Parts:
+                nonlocal wrong
+                if isinstance(where, NextPass):
+                    wrong = unlike(first, other)
+                return either(first, other)
+
+            return Whereabouts(stand.ways.turned(one, meet), wrong), None
+        if isinstance(one, SetOutput):
+            removal = self.cell.removals.get(one.output.variable) if self.cell is not None else None
+            if removal is not None and one.value == removal.value:
+                return stand.moved(remove(stand.parts, removal)), None
+            grasp = self._grasp(stand.parts, step, one, q)
+            return (stand, None) if grasp is None else (stand.moved(grasp.after), grasp)
         return stand, None
 
     def _grasp(self, parts: Parts, step: int, one: SetOutput, q: Array | None) -> Grasp | None:
@@ -266,6 +259,7 @@ class Followed:
         removed: the names of the parts that machines remove, by the step of the SET.
         end: where the parts are in the end.
         cells: the cell as it is during each motion.
+        unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would begin anew.
     """
 
     before: Mapping[int, Parts]
@@ -274,6 +268,7 @@ class Followed:
     removed: Mapping[int, tuple[str, ...]]
     end: Parts
     cells: Mapping[int, Cell | None]
+    unlike: Mapping[int, str] = field(default_factory=dict)
 
 
 def followed(
@@ -293,34 +288,28 @@ def followed(
     removed: dict[int, tuple[str, ...]] = {}
     begins: dict[int, Array] = {}
     grasps: dict[int, Grasp] = {}
-    q: Array | None = start
-    ways: list[tuple[Array | None, Array | None]] = []
+    changed: dict[int, str] = {}
+    at = Ways[Array | None](start)
     for number, step in enumerate(handling.steps):
         if number in left_out:
             continue
-        if isinstance(step, Stop) or (isinstance(step, Finish) and not ways):
+        if isinstance(step, Stop) or (isinstance(step, Finish) and not at.open):
             break
         if isinstance(step, Motion):
             if number in ends:
                 stand = handling.before_motion(stand, number)
                 before[number] = stand.parts
                 changes.append((number, stand.parts))
-                if q is not None:
-                    begins[number] = q
-            q = ends.get(number)
+                if at.state is not None:
+                    begins[number] = at.state
+            at = replace(at, state=ends.get(number))
             continue
-        if isinstance(step, When):
-            ways.append((q, None))
-        elif isinstance(step, Else):
-            here, _ = ways.pop()
-            ways.append((here, None if stand.ends else q))
-            q = here
-        elif isinstance(step, EndWhen):
-            here, first = ways.pop()
-            if stand.ends:
-                q = here if first is None else first
+        if isinstance(step, Turn):
+            at = at.turned(step, lambda _, last, __: last)
         had = stand.parts
-        stand, grasp = handling.passed(stand, number, q)
+        stand, grasp = handling.passed(stand, number, at.state)
+        if stand.unlike:
+            changed[number] = stand.unlike
         if grasp is not None:
             grasps[number] = grasp
         elif isinstance(step, SetOutput) and had != stand.parts:
@@ -329,14 +318,14 @@ def followed(
         if grasp is not None or had != stand.parts:
             changes.append((number, stand.parts))
     clear = handling.clear_of_left(ends.get, before)
-    coming = () if q is None else handling.coming(stand.parts, flange_pose(handling.robot, q))
+    coming = () if at.state is None else handling.coming(stand.parts, flange_pose(handling.robot, at.state))
     for grasp in (*grasps.values(), *coming):
         clear |= handling.clear_of(grasp, begins.get, ends.get, before)
     cells = {
         step: handling.around(parts, handling.touches(step, grasps.get, clear, coming))
         for step, parts in before.items()
     }
-    return Followed(before, tuple(changes), grasps, removed, stand.parts, cells)
+    return Followed(before, tuple(changes), grasps, removed, stand.parts, cells, changed)
 
 
 def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handling:

@@ -11,6 +11,7 @@ from yarclang.motion.profile import profile_names
 from yarclang.semantics.names.commands import TARGETS
 from yarclang.syntax.words import (
     AVOID,
+    BLOCK_ENDS,
     BLOCK_HEADS,
     CONSTANTS,
     DECLARATIONS,
@@ -44,7 +45,7 @@ def words() -> Words:
     """All of them. A new command, profile or unit is among them by itself."""
     specs = commands().values()
     names = {name for spec in specs for name in (spec.name, spec.old_name) if name} | actions().keys()
-    blocks = BLOCK_HEADS | {"END", "ELSE", "OF"}
+    blocks = BLOCK_HEADS | BLOCK_ENDS | {"ELSE", "OF"}
     return Words(
         blocks=_ordered(blocks),
         declarations=_ordered(DECLARATIONS - blocks),

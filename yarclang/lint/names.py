@@ -18,7 +18,7 @@ from yarclang.syntax.ast import (
     Word,
 )
 from yarclang.syntax.expressions import Expression, Name, parts_of
-from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 from yarclang.words.registry import word_specs
 
 
@@ -61,7 +61,7 @@ def names_of(module: Module) -> Names:
         if word in BLOCK_HEADS:
             depth += 1
             sub_depth = sub_depth or (depth if word == "SUB" else 0)
-        elif word == "END":
+        elif word in BLOCK_ENDS:
             sub_depth = 0 if sub_depth == depth else sub_depth
             depth -= 1
         if word not in DECLARATIONS and not sub_depth:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from types import MappingProxyType
 
 import numpy as np
 
@@ -12,21 +14,41 @@ from yarclang.hir import (
     Array,
     Dwell,
     Else,
+    EndLoop,
     EndWhen,
+    Exit,
     Finish,
     Gap,
     Hold,
+    Loop,
+    NextPass,
     Origin,
     Program,
     WaitInput,
     WaitUntil,
     When,
 )
-from yarclang.lasting import Lasting, Part, Schedule, schedule_of
+from yarclang.lasting import Lasting, Mark, Part, Schedule, schedule_of
 from yarclang.motion.curve import Curve, Sampler
 from yarclang.motion.path import Path
 from yarclang.motion.profile import load_profile
 from yarclang.robot.model import Robot
+
+_MARKS: Mapping[type, Mark] = MappingProxyType(
+    {
+        WaitInput: "wait",
+        WaitUntil: "wait",
+        Hold: "hold",
+        When: "when",
+        Else: "else",
+        EndWhen: "end",
+        Finish: "finish",
+        Loop: "loop",
+        NextPass: "next",
+        Exit: "exit",
+        EndLoop: "endloop",
+    }
+)
 
 
 @frozen(eq=False)
@@ -80,18 +102,8 @@ class MotionPlan:
             match step:
                 case Dwell(duration=duration):
                     parts.append(float(duration))
-                case WaitInput() | WaitUntil():
-                    parts.append("wait")
-                case Hold():
-                    parts.append("hold")
-                case When():
-                    parts.append("when")
-                case Else():
-                    parts.append("else")
-                case EndWhen():
-                    parts.append("end")
-                case Finish():
-                    parts.append("finish")
+                case _ if (mark := _MARKS.get(type(step))) is not None:
+                    parts.append(mark)
                 case _:
                     parts.append(float(durations.get(number, 0.0)))
         return schedule_of(parts)

@@ -22,15 +22,15 @@ from yarclang.hir import (
     ArcMove,
     Array,
     AvoidMove,
-    Else,
+    EndLoop,
     EndWhen,
-    Finish,
     Gap,
     Goal,
     JointDelta,
     JointGoal,
     JointMove,
     LineMove,
+    Loop,
     Motion,
     PoseDelta,
     PoseGoal,
@@ -38,7 +38,6 @@ from yarclang.hir import (
     SplineMove,
     Step,
     TimedMove,
-    When,
 )
 from yarclang.identity import key_of
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
@@ -54,6 +53,7 @@ from yarclang.motion.path import Path
 from yarclang.motion.recalling import told_before
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
+from yarclang.ways import Turn, Ways
 
 
 @frozen(eq=False)
@@ -65,31 +65,21 @@ class Route:
 
 
 @frozen
-class _Ways:
-    """A WHEN that isn't ended: where the robot stood before it, and where its first way ends, once there is a second."""
-
-    when: When
-    before: _Stand
-    first: Array | None = None
-    parted: bool = False
-    first_ends: bool = False
-    """True if the program ends in the first way."""
-
-
-@frozen
 class _Stand:
-    """What is known between two steps: where the robot stands (None: nowhere known), the WHENs around, and the last motion whose
+    """What is known between two steps: where the robot stands (None: nowhere known) with what is open around, and the last motion whose
     solution was chosen and decides where the robot stands (None: where it stands was written). `flange` is where the flange stands,
     base_from_flange (4, 4), where no more than that is known. `parts` says where the cell's parts are.
     """
 
-    q: Array | None
-    ways: tuple[_Ways, ...] = ()
+    ways: Ways[Array | None]
     choice: int | None = None
     flange: Array | None = None
     parts: Whereabouts = Whereabouts()
-    ends: bool = False
-    """True if the program ends before this place on every way that leads here."""
+
+    @property
+    def q(self) -> Array | None:
+        """Where the robot stands (n,) [rad or m]."""
+        return self.ways.state
 
 
 @dataclass(slots=True)
@@ -164,7 +154,7 @@ class Router:
 
     def _first(self) -> _Stand:
         """Return what is known before the first step."""
-        return _Stand(self.start, parts=self._handling.first())
+        return _Stand(Ways(self.start), parts=self._handling.first())
 
     def advance(self) -> None:
         """Route the next step; where it can't be done from here, from another solution of an earlier target if one serves."""
@@ -221,7 +211,7 @@ class Router:
     def _step(self, number: int, before: _Stand) -> _Done:
         step = self.steps[number]
         if isinstance(step, Gap):
-            return _Done(before, replace(before, q=None, choice=None, flange=None))
+            return _Done(before, _moved(before, None))
         findings = Collector(step.origin.source)
         findings.place = step.origin.place
         if isinstance(step, Motion):
@@ -259,31 +249,21 @@ class Router:
         return before is not None and before.blend is not None
 
     def _flowed(self, step: Action, stand: _Stand, findings: Collector) -> _Stand:
-        match step:
-            case When():
-                return replace(stand, ways=(*stand.ways, _Ways(step, stand)))
-            case Finish():
-                return replace(stand, ends=True)
-            case Else():
-                *outer, here = stand.ways
-                parted = replace(here, first=stand.q, parted=True, first_ends=stand.ends)
-                return replace(here.before, ways=(*outer, parted))
-            case EndWhen():
-                *outer, ended = stand.ways
-                other = ended.first if ended.parted else ended.before.q
-                met = stand.q
-                if ended.first_ends:
-                    return _Stand(met, tuple(outer), None, ends=stand.ends)
-                if stand.ends:
-                    return _Stand(other, tuple(outer), None)
-                if met is None or other is None:
-                    met = None
-                elif not self._same(met, other):
-                    findings.add(*messages.ways_part(self.robot, met, other, ended.when.origin))
-                    met = None
-                # the solutions that were chosen before are fixed by both ways together
-                return _Stand(met, tuple(outer), None)
-        return stand
+        if not isinstance(step, Turn):
+            return stand
+
+        def meet(one: Array | None, other: Array | None, where: Turn) -> Array | None:
+            if one is None or other is None:
+                return None
+            if self._same(one, other):
+                return other
+            findings.add(*messages.ways_part(self.robot, other, one, where))
+            return None
+
+        ways = stand.ways.turned(step, meet)
+        # the solutions that were chosen before are fixed by all ways together
+        is_met = isinstance(step, EndWhen | Loop | EndLoop)
+        return _Stand(ways, None, None, stand.parts) if is_met else replace(stand, ways=ways)
 
     def _same(self, one: Array, other: Array) -> bool:
         """Whether two joint positions are one for the controller: far below a count."""
@@ -316,7 +296,7 @@ class Router:
         # the fix of a way round takes names that stand nowhere in the text
         around = isinstance(step, AvoidMove)
         led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
-        behind = _Stand(led.end, before.ways, choice, before.flange, before.parts)
+        behind = replace(_moved(before, led.end), choice=choice, flange=before.flange)
         return _Done(before, behind, route, tuple(findings.found), led.broken)
 
     @staticmethod
@@ -344,7 +324,7 @@ class Router:
             return self._goals_from_anywhere(solver, number, step, before, findings)
 
         q, flange_after, way = told_before(self.memory, key, step.origin, findings, make)
-        behind = replace(before, q=q, choice=None, flange=flange_after)
+        behind = replace(_moved(before, q), flange=flange_after)
         return _Done(before, behind, None, tuple(findings.found), way=way)
 
     def _goals_from_anywhere(
@@ -373,6 +353,11 @@ _BLOCKED = "Y0925"
 
 MOST_MEASURED = 20
 """Commands of a program for which is searched how far they are out of reach: each search takes about 0.1 s."""
+
+
+def _moved(stand: _Stand, q: Array | None) -> _Stand:
+    """Return what is known if the robot stands at `q` (n,) [rad or m] now; None: nowhere known."""
+    return replace(stand, ways=replace(stand.ways, state=q), choice=None, flange=None)
 
 
 def _flange_at(robot: Robot, goal: Goal, stands: Array) -> Array:

@@ -24,7 +24,23 @@ from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MS
 
-Kind = Literal["motion", "dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort", "say"]
+Kind = Literal[
+    "motion",
+    "dwell",
+    "set",
+    "wait",
+    "hold",
+    "when",
+    "else",
+    "end",
+    "stop",
+    "abort",
+    "say",
+    "loop",
+    "next",
+    "exit",
+    "endloop",
+]
 
 
 @frozen(eq=False)
@@ -149,6 +165,10 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "when": f"the way parts at {item.name} ({item.condition})",
         "else": "the other way",
         "end": "the ways meet",
+        "loop": "a loop begins",
+        "next": "the loop begins anew",
+        "exit": "the loop is left",
+        "endloop": "the loop ends",
         "set": item.name,
         "stop": "the program ends",
         "say": f"tells the operator: {item.name}",

@@ -16,7 +16,7 @@ from yarclang.progress import each
 from yarclang.source import SourceFile
 from yarclang.subjects import Name
 from yarclang.syntax.lines import code_of
-from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 
 _MISPLACED = "Y0116"
 """The finding of a line that doesn't belong into a block."""
@@ -91,7 +91,9 @@ class _Reasons:
         )
         self._lost_cell = bool(self._like("CELL")) or any(".TOML" in text.upper() for text in code.values())
         self._lost_head = min((line for head in BLOCK_HEADS for line in self._like(head)), default=math.inf)
-        self._lost_end = any(self._firsts[line] != "END" for line in self._like("END"))
+        self._lost_end = any(
+            self._firsts[line] not in BLOCK_ENDS for end in BLOCK_ENDS for line in self._like(end)
+        )
         self._doubtful = _doubtful(source, words)
         self._first_said: dict[str, int] = {}
         for line, said in each(sorted(words.items())):

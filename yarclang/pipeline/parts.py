@@ -19,11 +19,15 @@ from yarclang.hir import (
     Array,
     Dwell,
     Else,
+    EndLoop,
     EndWhen,
+    Exit,
     Gap,
     Hold,
     JointGoal,
     JointMove,
+    Loop,
+    NextPass,
     Origin,
     Program,
     Say,
@@ -45,6 +49,7 @@ from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
 from yarclang.robot.model import Robot
 from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
+from yarclang.ways import Turn
 
 _PEAK = 1.5
 """Largest speed of a motion with the default profile over its mean."""
@@ -148,7 +153,12 @@ def part(
         inside = _outermost_open(steps, begin) or _outermost_open(steps, end)
         assert inside is not None  # a part of it is missing on one side or the other
         word = "CASE" if inside.origin.name == "OF" else inside.origin.name
-        message = f"a program can't be begun or paused inside a {word}: which way is taken isn't known"
+        if isinstance(inside, Loop):
+            message = (
+                f"a program can't be begun or paused inside a {word}: its passes aren't counted from there"
+            )
+        else:
+            message = f"a program can't be begun or paused inside a {word}: which way is taken isn't known"
         help_ = f"begin in front of the {word}, or behind its END"
         return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
@@ -226,29 +236,29 @@ def ends_of(plan: MotionPlan) -> dict[int, Array]:
     }
 
 
-def _cut_way(steps: tuple[Step, ...]) -> When | Else | EndWhen | None:
-    """The first part of a WHEN whose other parts aren't there."""
-    opened: list[When] = []
+def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
+    """The first part of a WHEN or a loop whose other parts aren't there."""
+    opened: list[Turn] = []
     for step in steps:
         match step:
-            case When():
+            case When() | Loop():
                 opened.append(step)
-            case Else() if not opened:
+            case Else() | EndWhen() | EndLoop() if not opened:
                 return step
-            case EndWhen() if not opened:
+            case NextPass() | Exit() if not any(isinstance(one, Loop) for one in opened):
                 return step
-            case EndWhen():
+            case EndWhen() | EndLoop():
                 opened.pop()
     return opened[0] if opened else None
 
 
-def _outermost_open(steps: tuple[Step, ...], at: int) -> When | None:
-    """Return the first step of the outermost WHEN or CASE in whose ways a step stands; None if it stands in none."""
-    opened: list[When] = []
+def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
+    """Return the first step of the outermost WHEN, CASE or loop in which a step stands; None if it stands in none."""
+    opened: list[Turn] = []
     for step in steps[:at]:
-        if isinstance(step, When):
+        if isinstance(step, When | Loop):
             opened.append(step)
-        elif isinstance(step, EndWhen) and opened:
+        elif isinstance(step, EndWhen | EndLoop) and opened:
             opened.pop()
     return opened[0] if opened else None
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from yarclang.frozen import frozen
-from yarclang.hir import Else, EndWhen, Gap, Program
+from yarclang.hir import Else, EndLoop, EndWhen, Gap, NextPass, Program
 from yarclang.syntax.words import LONGEST_INDEX
 
 _PART = re.compile(rf"P([0-9]{{1,{LONGEST_INDEX}}})(?:\(([^()]*)\))?", re.IGNORECASE)
@@ -40,7 +40,7 @@ def labels_of(program: Program) -> dict[int, str]:
     return {
         number: step.origin.label
         for number, step in enumerate(program.steps)
-        if not isinstance(step, Gap | Else | EndWhen) and step.origin.label
+        if not isinstance(step, Gap | Else | EndWhen | NextPass | EndLoop) and step.origin.label
     }
 
 

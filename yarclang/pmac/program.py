@@ -58,12 +58,14 @@ class Stand:
     point: NDArray[np.float64]
 
 
-BarrierKind = Literal["wait", "hold", "when", "else", "end", "set", "stop", "abort", "say"]
+BarrierKind = Literal[
+    "wait", "hold", "when", "else", "end", "set", "stop", "abort", "say", "loop", "next", "exit", "endloop"
+]
 
 
 @frozen
 class Barrier:
-    """Where the program may not go on by itself: it waits for an input or the operator, its ways part or meet, a register changes, or it ends.
+    """Where the program may not go on by itself: it waits for an input or the operator, its ways part or meet, a loop begins, begins anew, is left or ends, a register changes, or it ends.
 
     `wait` compares `variable` with `value`; `name` is the input's, the operator's text, or why the program ends. `timeout` is in s
     (None: for ever). `condition` is that of a `when`, and what a `set` gives to which register, in canonical form.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from yarclang.source import SourceFile
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.parse import parse
-from yarclang.syntax.words import BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
 
 
 def is_whole(text: str) -> bool:
@@ -19,4 +19,4 @@ def is_whole(text: str) -> bool:
     module = parse(source).value
     assert module is not None  # parsing always gives a tree
     words = [one.name.name for one in module.statements if one.index is None]
-    return sum((word in BLOCK_HEADS) - (word == "END") for word in words) <= 0
+    return sum((word in BLOCK_HEADS) - (word in BLOCK_ENDS) for word in words) <= 0

@@ -43,7 +43,7 @@ def clock_at(commands: Sequence[JobCommand], time: float) -> float:
 class Barrier:
     """What stands between two legs of a program: it waits for an input or the operator, or its ways part or meet.
 
-    `kind` is wait, hold, when, else, end, set, stop or abort; a wait compares `variable` with `value`; `name` is the input's, or the operator's
+    `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort; a wait compares `variable` with `value`; `name` is the input's, or the operator's
     text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever). `decided` is the condition of a when, or of a wait that has no `variable`, decided with what the last when has read if `again`;
     of a set it is the number that `register` gets. `word` is the command's name: of a when, OF in a CASE.
     """

@@ -111,8 +111,9 @@ class Record:
             case Progress(time=when):
                 content = {"done_s": item.done, "left_s": item.left, "command": item.command}
                 self._message("progress", when, content | {"source_line": item.source_line})
-            case Remark(time=when, text=text, warning=warning):
-                self._message("events", when, {"kind": "warning" if warning else "remark", "text": text})
+            case Remark(time=when, text=text):
+                kind = "warning" if item.warning else "pass" if item.begins_pass else "remark"
+                self._message("events", when, {"kind": kind, "text": text})
             case OutputSet() | WaitBegan() | WaitEnded() | InputChanged():
                 content = {"kind": _KINDS[type(item)], **asdict(item)}
                 del content["time"]

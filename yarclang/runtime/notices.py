@@ -37,11 +37,12 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Something worth knowing, in words."""
+    """Something worth knowing, in words; with `begins_pass` a loop begins anew."""
 
     time: float
     text: str
     warning: bool = False
+    begins_pass: bool = False
 
 
 @dataclass(frozen=True, slots=True)

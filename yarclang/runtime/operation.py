@@ -117,9 +117,9 @@ class Operation:
         if self.state is not before or why:
             self.notices.append(Changed(self.now, self.state, why, code, remedy))
 
-    def remark(self, text: str, *, warning: bool = False) -> None:
+    def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
         """Tell something."""
-        self.notices.append(Remark(self.now, text, warning))
+        self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def give_way(self) -> None:
         """Let an order that is watched for come first.

@@ -103,16 +103,17 @@ def _keeps_to_groups(
 
 
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:
-    """The head of a WHEN."""
+    """Read what a WHEN, WHILE or UNTIL decides by."""
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
-    values, spec = values_of(statement), word_specs()["WHEN"]
+    values, spec = values_of(statement), word_specs()[statement.name.name]
+    origin = origin_of(statement, spec.name, findings)
     if statement.expression is not None:
         try:
             condition = condition_of(statement.expression, scope)
         except EvaluationError as error:
             findings.add_error(error, statement.span(error.place))
             return None
-        return When(origin_of(statement, "WHEN", findings), condition)
+        return When(origin, condition)
     if len(values) != len(spec.slots):
         _tell_wanted(statement, spec.name, spec.wants, (spec.example,), findings)
         return None
@@ -121,7 +122,7 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     if signal is None or value is None:
         return None
     condition = equals(signal.variable, signal.name, value)
-    return When(origin_of(statement, "WHEN", findings), condition)
+    return When(origin, condition)
 
 
 def read_wait(

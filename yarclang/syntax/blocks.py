@@ -1,4 +1,4 @@
-"""A file's statements arranged in blocks: SUB, REPEAT, IF, WHEN and CASE, each up to its END."""
+"""A file's statements arranged in blocks: SUB, REPEAT, IF, WHEN, CASE, LOOP and WHILE, each up to its END or UNTIL."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from yarclang.progress import each
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Block, Module, Node, Statement
 from yarclang.syntax.lines import code_of
-from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS
 from yarclang.words.registry import word_specs
 
 DEEPEST_BLOCK = 100
 """Blocks inside each other."""
 
 _WORD = re.compile(r"\s*(?:[Pp][0-9]+\s+)?([A-Za-z]+)(?![^\s;\[\](){}!,\"])")
-_TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - {"END", "ELSE"} | {"SUB"}
+_TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - BLOCK_ENDS - {"ELSE"} | {"SUB"}
 
 
 def arrange(module: Module) -> Result[tuple[Node, ...]]:
@@ -37,7 +37,7 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     if module.unreadable_lines:
         both += [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
         both.sort(key=lambda entry: entry[0])
-    arrangement.missing = sum((word in BLOCK_HEADS) - (word == "END") for _, word, _ in both)
+    arrangement.missing = sum((word in BLOCK_HEADS) - (word in BLOCK_ENDS) for _, word, _ in both)
     for line, word, statement in each(both):
         arrangement.add(line, word, statement)
     return arrangement.finish()
@@ -49,7 +49,7 @@ def _needs_arranging(statement: Statement) -> bool:
     return word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)
 
 
-_OF_BLOCKS = BLOCK_HEADS | {"END", "ELSE"}
+_OF_BLOCKS = BLOCK_HEADS | BLOCK_ENDS | {"ELSE"}
 _ARRANGED = DECLARATIONS | _OF_BLOCKS
 
 
@@ -112,6 +112,8 @@ class _Arrangement:
             self._begin(line, word, statement)
         elif word == "END":
             self._end(statement)
+        elif word in BLOCK_ENDS:
+            self._until(statement)
         elif word == "ELSE":
             self._otherwise(statement)
         elif statement is not None and not self.too_deep:
@@ -146,8 +148,28 @@ class _Arrangement:
         else:
             self.missing += 1  # it was counted as the END of something
             if statement is not None:
-                help_ = "take it away, or write the REPEAT, IF, WHEN, CASE or SUB that it ends"
+                help_ = "take it away, or write the REPEAT, IF, WHEN, CASE, LOOP, WHILE or SUB that it ends"
                 self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
+
+    def _until(self, statement: Statement | None) -> None:
+        """The end of the innermost LOOP; blocks in it that are open have no END."""
+        if self.too_deep:
+            self.too_deep -= 1
+            return
+        loops = [number for number, block in enumerate(self.open) if block.word == "LOOP"]
+        if loops and len(self.open) - 1 - loops[-1] <= self.missing:
+            while len(self.open) - 1 > loops[-1]:
+                self._close(f"this UNTIL in line {statement.line}" if statement else "UNTIL")
+            self._end(statement)
+        elif statement is not None:
+            self.missing += 1  # it was counted as the end of something
+            what = (
+                f"the {self.open[-1].word} of line {self.open[-1].line} is open here"
+                if self.open
+                else "no block is open"
+            )
+            help_ = "UNTIL ends a LOOP: write LOOP in front of the lines that are repeated"
+            self._refuse("Y0114", f"this UNTIL ends nothing: {what}", statement, help_)
 
     def _otherwise(self, statement: Statement | None) -> None:
         if self.too_deep:

@@ -77,7 +77,12 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
     if kind_of(last) == "IF":
         return Fault("Y0101", "the condition behind IF is missing", "write IF PITCH > 50", place)
     if kind_of(last) == "WHENS":
-        return Fault("Y0101", "the condition behind WHEN is missing", "write WHEN N < 3", place)
+        return Fault(
+            "Y0101",
+            f"the condition behind {str(last).upper()} is missing",
+            f"write {str(last).upper()} N < 3",
+            place,
+        )
     if kind_of(last) == "WAITS":
         return Fault(
             "Y0101", "the condition behind WAIT is missing", "write WAIT DOOR = ON AND JOB > 2", place

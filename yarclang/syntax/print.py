@@ -27,7 +27,7 @@ from yarclang.syntax.ast import (
 )
 from yarclang.syntax.blocks import DEEPEST_BLOCK
 from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
-from yarclang.syntax.words import BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
 
 _INDENT = "  "
 _TIGHT = {"*", "/", "%", "**"}
@@ -76,7 +76,7 @@ def _rows(module: Module) -> Iterator[_Row | None]:
             continue
         behind = line + piece.rows
         word = piece.name.name
-        if word == "END":
+        if word in BLOCK_ENDS:
             depth = max(depth - 1, 0)
         indent = _INDENT * min(max(depth - (word in ("ELSE", "OF")), 0), DEEPEST_BLOCK)
         for row in _rows_of(piece):

@@ -10,6 +10,9 @@ LONGEST_INDEX = 9
 BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.opens_block)
 """Words that begin a block, which END ends."""
 
+BLOCK_ENDS = frozenset(name for name, word in word_specs().items() if word.ends_block)
+"""Words that end a block."""
+
 DECLARATIONS = frozenset(name for name, word in word_specs().items() if not word.is_command)
 """Words that begin a line without an index."""
 

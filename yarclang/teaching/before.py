@@ -10,9 +10,6 @@ import numpy as np
 from yarclang.diagnostics import has_errors
 from yarclang.hir import (
     Array,
-    Else,
-    EndWhen,
-    Finish,
     Gap,
     JointDelta,
     JointGoal,
@@ -20,7 +17,6 @@ from yarclang.hir import (
     PoseDelta,
     PoseGoal,
     Step,
-    When,
 )
 from yarclang.pipeline.stages import check_program
 from yarclang.robot.kinematics.fk import flange_poses
@@ -30,6 +26,7 @@ from yarclang.syntax.ast import Block, Node
 from yarclang.syntax.parse import parse
 from yarclang.teaching.edits import Program
 from yarclang.teaching.holding import Around
+from yarclang.ways import line_to
 
 _ENOUGH = 20_000
 """Lines in loops and SUBs that are carried out at most."""
@@ -85,7 +82,7 @@ def text_before(program: Program, after: int) -> str:
         open_blocks += 1
         values = [value.text for point in head.waypoints for value in point.values]
         name = values[0] if word == "REPEAT" and len(values) > 1 else ""
-        lines[head.line - 1] = f"REPEAT {name} 1"
+        lines[head.line - 1] = "LOOP" if word in ("LOOP", "WHILE") else f"REPEAT {name} 1"
         if otherwise is not None and otherwise.line <= after:
             for line in range(head.line + 1, otherwise.line + 1):
                 lines[line - 1] = ""
@@ -103,28 +100,6 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
             yield from blocks_around((*node.body, *(node.otherwise or ())), after)
 
 
-def _one_way(steps: Iterable[Step]) -> list[Step]:
-    """Return steps without WHENs: of the ways of one, which meet in one place, the first that doesn't end the program; of an open one its last."""
-    line: list[Step] = []
-    opened: list[tuple[int, list[Step]]] = []
-    for step in steps:
-        match step:
-            case When():
-                opened.append((len(line), []))
-            case Else() if opened:
-                begin, _ = opened.pop()
-                opened.append((begin, line[begin:]))
-                del line[begin:]
-            case EndWhen() if opened:
-                begin, first = opened.pop()
-                ends = len(line) > begin and isinstance(line[-1], Finish)
-                if ends or (first and not isinstance(first[-1], Finish)):
-                    line[begin:] = first
-            case _:
-                line.append(step)
-    return line
-
-
 class _Walk:
     """Follows goals from one to the next: the flange's pose, and the joints while they are known."""
 
@@ -135,7 +110,7 @@ class _Walk:
 
     def walked(self, steps: Iterable[Step]) -> Array:
         """Return (4, 4) where the flange stands after some steps."""
-        for step in _one_way(steps):
+        for step in line_to(steps):
             self._step(step)
         return np.asarray(self._flange)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from yarclang.runtime.actions import Trouble
-from yarclang.syntax.words import BLOCK_HEADS, LONGEST_INDEX
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, LONGEST_INDEX
 from yarclang.teaching.edits import Draft, Program
 
 _INDEX = re.compile(r"\s*[Pp]([0-9]+)(?![^\s;\[\](){}!,\"])")
@@ -128,7 +128,7 @@ def indentation(program: Program, after: int) -> str:
     last = above[-1]
     word = last.name.name
     if word in BLOCK_HEADS or word in ("ELSE", "OF"):
-        if below is not None and below.name.name not in ("END", "ELSE", "OF"):
+        if below is not None and below.name.name not in (*BLOCK_ENDS, "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(last.line) + _INDENT
     return program.indent(last.line)

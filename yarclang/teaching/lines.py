@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from yarclang.runtime.actions import Trouble
 from yarclang.syntax.ast import Block, Node
-from yarclang.syntax.words import BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
 from yarclang.teaching.edits import Draft, Edited, Program
 from yarclang.teaching.indices import (
     free_indices,
@@ -174,7 +174,7 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
     word = next((one.name.name for one in statements if one.line == above), "")
     below = next((one for one in statements if one.line > after), None)
     if word in BLOCK_HEADS or word in ("ELSE", "OF"):
-        if below is not None and below.name.name not in ("END", "ELSE", "OF"):
+        if below is not None and below.name.name not in (*BLOCK_ENDS, "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(above) + "  "
     if above:

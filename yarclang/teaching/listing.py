@@ -12,7 +12,7 @@ from yarclang.frozen import frozen
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.lines import code_of
-from yarclang.syntax.words import BLOCK_HEADS, DECLARATIONS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 from yarclang.teaching.edits import Program
 from yarclang.teaching.fields import Field, Reader
 from yarclang.teaching.indices import index_of, shown_index
@@ -196,7 +196,7 @@ def kind_of(one: Statement) -> ListedKind:
     word = one.name.name
     if word in BLOCK_HEADS:
         return "block"
-    if word in ("END", "ELSE", "OF"):
+    if word in (*BLOCK_ENDS, "ELSE", "OF"):
         return "end"
     if word == "CALL":
         return "call"

@@ -16,10 +16,13 @@ from yarclang.decisions import in_words, simple
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     Dwell,
+    Exit,
     Finish,
     Gap,
     Hold,
+    Loop,
     Motion,
+    NextPass,
     Origin,
     Say,
     SetOutput,
@@ -223,6 +226,12 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"
             return (("if", f"{said}; both ways are shown one after the other"),)
+        case Loop():
+            return (("begins", "a loop; one pass of it is shown"),)
+        case NextPass():
+            return (("goes on", "with the next pass of the loop"),)
+        case Exit():
+            return (("leaves", "the loop" if step.origin.name != "RETURN" else "the SUB"),)
         case Say(text=text):
             return (("tells", text),)
         case Finish(fails=fails, text=text):

@@ -8,13 +8,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from yarclang.hir import Else, EndWhen, Hold, Motion, Program, SetRegister, Step, WaitInput, WaitUntil, When
+from yarclang.hir import (
+    Else,
+    EndLoop,
+    EndWhen,
+    Exit,
+    Hold,
+    Loop,
+    Motion,
+    NextPass,
+    Program,
+    SetRegister,
+    Step,
+    WaitInput,
+    WaitUntil,
+    When,
+)
 from yarclang.pipeline.executed import Executed
 from yarclang.report.carried import Carried, begins_in_text, carried_in_text
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.tracking import Tracking
 from yarclang.robot.model import Array
 from yarclang.view.parts import Moment, ShownParts, shown_parts
+from yarclang.ways import Turn
 
 _BESIDE = 0.02
 """A sample's time in the program may be off by this while the robot stands [s]."""
@@ -108,14 +124,15 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
-        if isinstance(step, WaitInput | WaitUntil | Hold | When | Else | EndWhen | SetRegister):
+        if isinstance(step, WaitInput | WaitUntil | Hold | SetRegister | Turn):
             return True
     return False
 
 
 def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Iterator[int]:
-    """Yield the steps of the ways that a pass didn't take, and their WHEN, ELSE and END. Of a WHEN whose ways both take no time none is known."""
+    """Yield the steps of the ways that a pass didn't take, and their WHEN, ELSE and END; also what a pass of a loop left out, and where loops begin and end. Of a WHEN whose ways both take no time none is known."""
     open_: list[tuple[int, int | None]] = []
+    loops: list[list[int]] = []
     for number, step in enumerate(steps):
         match step:
             case When():
@@ -135,6 +152,19 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
                 # a way that takes no time was taken if the other one wasn't
                 takes_first = first if first is not None else not second
                 yield from range(middle, number) if takes_first else range(when, middle)
+            case Loop():
+                loops.append([])
+                yield number
+            case Exit() if loops:
+                loops[-1].append(number)
+                yield number
+            case EndLoop() if loops:
+                yield number
+                for left in loops.pop():
+                    if not _was_in(one, begins[left], begins[number]):
+                        yield from range(left, number)
+            case NextPass():
+                yield number
 
 
 def _was_in(one: _Pass, begins: float, ends: float) -> bool | None:

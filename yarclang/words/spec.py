@@ -38,6 +38,7 @@ class WordSpec:
         example: a line as it is written, without an index.
         is_command: True if it may have an index, as commands have.
         opens_block: True if END ends what it begins, and `takes_else` if an ELSE may stand in between.
+        ends_block: True if it ends what another word begins.
         in_blocks: True if it may stand in a block, though it is a declaration.
         at_the_top: True if it stands before the first command.
         once: True if a file has one at most.
@@ -53,6 +54,7 @@ class WordSpec:
     is_command: bool = False
     opens_block: bool = False
     takes_else: bool = False
+    ends_block: bool = False
     in_blocks: bool = False
     at_the_top: bool = False
     once: bool = False

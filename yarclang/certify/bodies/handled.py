@@ -56,6 +56,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     carried = {step: tuple(one.name for one in parts.held()) for step, parts in found.before.items()}
     flowing = {place.step for place in layout.places if place.behind is not None}
     findings = list(_findings(handling, found.grasps, found.before, flowing))
+    findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
     return Handled(program.cell, found.cells, carried), findings
 
@@ -87,6 +88,17 @@ def _findings(
             message = f"after the WHENs before it the robot may hold any of {len(unsure)} parts, more than {MOST_UNSURE}"
             found.append(_finding("Y0945", message, command.origin, _UNSURE))
             break
+    return list(grouped(found))
+
+
+def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagnostic]:
+    """Return the loops that leave a part elsewhere: their later passes would have other things around them than the one that is proved."""
+    found = []
+    for number, name in unlike.items():
+        step = handling.steps[number]
+        assert isinstance(step, hir.NextPass)  # nothing else begins a loop anew
+        message = f"{name} isn't where it was when the loop began: its next pass would be another one than what is proved"
+        found.append(_finding("Y0948", message, step.origin, _AS_BEFORE))
     return list(grouped(found))
 
 
@@ -174,6 +186,7 @@ def _left_over(handling: Handling, grasps: Mapping[int, Grasp], end: Parts) -> l
     return list(grouped(found))
 
 
+_AS_BEFORE = "a loop leaves parts as it finds them: a machine takes away what it puts down (an output with removes in cell.toml); or write the passes one by one, with REPEAT and a number"
 _REST = "remove BLEND from the motion before it: parts are taken and put down at rest"
 _NEARER = "lead the gripper's frame to the part, or correct where the part lies, or reach, in the cell.toml"
 _INTO = "put it down higher, or correct the shapes in the cell.toml"

@@ -149,6 +149,8 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
     condition = CONDITION.fullmatch(barrier.condition)
     if barrier.kind == "set" or (barrier.kind == "when" and condition is None):
         cursor.refuse("is decided by whoever streams: no program buffer can do that")
+    if barrier.kind in ("loop", "next", "exit", "endloop"):
+        cursor.refuse("belongs to a loop, which whoever streams begins anew: no program buffer can do that")
     if barrier.kind in ("stop", "abort"):
         cursor.refuse("ends the program in the middle of its text: no program buffer can do that")
     if barrier.kind == "say":

@@ -12,7 +12,7 @@ from yarclang.certify.read.text import Barred, Entry, Unreadable
 from yarclang.decisions import AGAIN, LARGEST, LONGEST_NAME, Register, Value, inputs_of, registers_of
 from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
-from yarclang.lasting import Lasting
+from yarclang.lasting import ONCE, Lasting
 
 _FIRST = re.compile(r"; yarcc (\S{1,40}): (.*)")
 _TARGET = re.compile(r"; target ([a-z]{1,20})")
@@ -23,7 +23,7 @@ _START = re.compile(r"; start ([-A-Z0-9.]+) \((.*)\)")
 _TIME = r"[0-9]{1,4}(?:\.[0-9]{1,12})?"
 _SECONDS = r"[0-9]{1,9}\.[0-9]{3}"
 _DURATION = re.compile(
-    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and (?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?"
+    rf"; duration (?:({_SECONDS}) to )?({_SECONDS}) s(?: and (?:([0-9]{{1,9}}) to )?([0-9]{{1,9}}) waits?)?(, {ONCE})?"
     rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
 )
 _LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
@@ -36,7 +36,7 @@ _ENTRY = re.compile(
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = re.compile(
-    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort|say) ([0-9]{1,9}) "
+    r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) ([0-9]{1,9}) "
     r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
@@ -108,7 +108,7 @@ def _read_header(lines: Lines) -> Header:
     (program,) = _matched(lines, _PROGRAM, "the program's hash")
     (made_with,) = _matched(lines, _MADE_WITH, "what the text was made with")
     start, units = _matched(lines, _START, "the start")
-    shortest, known, fewest, waits, least, most = _matched(lines, _DURATION, "the duration")
+    shortest, known, fewest, waits, once, least, most = _matched(lines, _DURATION, "the duration")
     longest = ""
     if lines.peek().startswith("; longest"):
         (longest,) = _matched(lines, _LONGEST, "the longest segment that was asked for")
@@ -129,7 +129,9 @@ def _read_header(lines: Lines) -> Header:
         made_with=made_with,
         start=start,
         units=units,
-        lasting=Lasting(float(shortest or known), float(known), int(fewest or waits or 0), int(waits or 0)),
+        lasting=Lasting(
+            float(shortest or known), float(known), int(fewest or waits or 0), int(waits or 0), bool(once)
+        ),
         segments=tuple(one for one in (least, most) if one),
         longest=longest,
         certificate=certificate,

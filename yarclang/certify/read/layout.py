@@ -10,6 +10,7 @@ stand in one sequence; the header's map says where, and how many segments belong
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -18,10 +19,23 @@ from numpy.typing import NDArray
 from yarclang import hir
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
+from yarclang.certify.read.ways import Standing
 from yarclang.frozen import frozen
 from yarclang.progress import go_on
 from yarclang.robot.model import Array
 from yarclang.units import MS
+
+_BARRIERS: dict[type, str] = {
+    hir.When: "when",
+    hir.Else: "else",
+    hir.EndWhen: "end",
+    hir.Finish: "stop",
+    hir.Loop: "loop",
+    hir.NextPass: "next",
+    hir.Exit: "exit",
+    hir.EndLoop: "endloop",
+}
+"""The barriers at which ways part, meet, end and begin anew."""
 
 CHUNK = 8192
 """Segments that are judged at once: enough for whole-array work, few enough for the processor's cache."""
@@ -271,23 +285,15 @@ def _with_places(
     stand, behind = start, 0
     closing = _closing(segments, [last for first, last in spans.values() if last > first])
     before: int | None = None
-    ways: list[tuple[Array, Array | None]] = []
-    ended = False  # the program ends on every way that leads here
+    standing = Standing(start)
     for entry, step in zip(entries, program.steps, strict=True):
         if not isinstance(step, hir.Motion):
-            match step:
-                case hir.When():
-                    ways.append((stand, stand))
-                case hir.Finish():
-                    ended = True
-                case hir.Else() if ways:
-                    origin, _ = ways.pop()
-                    ways.append((origin, None if ended else stand))
-                    stand, ended = origin, False
-                case hir.EndWhen() if ways:
-                    _, met = ways.pop()
-                    if ended and met is not None:
-                        stand, ended = met, False
+            kind = _BARRIERS.get(type(step))
+            if kind is not None:
+                standing.at = stand
+                with suppress(ValueError):  # which the text's flow is refused for
+                    standing.pass_(kind)
+                stand = standing.at
             continue
         first, last = spans.get(entry.step, (behind, behind))
         begins.append(stand)

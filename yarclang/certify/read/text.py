@@ -23,6 +23,10 @@ _MARKS: dict[str, Mark] = {
     "end": "end",
     "stop": "finish",
     "abort": "finish",
+    "loop": "loop",
+    "next": "next",
+    "exit": "exit",
+    "endloop": "endloop",
 }
 
 

@@ -354,6 +354,8 @@ class Takes(Message):
     duration_at_least_s: float
     waits: int
     waits_at_least: int
+    loops: bool = False
+    """True if how often its loops are gone through is known only when it runs: the longest time counts each once."""
 
 
 class OfferDescribed(Message):

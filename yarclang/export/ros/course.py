@@ -20,7 +20,22 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
-Kind = Literal["dwell", "set", "wait", "hold", "when", "else", "end", "stop", "abort", "say"]
+Kind = Literal[
+    "dwell",
+    "set",
+    "wait",
+    "hold",
+    "when",
+    "else",
+    "end",
+    "stop",
+    "abort",
+    "say",
+    "loop",
+    "next",
+    "exit",
+    "endloop",
+]
 
 
 @frozen
@@ -189,6 +204,10 @@ class _Making:
             "when": f"what follows is only for {said}",
             "else": "what follows is for the other case",
             "end": "both cases go on from here",
+            "loop": "what follows is done again and again, up to the end of the loop",
+            "next": "begin the loop anew",
+            "exit": "leave the loop",
+            "endloop": "the loop ends here",
             "set": f"set the register {item.name}",
             "stop": "end the program",
             "say": f"tell the operator: {item.name}",

@@ -148,6 +148,7 @@ def _told(course: Course) -> list[Diagnostic]:
         "hold": "hold",
         "dwell": "stop for a time",
         "when": "WHEN",
+        "loop": "loop",
     }
     kinds = [one.kind for one in course.between]
     counts = [

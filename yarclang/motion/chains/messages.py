@@ -2,7 +2,22 @@
 
 from __future__ import annotations
 
-from yarclang.hir import Else, EndWhen, Finish, Gap, Motion, Origin, Step, Stop, TimedMove, When
+from yarclang.hir import (
+    Else,
+    EndLoop,
+    EndWhen,
+    Exit,
+    Finish,
+    Gap,
+    Loop,
+    Motion,
+    NextPass,
+    Origin,
+    Step,
+    Stop,
+    TimedMove,
+    When,
+)
 from yarclang.motion.curve import Curve
 from yarclang.motion.wording import Message, MessageAbout, length_text
 from yarclang.subjects import MissingUnit
@@ -24,6 +39,10 @@ def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
         what = f"{following.origin.name} follows, whose timetable begins at rest"
     elif isinstance(following, Motion):
         what = "there is no way on one side of the corner"
+    elif isinstance(following, Loop | NextPass | Exit | EndLoop) or (
+        isinstance(following, When) and following.origin.name == "UNTIL"
+    ):
+        what = "a pass of a loop begins or ends here"
     elif isinstance(following, EndWhen | Else | When):
         what = "the ways of a WHEN part or meet here"
     else:

@@ -5,7 +5,19 @@ from __future__ import annotations
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
-from yarclang.hir import ArcMove, Array, Gap, LineMove, Motion, Origin, PoseSplineMove, Step, TimedMove
+from yarclang.hir import (
+    ArcMove,
+    Array,
+    Gap,
+    LineMove,
+    Loop,
+    Motion,
+    NextPass,
+    Origin,
+    PoseSplineMove,
+    Step,
+    TimedMove,
+)
 from yarclang.motion.cartesian import FramePath
 from yarclang.motion.paths.arc import NoArc
 from yarclang.motion.wording import Message, amount_text, beyond_text, length_text, miss_text, range_text
@@ -14,6 +26,7 @@ from yarclang.robot.kinematics.track import Broken
 from yarclang.robot.model import Robot
 from yarclang.source import Span
 from yarclang.units import DEG, MM
+from yarclang.ways import Turn
 
 CartesianMove = LineMove | ArcMove | PoseSplineMove
 
@@ -143,21 +156,24 @@ def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Messa
     return "Y0505", message, origin.span, "a way-point between holds it back", None
 
 
-def ways_part(robot: Robot, one: Array, other: Array, origin: Origin) -> Message:
-    """A WHEN whose ways end at different joint positions."""
+def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
+    """Ways that meet, and end at different joint positions; of a loop its EXITs, or the end of a pass and its beginning."""
     off = np.abs(one - other) / robot.axis_units
     joint = int(np.argmax(off))
-    message = (
-        f"the ways of this WHEN end apart: {robot.joint_names[joint]} by {off[joint]:.4g} "
-        f"{robot.axis_unit_names[joint]}"
-    )
-    return (
-        "Y1002",
-        message,
-        origin.span,
-        "end both at the same joint positions, with MOVEJ to a JOINTS name",
-        None,
-    )
+    far = f"{robot.joint_names[joint]} by {off[joint]:.4g} {robot.axis_unit_names[joint]}"
+    help_ = "end both at the same joint positions, with MOVEJ to a JOINTS name"
+    match where:
+        case NextPass():
+            message = f"a pass of this loop doesn't end where it begins: {far} off"
+            help_ = "lead back to where the loop begins, with MOVEJ to a JOINTS name"
+        case Loop():
+            message = (
+                f"the ways out of this {'loop' if where.origin.name != 'CALL' else 'CALL'} end apart: {far}"
+            )
+        case _:
+            word = "CASE" if where.origin.name == "OF" else where.origin.name
+            message = f"the ways of this {word} end apart: {far}"
+    return "Y1002", message, where.origin.span, help_, None
 
 
 def grips_on_the_way(origin: Origin, closes: bool) -> Message:

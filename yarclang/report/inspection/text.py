@@ -13,11 +13,14 @@ from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Dwell,
+    Exit,
     Finish,
     FrameLink,
     Hold,
     JointGoal,
+    Loop,
     Motion,
+    NextPass,
     PoseDelta,
     Say,
     SetOutput,
@@ -116,6 +119,12 @@ def _told(inspected: Inspected, step: Step) -> str | None:
                 return f"the way parts: is {in_words(condition)}?"
             read, wanted = compared
             return f"the way parts: is {read.name} ({read.variable}) {_state(wanted)}?"
+        case Loop():
+            return "a loop begins: what follows is done again and again, up to its end"
+        case NextPass():
+            return "the loop begins anew"
+        case Exit():
+            return "the SUB is left" if step.origin.name == "RETURN" else "the loop is left"
         case Say(text=text):
             return f"the operator is told: {printable(text)}"
         case Finish(fails=fails, text=text):

@@ -8,8 +8,6 @@ from yarclang.findings import CATALOGUE
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Array,
-    Else,
-    EndWhen,
     Finish,
     Gap,
     JointGoal,
@@ -18,10 +16,10 @@ from yarclang.hir import (
     Step,
     Stop,
     TimedMove,
-    When,
 )
 from yarclang.motion.plan import PlannedMotion
 from yarclang.pipeline.stages import Request, plan_program
+from yarclang.ways import Turn, line_to
 
 
 @frozen(eq=False)
@@ -36,24 +34,8 @@ class Way:
 
 
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
-    """The steps that lead to a step, in one line: of each WHEN only the way that goes there, or its last one."""
-    line: list[Step] = []
-    opened: list[tuple[int, list[Step]]] = []
-    for step in program.steps[:number]:
-        match step:
-            case When():
-                opened.append((len(line), []))
-            case Else() if opened:
-                begin, _ = opened.pop()
-                opened.append((begin, line[begin:]))
-                del line[begin:]
-            case EndWhen() if opened:
-                begin, first = opened.pop()
-                if len(line) > begin and isinstance(line[-1], Finish):
-                    line[begin:] = first  # only the first way comes here
-            case _:
-                line.append(step)
-    return tuple(line)
+    """The steps that lead to a step, in one line, as `line_to` has them."""
+    return tuple(line_to(program.steps[:number]))
 
 
 def way_to(program: Program, number: int, request: Request) -> Way:
@@ -102,7 +84,7 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
     for step in program.steps[number + 1 :]:
         if isinstance(step, Motion) and step.leads_frame:
             line.append(alone(step))
-        elif isinstance(step, Motion | Gap | Stop | When | Else | EndWhen | Finish):
+        elif isinstance(step, Motion | Gap | Stop | Turn):
             break
     if not line:
         return ""

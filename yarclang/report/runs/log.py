@@ -176,6 +176,7 @@ def _lasting(job: Mapping[str, Any]) -> Lasting:
         float(said["duration_s"]),
         int(said["waits_at_least"]),
         int(said["waits"]),
+        bool(said.get("loops", False)),  # logs of before have none
     )
 
 

@@ -94,6 +94,8 @@ def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, 
                 found.passes.append(-1 if on_the_way else number)
             elif (one := _told(topic, content)) is not None:
                 found.told.append(one)
+                if isinstance(one, Remark):
+                    number += one.begins_pass and begun and not on_the_way
                 if isinstance(one, Pass):
                     number += one.of_program and begun
                     begun, on_the_way = begun or one.of_program, not one.of_program
@@ -134,7 +136,7 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
             )
         case "events":
             text = f"ordered: {content['text']}" if content["kind"] == "order" else content["text"]
-            return Remark(time, text, content["kind"] == "warning")
+            return Remark(time, text, content["kind"] == "warning", content["kind"] == "pass")
         case "signals":
             return _signal(time, content)
         case "jobs":

@@ -29,7 +29,8 @@ class Planned:
         stand: (n,) where it starts [rad or m].
         duration: of the whole program [s].
         dwells: (D, 2) from when to when it stands [s], in order.
-        ways: (W, 3) of each WHEN: when its ways part, when the second one begins, and when that ends [s], those within others after them.
+        ways: (W, 3) of each WHEN: when its ways part, when the second one begins, and when that ends [s], those within others after them; of each EXIT: when the loop is left,
+            and twice when it ends.
         lasting: how long a run takes.
     """
 
@@ -127,9 +128,10 @@ def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwel
 
 
 def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, float, float]]:
-    """When the ways of each WHEN part, when the second one begins, and when that ends [s]; the reader has seen that each has an end."""
+    """When the ways of each WHEN part, when the second one begins, and when that ends [s]; the reader has seen that each has an end. What follows an EXIT in its loop is a way, too."""
     open_: list[tuple[int, float, float | None]] = []
     found: dict[int, tuple[float, float, float]] = {}
+    loops: list[list[tuple[int, float]]] = []
     for number, (item, now) in enumerate(zip(content.course, schedule.places, strict=False)):
         match item:
             case Barred(kind="when"):
@@ -139,6 +141,12 @@ def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, floa
             case Barred(kind="end") if open_:
                 first, begins, second = open_.pop()
                 found[first] = (begins, now if second is None else second, now)
+            case Barred(kind="loop"):
+                loops.append([])
+            case Barred(kind="exit") if loops:
+                loops[-1].append((number, now))
+            case Barred(kind="endloop") if loops:
+                found |= {exit_: (begins, now, now) for exit_, begins in loops.pop()}
             case _:
                 pass
     return [found[first] for first in sorted(found)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from yarclang.decisions import (
     DecisionError,
@@ -36,6 +36,9 @@ LOST = "Y1606"
 _TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
 """What a decision means for the lines under its word."""
 
+_LEFT = {True: "the loop is left", False: "the loop goes on"}
+"""The same of UNTIL."""
+
 _LOOK = 0.02
 """Time between two looks at an input [s]."""
 
@@ -56,11 +59,25 @@ class _Standing:
 
 
 @dataclass(slots=True)
+class _Passes:
+    """A loop that is gone through: the number of this pass; how many WHENs and barriers were passed in front of its first one; `moved` once something was sent in this one."""
+
+    ways: int
+    barriers: int
+    number: int = 1
+    moved: bool = False
+
+
+@dataclass(slots=True)
 class Held:
-    """What a run knows besides the controller: its registers, and what the last decision has read of the inputs."""
+    """What a run knows besides the controller: its registers, what the last decision has read of the inputs, and how often its loops were gone through."""
 
     registers: dict[str, int]
     inputs: dict[str, float]
+    loops: dict[int, _Passes] = field(default_factory=dict)
+    """By the number of the leg in front of it."""
+    said: dict[str, str] = field(default_factory=dict)
+    """What was told last of each place, since something has moved."""
 
     @classmethod
     def of(cls, job: Job) -> Held:
@@ -98,6 +115,9 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             offset, clock = job.offset + leg.job.offset, job.clock + leg.job.clock
             part = Part(begun, _title(leg.barrier) if leg.barrier is not None else "")
             begun = True
+            held.said.clear()
+            for one in held.loops.values():
+                one.moved = True
             ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
             if not ended.well:
                 _tell_registers(operation, held)
@@ -128,8 +148,15 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
             ended = _lost(operation, here, str(lost))
         else:
             barriers += 1
-            if leg.barrier.kind == "when":
-                ways = (*ways, place == before + 1)
+            match leg.barrier.kind:
+                case "when":
+                    ways = (*ways, place == before + 1)
+                case "loop":
+                    held.loops[before] = _Passes(len(ways), barriers)
+                case "next":
+                    # all is as in front of the pass that has ended: what was done in it needn't be known any more
+                    loop = held.loops[place - 1]
+                    ways, barriers = ways[: loop.ways], loop.barriers
             continue
         _tell_registers(operation, held)
         return replace(ended, ways=ways, barriers=barriers, at_barrier=True, registers=held.told)
@@ -147,7 +174,7 @@ def _tell_registers(operation: Operation, held: Held) -> None:
 
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
-    """Wait at a barrier, decide, or change a register; the number of the leg that comes next."""
+    """Wait at a barrier, decide, begin a loop anew, or change a register; the number of the leg that comes next."""
     if barrier.kind in ("wait", "hold"):
         operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
@@ -160,7 +187,7 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
             yield from _wait_for_operator(operation, job, barrier)
         case "when":
             holds = yield from _decided(operation, barrier, held)
-            return place + 1 if holds else _behind(job.legs, place, "else", "end")
+            return place + 1 if holds else _behind(job.legs, place, "when", "else", "end")
         case "set":
             yield from _set(operation, job, barrier, held)
         case "say":
@@ -169,8 +196,48 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
             what = f"{_title(barrier)} ends the program: {barrier.name}"
             raise Trouble(what, "see to its reason, then start the program anew", "Y1635")
         case "else":
-            return _behind(job.legs, place, "end")
+            return _behind(job.legs, place, "when", "end")
+        case "next":
+            return (yield from _begin_anew(operation, job, place, held))
+        case "exit":
+            if barrier.word != "UNTIL":
+                operation.remark(
+                    f"{_title(barrier)}: the {'SUB' if barrier.word == 'RETURN' else 'loop'} is left"
+                )
+            return _behind(job.legs, place, "loop", "endloop")
     return place + 1
+
+
+def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Script[int]:
+    """Go back to the first leg of a loop. A pass in which nothing has moved takes a while all the same, and people's orders are heard."""
+    holds = any(isinstance(order, Hold) for order in operation.orders)
+    if not (yield from _obey(operation)) and holds:
+        operation.go(Event.HOLD, "held between two passes of a loop; Enter or `yarc resume` goes on")
+        while not (yield from _obey(operation)):
+            yield Wait(operation.now + _LOOK)
+        operation.go(Event.END, "the operator goes on")
+    head = _in_front(job.legs, place)
+    loop = held.loops[head]
+    if loop.moved:
+        label = job.legs[head].barrier
+        assert label is not None  # a loop begins at one
+        operation.remark(f"{_title(label)}: pass {loop.number} is done", begins_pass=True)
+        loop.number, loop.moved = loop.number + 1, False
+    else:
+        yield Wait(operation.now + _LOOK)
+    return head + 1
+
+
+def _in_front(legs: tuple[Leg, ...], place: int) -> int:
+    """The leg in front of the innermost loop around a barrier."""
+    depth = 0
+    for number in range(place - 1, -1, -1):
+        barrier = legs[number].barrier
+        kind = barrier.kind if barrier is not None else ""
+        if kind == "loop" and not depth:
+            return number
+        depth += (kind == "endloop") - (kind == "loop")
+    raise AssertionError("a loop without a beginning was refused when the text was read")
 
 
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
@@ -181,19 +248,32 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     holds = bool(_evaluated(barrier, barrier.decided, held))
     compared = simple(barrier.decided)
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
+    taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
+    if barrier.word == "REPEAT":
+        (counted,) = registers_of(barrier.decided)
+        left = max(held.registers[counted], 0)
+        _say(operation, barrier, held, f"{left} pass{'es' * (left != 1)} to go")
+        return holds
     if compared is not None and barrier.name:
         state = state_text(held.inputs[compared[0].variable])
-        operation.remark(f"{_title(barrier)}: {said} is {state}: {_TAKEN[holds]}")
+        _say(operation, barrier, held, f"{said} is {state}: {taken}")
         return holds
     known = [f"{name} is {held.registers[name]}" for name in registers_of(barrier.decided)]
     known += [
         f"{shown_variable(one.variable)} is {_said(one.variable, held.inputs[one.variable])}"
         for one in inputs_of(barrier.decided)
     ]
-    operation.remark(
-        f"{_title(barrier)}: {barrier.name or said} {'holds' if holds else 'does not hold'}, {', '.join(known)}: {_TAKEN[holds]}"
-    )
+    told = "holds" if holds else "does not hold"
+    _say(operation, barrier, held, f"{barrier.name or said} {told}, {', '.join(known)}: {taken}")
     return holds
+
+
+def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
+    """Tell what was decided; once, as long as a loop comes here again and nothing has changed or moved."""
+    place = f"{barrier.label} {barrier.source_line}"
+    if held.said.get(place) != text:
+        operation.remark(f"{_title(barrier)}: {text}")
+    held.said[place] = text
 
 
 def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
@@ -209,7 +289,8 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
             "Y1630",
         )
     held.registers[register.name] = int(value)
-    operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
+    if barrier.word != "REPEAT":
+        operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
 
 
 def _read(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
@@ -264,19 +345,19 @@ def _evaluated(barrier: Barrier, value: Value, held: Held) -> float:
         raise Trouble(f"{_title(barrier)}: {error}", remedy, "Y1630") from None
 
 
-def _behind(legs: tuple[Leg, ...], place: int, *kinds: str) -> int:
-    """The leg behind the next barrier of some kinds that belongs to the same WHEN."""
+def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
+    """The leg behind the next barrier of some kinds that belongs to the same block; `opens` begins such a block, and the last kind ends it."""
     depth = 0
     for number in range(place + 1, len(legs)):
         barrier = legs[number].barrier
         kind = barrier.kind if barrier is not None else ""
-        if kind == "when":
+        if kind == opens:
             depth += 1
         elif depth == 0 and kind in kinds:
             return number + 1
-        elif kind == "end":
+        elif kind == kinds[-1]:
             depth -= 1
-    raise AssertionError("a WHEN without an end was refused when the text was read")
+    raise AssertionError("a block without an end was refused when the text was read")
 
 
 def _wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:

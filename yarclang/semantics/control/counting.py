@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from yarclang.decisions import Register
 from yarclang.diagnostics import Collector, FindingError
 from yarclang.frozen import frozen
 from yarclang.progress import tell
@@ -165,10 +166,10 @@ class Counter:
                 commands, lines, rounds, deepest = self._repeat(node, file, scope, depth, needed)
             case "IF":
                 commands, lines, rounds, deepest = self._if(node, file, scope, depth, needed)
-            case "WHEN" | "CASE" as word:
+            case "WHEN" | "CASE" | "LOOP" | "WHILE" as word:
                 both = (*node.body, *(node.otherwise or ()))
                 commands, lines, rounds, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
-                commands += 1 if word == "WHEN" else _ofs(node)
+                commands += _ofs(node) if word == "CASE" else 1
             case _:
                 return _NOTHING
         return commands, lines + size, rounds, deepest + 1
@@ -185,6 +186,9 @@ class Counter:
     def _repeat(self, block: Block, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
         head = block.head
         word, values = counted(head)
+        if word is not None and not values and isinstance(scope.name(word.name), Register):
+            commands, lines, rounds, deepest = self._nodes(block.body, file, Scope(scope), depth + 1, needed)
+            return commands + 1, lines, rounds, deepest
         number = repeats(head, values, scope, Collector(file.findings.source))
         if number is None:
             return self._fault()
@@ -242,8 +246,8 @@ class Counter:
             elif word == "REPEAT":
                 number = repeats(head, counted(head)[1], scope, Collector(source))
                 total += (number or 0) * self._least_round(node, file, scope)
-            elif word in ("WHEN", "CASE"):
-                total += Count(1 if word == "WHEN" else _ofs(node)) + self._least(
+            elif word in ("WHEN", "CASE", "LOOP", "WHILE"):
+                total += Count(_ofs(node) if word == "CASE" else 1) + self._least(
                     (*node.body, *(node.otherwise or ())), file, scope
                 )
         return total

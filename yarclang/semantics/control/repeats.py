@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from yarclang.decisions import Register
 from yarclang.diagnostics import Collector
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.scope import Scope
@@ -27,7 +28,12 @@ def counted(head: Statement) -> tuple[Word | None, list[Value]]:
 
 def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
     """The number behind REPEAT and its name, `values`; None with a finding where there is none."""
-    example = "for example REPEAT I 4, or REPEAT $ROWS"
+    example = "for example REPEAT I 4, or REPEAT $ROWS; REPEAT COUNT asks a register when run"
+    if len(values) == 1 and isinstance(values[0], Word) and isinstance(scope.name(values[0].name), Register):
+        name = values[0].text
+        message = f"{name} is known only when the program runs: its rounds have no number that lines can compute with"
+        findings.add("Y0401", message, head.whole_span, f"write REPEAT {name}, without a name in front of it")
+        return None
     if len(values) != 1 or not isinstance(values[0], Number | Computed):
         findings.add("Y0401", "REPEAT wants a name and a number, or a number", head.whole_span, example)
         return None

@@ -12,13 +12,12 @@ from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Else, EndWhen, Finish, Gap, Origin, Output, Step, Stop, When
+from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
-from yarclang.semantics.actions import read_action, read_assignment, read_wait, read_when
+from yarclang.semantics.actions import read_action, read_assignment, read_wait
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
 from yarclang.semantics.control.calling import Calls
-from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.control.counting import (
     DEEPEST,
     Count,
@@ -28,6 +27,7 @@ from yarclang.semantics.control.counting import (
     too_deep,
     too_much_so_far,
 )
+from yarclang.semantics.control.decided import Decided, Ended
 from yarclang.semantics.control.extent import ENOUGH_WITH_ERRORS, Extent
 from yarclang.semantics.control.places import Place, at, index_of, looped, shown
 from yarclang.semantics.control.repeats import counted, repeats
@@ -88,7 +88,7 @@ def declared_names(module: Module, context: Context) -> Scope:
     return file.scope
 
 
-_NO_COMMANDS = DECLARATIONS - {"WHEN", "OF"}
+_NO_COMMANDS = DECLARATIONS - {"WHEN", "OF", "LOOP", "WHILE", "UNTIL"}
 """Words of lines that don't count as a command."""
 
 
@@ -110,10 +110,9 @@ class _Unroller:
         """The commands, lines and rounds up to here, those of loops and calls as they were counted."""
         self._depth = 0
         """Blocks and calls that are being carried out."""
-        self._whens = 0
-        self._ended: str | None = None
-        self._ended_by = "STOP"
-        self._told_unreachable = False
+        self._decided = Decided(self._steps, self._declaring.registers, self._carry_out, self._count_way)
+        self._place: Place = ()
+        """What leads to the block that is being carried out."""
         self._is_too_much = False
 
     def program(self, module: Module) -> Unrolled:
@@ -154,8 +153,8 @@ class _Unroller:
             ):  # which are counted with all that is in them
                 is_command = head.index is not None or head.name.name not in _NO_COMMANDS
                 self._add_counted(Count(int(is_command), size), head, file)
-            if isinstance(node, Block) and self._ended is not None and node.head.name.name != "SUB":
-                self._tell_unreachable(node.head, file)
+            if isinstance(node, Block) and self._decided.ended is not None and node.head.name.name != "SUB":
+                self._decided.tell_unreachable(node.head, file)
             elif isinstance(node, Block):
                 self._block(node, file, scope, place)
             elif node.index is None and node.name.name in DECLARATIONS:
@@ -165,6 +164,7 @@ class _Unroller:
 
     def _block(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         self._depth += 1
+        before, self._place = self._place, place
         match block.head.name.name:
             case "SUB":
                 self._declaring.declare_sub(block, file, scope)
@@ -173,10 +173,28 @@ class _Unroller:
             case "IF":
                 self._if(block, file, scope, place)
             case "CASE":
-                self._case(block, file, scope, place)
+                self._decided.case(block, file, scope)
+            case "LOOP":
+                self._decided.loop(block, file, scope)
+            case "WHILE":
+                self._decided.while_(block, file, scope)
             case _:
-                self._when(block, file, scope, place)
+                self._decided.when(block, file, scope)
         self._depth -= 1
+        self._place = before
+
+    def _carry_out(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> None:
+        """Carry out lines of a block that is decided when the program runs."""
+        place = self._place
+        self._nodes(nodes, file, scope, place)
+        self._place = place
+
+    def _count_way(self, statement: Statement, file: File) -> None:
+        """Count the line of a WHEN, OF, LOOP, WHILE, UNTIL or REPEAT that is carried out."""
+        self._count_command(statement, file)
+        if not self._place and statement.name.name in ("OF", "UNTIL"):
+            size = self._counter.size(statement, file.findings.source)
+            self._add_counted(Count(1, size), statement, file)
 
     def _if(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         head = block.head
@@ -194,6 +212,11 @@ class _Unroller:
         head = block.head
         refuse_parts(head, NOT_FOR_BLOCKS, file.findings)
         word, values = counted(head)
+        register = None if word is None or values else scope.name(word.name)
+        if isinstance(register, Register):
+            self._count(block, file, scope, place)
+            self._decided.repeat(block, file, scope, register)
+            return
         count = repeats(head, values, scope, file.findings)
         if word is not None and not may_be_declared(head, word, scope, self._context.robot, file.findings):
             word = None
@@ -212,7 +235,7 @@ class _Unroller:
             if self._commands == before:
                 self._count_command(head, file)  # loops around nothing end as well
                 self._extent.add(1, again=True)
-            if self._told_unreachable:
+            if self._decided.goes_nowhere:
                 break
             if self._extent.is_reached and number + 1 < count:
                 self._steps.append(Gap())
@@ -220,7 +243,7 @@ class _Unroller:
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
         """Count what a loop or a CALL comes to that is in no other; a finding if it is too much."""
-        if place or self._is_too_much or self._ended is not None:
+        if place or self._is_too_much or self._decided.ended is not None:
             return
         head = node.head if isinstance(node, Block) else node
         try:
@@ -251,78 +274,6 @@ class _Unroller:
         self._is_too_much = True
         self._extent.reach()
 
-    def _when(self, block: Block, file: File, scope: Scope, place: Place) -> None:
-        when = read_when(block.head, scope, file.findings)
-        if when is None:
-            self._steps.append(Gap())
-            return
-        self._steps.append(when)
-        self._count_command(block.head, file)
-        self._whens += 1
-        self._nodes(block.body, file, Scope(scope), place)
-        ended = [self._way_ended()]
-        if block.otherwise is not None:
-            head = block.otherwise_head or block.head
-            self._steps.append(Else(replace(origin_of(head, "ELSE", file.findings), place=when.origin.place)))
-            self._nodes(block.otherwise, file, Scope(scope), place)
-        ended.append(self._way_ended())
-        self._meet(ended)
-        self._whens -= 1
-        end = block.end or block.head
-        self._steps.append(EndWhen(replace(origin_of(end, "END", file.findings), place=when.origin.place)))
-
-    def _case(self, block: Block, file: File, scope: Scope, place: Place) -> None:
-        """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""
-        ways, findings = ways_of(block, scope, file.findings), file.findings
-        if ways is None:
-            self._steps.append(Gap())
-            return
-        around = findings.place  # the lines of the ways have places of their own
-        self._whens += 1
-        opened = 0
-        ended: list[str | None] = []
-
-        def origin(statement: Statement, word: str) -> Origin:
-            return replace(origin_of(statement, word, findings), place=around)
-
-        for way in ways:
-            self._count_command(way.of, file)
-            if not place:
-                self._add_counted(Count(1, self._counter.size(way.of, findings.source)), way.of, file)
-            if opened:
-                self._steps.append(Else(origin(way.of, "ELSE")))
-            if way.condition is not None:
-                self._steps.append(When(origin(way.of, "OF"), way.condition, again=opened > 0))
-                opened += 1
-            self._nodes(tuple(way.nodes), file, Scope(scope), place)
-            ended.append(self._way_ended())
-        if block.otherwise is not None:
-            self._steps.append(Else(origin(block.otherwise_head or block.head, "ELSE")))
-            self._nodes(block.otherwise, file, Scope(scope), place)
-            ended.append(self._way_ended())
-        self._meet(ended)
-        self._whens -= 1
-        self._steps += [EndWhen(origin(block.end or block.head, "END"))] * opened
-
-    def _way_ended(self) -> str | None:
-        """Return what ends the program in the way that was carried out last; the next one is reached all the same."""
-        ended, self._ended, self._told_unreachable = self._ended, None, False
-        return ended
-
-    def _meet(self, ended: list[str | None]) -> None:
-        """Go on after ways of which each has ended the program or hasn't: if all have, nothing that follows is reached."""
-        if all(one is not None for one in ended):
-            self._ended = ended[-1]
-
-    def _tell_unreachable(self, statement: Statement, file: File) -> None:
-        """Warn of the first line after the program's end."""
-        if not self._told_unreachable:
-            message = f"this is never reached: {self._ended} ends the program"
-            file.findings.add(
-                "Y1001", message, statement.head_span, f"move {self._ended_by} to the end, or take it away"
-            )
-        self._told_unreachable = True
-
     def _call(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
         findings = file.findings
         findings.place = shown(at(place, statement)) if place else ""
@@ -338,7 +289,8 @@ class _Unroller:
                 self._steps.append(Gap())
             else:
                 self._depth += 1
-                self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
+                with self._decided.called(lambda: origin_of(statement, "CALL", findings)):
+                    self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
                 self._depth -= 1
         finally:
             self._calls.end()
@@ -358,8 +310,8 @@ class _Unroller:
     def _command(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
         file.command_seen = True
         self._count_command(statement, file)
-        if self._ended is not None:
-            self._tell_unreachable(statement, file)
+        if self._decided.ended is not None:
+            self._decided.tell_unreachable(statement, file)
             return
         word = statement.name.name
         if word == "CALL":
@@ -379,7 +331,10 @@ class _Unroller:
             name = self._names.resolved(statement, file.findings)
             step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)
             steps = () if step is None else (step,)
-        if any(isinstance(step, Stop) for step in steps) and self._whens:
+        if steps and isinstance(steps[0], Exit):
+            self._decided.leave(statement, file, steps[0])
+            return
+        if any(isinstance(step, Stop) for step in steps) and self._decided.is_open:
             steps = tuple(Finish(step.origin) if isinstance(step, Stop) else step for step in steps)
         if given:
             name_arguments(statement, file.findings, before, given)
@@ -393,7 +348,8 @@ class _Unroller:
         for step in steps or (Gap(),):
             self._steps.append(step)
             if isinstance(step, Stop | Finish):
-                self._ended, self._ended_by = step.origin.label or step.origin.name, step.origin.name
+                why = f"{step.origin.label or step.origin.name} ends the program"
+                self._decided.end(Ended(why, f"move {step.origin.name} to the end, or take it away"))
 
     def _read(
         self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool

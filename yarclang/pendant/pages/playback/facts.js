@@ -11,7 +11,8 @@ function lasting(takes) {
   const varies = takes.duration_s - takes.duration_at_least_s > 5e-4;
   const known = varies ? `${seconds(takes.duration_at_least_s)} to ${seconds(takes.duration_s)}` : seconds(takes.duration_s);
   const count = takes.waits === takes.waits_at_least ? `${takes.waits}` : `${takes.waits_at_least} to ${takes.waits}`;
-  return `${known}${takes.waits ? `, and ${count} wait${takes.waits > 1 ? "s" : ""}` : ""}`;
+  const once = takes.loops ? ", each loop once" : "";
+  return `${known}${takes.waits ? `, and ${count} wait${takes.waits > 1 ? "s" : ""}` : ""}${once}`;
 }
 
 // What was proved.

@@ -1,0 +1,202 @@
+"""Loops on the simulator: passes, ways out of them, what people order in between, and what is known of the last pass."""
+
+import time
+
+import pytest
+
+from tests.runtime.test_decisions import numbered
+from tests.runtime.test_legs import HOME, OUT, job, joints, value, world
+from yarclang.coordinator.carried_out import taken
+from yarclang.runtime.notices import Abort, Hold, Remark, Resume, Stop
+from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.state import State
+
+HEAD = ("REGISTER N 0..9", "REGISTER K -9..9 0")
+
+
+@pytest.fixture
+def robot(industrial6):
+    return industrial6
+
+
+def performed(robot, *lines, inputs=(), at=(), orders=()):
+    made = world(robot)
+    for name, number in inputs:
+        made.machine.command(f"{name}={number}", 7)
+    made.at += [(made.now + when, lambda line=line: made.machine.command(line, 7)) for when, line in at]
+    made.at += [(made.now + when, lambda one=one: made.operation.orders.append(one)) for when, one in orders]
+    return made, made.perform(perform(made.operation, job(robot, *HEAD, *numbered(lines))))
+
+
+def remarks(made):
+    return [one.text for one in made.told if isinstance(one, Remark)]
+
+
+@pytest.mark.parametrize("count", [0, 1, 3])
+def test_a_repeat_makes_as_many_passes_as_the_register_says_in_front_of_it(robot, count):
+    made, ended = performed(
+        robot,
+        f"SET N = {count}",
+        "REPEAT N",
+        "  SET K = K + 1",
+        "  SET N = 0",
+        "END",
+        "SET LAMP 5",
+    )
+    assert ended.well
+    assert dict(ended.registers)["K"] == count
+    assert value(made, "M2") == 5
+
+
+def test_a_register_below_zero_makes_no_pass(robot):
+    _, ended = performed(robot, "SET K = -4", "REPEAT K", "  SET N = N + 1", "END")
+    assert ended.well
+    assert dict(ended.registers)["N"] == 0
+
+
+def test_a_loop_streams_its_body_in_each_pass(robot):
+    made = world(robot)
+    lines = ("LOOP", f"P10 {OUT}", f"P20 {HOME}", "P30 SET N = N + 1", "UNTIL N >= 3")
+    since = made.now
+    ended = made.perform(perform(made.operation, job(robot, *HEAD, *lines)))
+    assert ended.well
+    assert made.now - since > 6.0
+    passes = [one for one in made.told if isinstance(one, Remark) and one.begins_pass]
+    assert [one.text.partition(": ")[2] for one in passes] == ["LOOP: pass 1 is done", "LOOP: pass 2 is done"]
+    assert joints(made, robot)[0] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_loop_is_left_where_the_robot_is(robot):
+    made = world(robot)
+    lines = (
+        "LOOP", f"P10 {OUT}", "P15 SET N = N + 1", "WHEN N = 2", "P20 EXIT", "END", f"P30 {HOME}", "END", "P40 SET LAMP 7",
+    )  # fmt: skip
+    ended = made.perform(perform(made.operation, job(robot, *HEAD, *lines)))
+    assert ended.well
+    assert joints(made, robot)[0] == pytest.approx(20.0, abs=1e-3)
+    assert value(made, "M2") == 7
+    assert "P0020 EXIT: the loop is left" in remarks(made)
+
+
+def test_an_exit_of_an_inner_loop_goes_on_in_the_outer_one(robot):
+    _, ended = performed(
+        robot,
+        "WHILE N < 3",
+        "  SET N = N + 1",
+        "  LOOP",
+        "    SET K = K + 1",
+        "    WHEN K > 1",
+        "P900 EXIT",
+        "    END",
+        "  END",
+        "END",
+    )
+    assert ended.well
+    assert dict(ended.registers) == {"N": 3, "K": 4}
+
+
+def test_a_return_skips_the_rest_of_the_sub(robot):
+    _, ended = performed(
+        robot,
+        "SUB S",
+        "WHEN N > 0",
+        "P900 RETURN",
+        "END",
+        "SET K = K + 1",
+        "END",
+        "P901 CALL S",
+        "SET N = 1",
+        "P902 CALL S",
+    )
+    assert ended.well
+    assert dict(ended.registers) == {"N": 1, "K": 1}
+
+
+WAITS = ("WHILE DOOR OFF", "END", "SET LAMP 3")
+
+
+def test_a_loop_that_moves_nothing_looks_again_and_again_and_takes_its_time(robot):
+    made, ended = performed(robot, *WAITS, at=[(2.0, "M11=1")])
+    assert ended.well
+    assert value(made, "M2") == 3
+    # what is the same in each pass is told once
+    assert len([one for one in remarks(made) if "WHILE" in one]) == 2
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+@pytest.mark.parametrize("lines", [WAITS, ("LOOP", "  SET N = 1 - N", "END")])
+def test_a_loop_that_moves_nothing_is_stopped(robot, order, lines):
+    begun = time.monotonic()
+    made, ended = performed(robot, *lines, orders=[(1.0, order)])
+    assert not ended.well
+    assert ended.at_barrier
+    assert time.monotonic() - begun < 30.0
+
+
+def test_a_hold_in_a_loop_holds_where_it_begins_anew(robot):
+    made = world(robot)
+    lines = ("WHILE DOOR OFF", "END", f"P10 {OUT}")
+    made.at.append((made.now + 1.0, lambda: made.operation.orders.append(Hold())))
+    made.at.append((made.now + 2.0, lambda: made.machine.command("M11=1", 7)))
+    made.at.append((made.now + 9.0, lambda: made.operation.orders.append(Resume())))
+    since = made.now
+    ended = made.perform(perform(made.operation, job(robot, *lines)))
+    assert ended.well
+    assert made.now - since > 9.0
+
+
+def test_of_a_stopped_run_the_last_pass_is_known(robot):
+    """What was done in the passes before is as if it hadn't been: the loop found all as in front of its first one."""
+    made = world(robot)
+    lines = (
+        "WHEN DOOR OFF",
+        "  P10 SET N = 1",
+        "END",
+        "LOOP",
+        f"  P20 {OUT}",
+        "  WHEN N = 1",
+        "    P30 SET N = 2",
+        "  ELSE",
+        "    P40 SET K = K + 1",
+        "  END",
+        f"  P50 {HOME}",
+        "UNTIL DOOR ON",
+        "P60 SET LAMP ON",
+    )
+    run = job(robot, *HEAD, *lines)
+    made.at.append((made.now + 8.0, lambda: made.operation.orders.append(Stop())))
+    ended = made.perform(perform(made.operation, run))
+    assert not ended.well
+    assert ended.ways[0] is True
+    # of the passes that are over no way is left
+    assert ended.ways[1:] in ((), (False,))
+    assert dict(ended.registers)["K"] >= 1
+
+
+def test_the_steps_that_were_taken(robot):
+    from programs import checked
+
+    lines = (
+        "LOOP",
+        "P10 SET N = 1",
+        "WHEN DOOR ON",
+        "P20 EXIT",
+        "END",
+        "P30 SET N = 2",
+        "END",
+        "P40 SET N = 3",
+    )
+    program, _ = checked("INPUT DOOR M11\nREGISTER N 0..9\n" + "\n".join(lines) + "\n")
+    names = [type(one).__name__ for one in program.steps]
+    assert names == ["Loop", "SetRegister", "When", "Exit", "EndWhen", "SetRegister", "NextPass", "EndLoop", "SetRegister"]  # fmt: skip
+    assert taken(program.steps, 0, 9, (True,)) == [0, 1, 2, 3, 8]
+    assert taken(program.steps, 0, 9, (False,)) == [0, 1, 2, 5, 6]
+    assert taken(program.steps, 0, 9, ()) == [0, 1]
+
+
+def test_a_lost_connection_in_a_later_pass_ends_the_run(robot):
+    made, ended = performed(
+        robot, "LOOP", f"P900 {OUT}", f"P901 {HOME}", "UNTIL DOOR ON", orders=[(7.0, Stop())]
+    )
+    assert not ended.well
+    assert State.STOP in [one.state for one in made.told if hasattr(one, "state")]

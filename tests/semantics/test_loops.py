@@ -1,0 +1,160 @@
+"""LOOP, WHILE, UNTIL, EXIT, RETURN and a REPEAT that a register counts: which steps they become, and what is said of mistakes."""
+
+import pytest
+from programs import checked, codes, planned
+
+from yarclang.hir import EndLoop, EndWhen, Exit, Finish, Loop, NextPass, SetRegister, When
+
+HEAD = "INPUT DOOR M11\nREGISTER N 0..9\nJOINTS A 10 0 0 0 0 0 (deg)\nDEFAULT [1] (deg,s)\n"
+
+
+def kinds(*lines):
+    program, found = checked(HEAD + "\n".join(lines) + "\n")
+    assert not [one for one in found if one.is_error], found
+    return [type(step) for step in program.steps if not hasattr(step, "profile")]
+
+
+def first(*lines):
+    _, found = checked(HEAD + "\n".join(lines) + "\n")
+    return next(one for one in found if one.is_error)
+
+
+def test_a_while_is_a_loop_whose_body_stands_in_a_when():
+    assert kinds("WHILE DOOR OFF", "P10 MOVEJ HOME", "END") == [Loop, When, NextPass, EndWhen, EndLoop]
+
+
+def test_an_until_leaves_the_loop_behind_its_pass():
+    found = kinds("LOOP", "P10 MOVEJ HOME", "UNTIL N > 2 AND DOOR = ON")
+    assert found == [Loop, When, Exit, EndWhen, NextPass, EndLoop]
+
+
+def test_a_repeat_counts_a_register_of_its_own_down():
+    program, _ = checked(HEAD + "REPEAT N\nP10 MOVEJ HOME\nEND\n")
+    assert [one.name for one in program.registers] == ["N", "REPEAT_1"]
+    own = program.registers[1]
+    assert (own.low, own.high) == (0, 9)
+    steps = [type(step) for step in program.steps if not hasattr(step, "profile")]
+    assert steps == [SetRegister, Loop, When, SetRegister, NextPass, EndWhen, EndLoop]
+
+
+def test_repeats_inside_each_other_have_registers_of_their_own():
+    program, _ = checked(HEAD + "REPEAT N\nREPEAT N\nP10 MOVEJ HOME\nEND\nEND\n")
+    assert [one.name for one in program.registers] == ["N", "REPEAT_1", "REPEAT_2"]
+
+
+def test_the_register_of_a_repeat_hides_none():
+    program, _ = checked(HEAD + "REGISTER REPEAT_1 0..3\nREPEAT N\nP10 MOVEJ HOME\nEND\n")
+    assert [one.name for one in program.registers] == ["N", "REPEAT_1", "REPEAT_2"]
+
+
+def test_a_pass_that_every_way_leaves_has_no_next_one():
+    assert NextPass not in kinds("LOOP", "P10 MOVEJ HOME", "P20 EXIT", "END")
+    both = ("LOOP", "WHEN DOOR ON", "P10 EXIT", "ELSE", "P20 STOP", "END", "END", "P30 MOVEJ A")
+    found = kinds(*both)
+    assert NextPass not in found
+    assert Finish in found
+
+
+def test_a_return_leads_behind_its_sub():
+    lines = (
+        "SUB S",
+        "WHEN DOOR ON",
+        "P10 RETURN",
+        "END",
+        "P20 SET N = 1",
+        "END",
+        "P30 CALL S",
+        "P40 MOVEJ A",
+    )
+    assert kinds(*lines) == [Loop, When, Exit, EndWhen, SetRegister, EndLoop]
+
+
+def test_a_return_on_all_ways_needs_no_step():
+    assert kinds("SUB S", "P10 RETURN", "END", "P30 CALL S", "P40 MOVEJ A") == []
+
+
+def test_a_return_in_a_compile_time_if_needs_no_step_either():
+    lines = ("LET K = 1", "SUB S", "IF 1 = 1", "P10 RETURN", "END", "P20 SET N = 1", "END", "P30 CALL S")
+    program, found = checked(HEAD + "\n".join((*lines, "P40 MOVEJ $K 0 0 0 0 0")) + "\n")
+    assert [type(step).__name__ for step in program.steps] == ["JointMove"]
+    assert "Y1001" in codes(found)  # of P20
+
+
+@pytest.mark.parametrize(
+    ("lines", "code", "what"),
+    [
+        (["P10 EXIT", "P20 MOVEJ A"], "Y0450", "EXIT stands in no LOOP or WHILE"),
+        (["P10 RETURN", "P20 MOVEJ A"], "Y0450", "RETURN stands in no SUB"),
+        (["SUB S", "P5 EXIT", "END", "LOOP", "P10 CALL S", "END"], "Y0450", "EXIT stands in no LOOP"),
+        (["REPEAT 2", "P10 EXIT", "END"], "Y0450", "EXIT stands in no LOOP"),
+        (
+            ["SUB S", "LOOP", "WHEN DOOR ON", "P5 RETURN", "END", "END", "END", "P10 CALL S"],
+            "Y0450",
+            "RETURN stands in a loop",
+        ),
+        (["P10 MOVEJ A", "UNTIL DOOR ON"], "Y0114", "this UNTIL ends nothing: no block is open"),
+        (["WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON", "END"], "Y0114", "the WHEN of line 5 is open here"),
+        (["LOOP", "P10 MOVEJ A"], "Y0113", "this LOOP has no END"),
+        (["LOOP", "WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0113", "this WHEN has no END"),
+        (["LOOP 5", "P10 MOVEJ A", "END"], "Y0408", "LOOP doesn't take values"),
+        (
+            ["LOOP", "P10 MOVEJ A", "ELSE", "P20 MOVEJ HOME", "END"],
+            "Y0115",
+            "the LOOP of line 5 is open here",
+        ),
+        (["WHILE DOOR", "P10 MOVEJ A", "END"], "Y0401", "WHILE wants an input and what it is"),
+        (["LOOP", "P10 MOVEJ A", "UNTIL"], "Y0401", "UNTIL wants an input and what it is"),
+        (["WHILE 1 = 1", "P10 MOVEJ A", "END"], "Y0430", "nothing in this condition changes"),
+        (["REPEAT I N", "P10 MOVEJ A", "END"], "Y0401", "N is known only when the program runs"),
+        (["P5 LOOP", "P10 MOVEJ A", "END"], "Y0117", "LOOP is no command and has no index"),
+        (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT wants nothing behind it"),
+    ],
+)
+def test_mistakes_are_told(lines, code, what):
+    found = first(*lines)
+    assert found.code == code
+    assert what in found.message
+
+
+@pytest.mark.parametrize(
+    ("lines", "what"),
+    [
+        (["LOOP", "P10 MOVEJ A", "END", "P20 MOVEJ HOME"], "the LOOP of line 5 goes on for ever"),
+        (["LOOP", "P10 EXIT", "P20 MOVEJ A", "END"], "P0010 leaves the loop"),
+        (["SUB S", "P5 RETURN", "P10 MOVEJ A", "END", "P20 CALL S"], "leaves the SUB"),
+        (["LOOP", "P10 STOP", "END", "P20 MOVEJ A"], "P0010 ends the program"),
+    ],
+)
+def test_lines_that_no_way_leads_to_are_told(lines, what):
+    _, found = checked(HEAD + "\n".join(lines) + "\n")
+    (one,) = (one for one in found if one.code == "Y1001")
+    assert what in one.message
+
+
+@pytest.mark.parametrize(
+    ("lines", "what"),
+    [
+        (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"], "a pass of this loop doesn't end where it begins: J1 by 10 deg off"),
+        (["WHILE DOOR ON", "P10 MOVEJ A", "END"], "a pass of this loop doesn't end where it begins"),
+        (["REPEAT N", "P10 DMOVEJ 1 0 0 0 0 0", "END"], "a pass of this loop doesn't end where it begins"),
+        (
+            ["LOOP", "WHEN DOOR ON", "P10 EXIT", "END", "P20 MOVEJ A", "WHEN N > 1", "P30 EXIT", "END", "P40 MOVEJ HOME", "END"],
+            "the ways out of this loop end apart: J1 by 10 deg",
+        ),
+        (
+            ["SUB S", "WHEN DOOR ON", "P10 RETURN", "END", "P20 MOVEJ A", "END", "P30 CALL S"],
+            "the ways out of this CALL end apart",
+        ),
+    ],
+)  # fmt: skip
+def test_a_loop_closes(lines, what):
+    _, found = planned(HEAD + "\n".join(lines) + "\n")
+    (one,) = (one for one in found if one.code == "Y1002")
+    assert what in one.message
+
+
+def test_a_loop_may_be_left_elsewhere_than_where_it_begins():
+    lines = ("LOOP", "P10 MOVEJ A", "WHEN DOOR ON", "P20 EXIT", "END", "P30 MOVEJ HOME", "END", "P40 MOVEJ A")
+    _, found = planned(HEAD + "\n".join(lines) + "\n")
+    assert not [one for one in found if one.is_error]
+    assert "Y0603" in codes(found)  # the robot stands at A behind the loop

@@ -1,0 +1,96 @@
+"""Where the robot stands while a text's ways part, meet, end and begin anew, as the judge follows them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from yarclang.robot.model import Array
+
+
+@dataclass(slots=True)
+class _Open:
+    """A WHEN, or a loop if it `begins` anew, that isn't ended: where the robot stood in front of it; where its first way ends, or where it was left first (None: not yet known).
+
+    Of a WHEN `parted` says that its second way has begun, and `over` that the program doesn't get to the end of its first one.
+    """
+
+    begins: bool
+    before: Array
+    other: Array | None = None
+    parted: bool = False
+    over: bool = False
+
+
+@dataclass(slots=True)
+class Standing:
+    """Where the robot stands (n,); `over` if no way leads here."""
+
+    at: Array
+    over: bool = False
+    open: list[_Open] = field(default_factory=list)
+
+    def pass_(self, kind: str) -> tuple[Array, str] | None:
+        """Go through a barrier of a kind.
+
+        Returns:
+            What must be where the robot stands now and needn't be, and what is wrong if it isn't; `at` is then where it stood before. None if there is nothing to compare.
+
+        Raises:
+            ValueError: a barrier ends or parts what isn't open, and why.
+        """
+        match kind:
+            case "when" | "loop":
+                self.open.append(_Open(kind == "loop", self.at))
+            case "stop" | "abort":
+                self.over = True
+            case "else":
+                top = self._top(loop=False, why="a second way without a first")
+                if top.parted:
+                    raise ValueError("a second way without a first")
+                top.other, top.parted, top.over = self.at, True, self.over
+                self.at, self.over = top.before, False
+            case "end":
+                return self._met(self._pop(loop=False, why="ways end that didn't begin"))
+            case "next":
+                loop, over, self.over = self._loop("begins anew"), self.over, True
+                return None if over else (loop.before, "a pass ends elsewhere than where the loop begins")
+            case "exit":
+                loop, over, self.over = self._loop("is left"), self.over, True
+                if over:
+                    return None
+                if loop.other is not None:
+                    return loop.other, "the ways out of a loop end apart"
+                loop.other = self.at
+            case "endloop":
+                loop = self._pop(loop=True, why="a loop ends that didn't begin")
+                if loop.other is None:
+                    return None
+                if self.over:
+                    self.at, self.over = loop.other, False
+                    return None
+                return loop.other, "the ways out of a loop end apart"
+        return None
+
+    def _met(self, when: _Open) -> tuple[Array, str] | None:
+        other = when.before if when.other is None else when.other
+        if when.over:
+            return None
+        if self.over:
+            self.at, self.over = other, False
+            return None
+        return other, "ways that meet end apart"
+
+    def _loop(self, what: str) -> _Open:
+        loop = next((one for one in reversed(self.open) if one.begins), None)
+        if loop is None:
+            raise ValueError(f"a loop {what} that didn't begin")
+        return loop
+
+    def _top(self, *, loop: bool, why: str) -> _Open:
+        if not self.open or self.open[-1].begins != loop:
+            raise ValueError(why)
+        return self.open[-1]
+
+    def _pop(self, *, loop: bool, why: str) -> _Open:
+        self._top(loop=loop, why=why)
+        return self.open.pop()

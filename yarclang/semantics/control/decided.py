@@ -1,0 +1,274 @@
+"""Blocks that are decided when the program runs: WHEN, CASE, LOOP, WHILE, and a REPEAT that a register counts.
+
+Each becomes steps at which ways part, meet and begin anew; a WHILE is a LOOP whose body stands in a WHEN, and a REPEAT counts a register of its own down.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field, replace
+
+from yarclang.decisions import Between, Constant, Register, RegisterValue
+from yarclang.hir import Else, EndLoop, EndWhen, Exit, Gap, Loop, NextPass, Origin, SetRegister, Step, When
+from yarclang.semantics.actions import read_when
+from yarclang.semantics.control.cases import ways_of
+from yarclang.semantics.files import File
+from yarclang.semantics.motions.to_hir import origin_of
+from yarclang.semantics.names.scope import Scope
+from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.syntax.ast import Block, Node, Statement
+
+COUNTER = "REPEAT_"
+"""How the registers begin that count the passes of a REPEAT."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """Why a line isn't reached, and what to do about it; `returns` if no more than a SUB is left there."""
+
+    why: str
+    help: str
+    returns: bool = False
+
+
+@dataclass(slots=True)
+class _Around:
+    """The blocks around a line in its SUB: of each loop, from outside in, True once a way leads out of it; how many WHENs and CASEs; `returned` once one of their ways leaves the SUB."""
+
+    loops: list[bool] = field(default_factory=list)
+    ways: int = 0
+    returned: bool = False
+
+
+class Decided:
+    """Writes the steps of such blocks, and knows whether a line is reached at all.
+
+    Args:
+        steps: to which is added.
+        registers: to which a REPEAT adds its own.
+        carry_out: carries out lines of a file.
+        count: counts a command that is carried out; of a line in no loop and no SUB also how long it is.
+    """
+
+    def __init__(
+        self,
+        steps: list[Step],
+        registers: list[Register],
+        carry_out: Callable[[tuple[Node, ...], File, Scope], None],
+        count: Callable[[Statement, File], None],
+    ) -> None:
+        self.ended: Ended | None = None
+        self._told_unreachable = False
+        self._steps, self._registers = steps, registers
+        self._carry_out, self._count = carry_out, count
+        self._around = [_Around()]
+
+    @property
+    def is_open(self) -> bool:
+        """True if the present line stands in such a block: the program's end may be that of one way."""
+        return any(one.ways or one.loops for one in self._around)
+
+    @property
+    def goes_nowhere(self) -> bool:
+        """True if a line was told of that isn't reached."""
+        return self._told_unreachable
+
+    def end(self, ended: Ended) -> None:
+        """What follows in this way isn't reached."""
+        self.ended = ended
+
+    def tell_unreachable(self, statement: Statement, file: File) -> None:
+        """Warn of the first line that isn't reached."""
+        if not self._told_unreachable and self.ended is not None:
+            message = f"this is never reached: {self.ended.why}"
+            file.findings.add("Y1001", message, statement.head_span, self.ended.help)
+        self._told_unreachable = True
+
+    @contextmanager
+    def called(self, origin: Callable[[], Origin]) -> Iterator[None]:
+        """Go into a SUB: its RETURNs lead behind all of it, and the loops around its CALL aren't left from it.
+
+        Args:
+            origin: of the CALL.
+        """
+        begin = len(self._steps)
+        self._around.append(_Around())
+        try:
+            yield
+        finally:
+            around = self._around.pop()
+            if around.returned:  # some ways leave it: as a loop that never begins anew
+                self._steps.insert(begin, Loop(origin()))
+                self._steps.append(EndLoop(origin()))
+            if around.returned or (self.ended is not None and self.ended.returns):
+                self._goes_on()
+
+    def leave(self, statement: Statement, file: File, step: Exit) -> None:
+        """Carry out an EXIT or a RETURN."""
+        around, word = self._around[-1], step.origin.name
+        returns, name = word == "RETURN", step.origin.label or word
+        fault = None
+        if returns and len(self._around) == 1:
+            fault = "RETURN stands in no SUB", "STOP ends the program"
+        elif returns and around.loops:
+            fault = "RETURN stands in a loop", "leave the loop by EXIT, and write RETURN behind its END"
+        elif not returns and not around.loops:
+            fault = "EXIT stands in no LOOP or WHILE", "STOP ends the program, RETURN a SUB"
+        if fault is not None:
+            file.findings.add("Y0450", fault[0], statement.head_span, fault[1])
+            self._steps.append(Gap())
+            return
+        if not returns or around.ways:
+            self._steps.append(step)
+        if not returns:
+            around.loops[-1] = True
+        around.returned |= returns and around.ways > 0
+        what = "the SUB" if returns else "the loop"
+        self.ended = Ended(f"{name} leaves {what}", f"move {word} behind it, or into a WHEN", returns=returns)
+
+    def when(self, block: Block, file: File, scope: Scope) -> None:
+        """Carry out a WHEN."""
+        when = read_when(block.head, scope, file.findings)
+        if when is None:
+            self._steps.append(Gap())
+            return
+        around = when.origin.place
+        self._steps.append(when)
+        self._count(block.head, file)
+        with self._parted():
+            self._carry_out(block.body, file, Scope(scope))
+            ended = [self._way_ended()]
+            if block.otherwise is not None:
+                head = block.otherwise_head or block.head
+                self._steps.append(Else(_origin(head, "ELSE", file, around)))
+                self._carry_out(block.otherwise, file, Scope(scope))
+            ended.append(self._way_ended())
+        self._meet(ended)
+        self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
+
+    def case(self, block: Block, file: File, scope: Scope) -> None:
+        """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""
+        ways, around = ways_of(block, scope, file.findings), file.findings.place
+        if ways is None:
+            self._steps.append(Gap())
+            return
+        opened = 0
+        ended: list[Ended | None] = []
+        with self._parted():
+            for way in ways:
+                self._count(way.of, file)
+                if opened:
+                    self._steps.append(Else(_origin(way.of, "ELSE", file, around)))
+                if way.condition is not None:
+                    self._steps.append(
+                        When(_origin(way.of, "OF", file, around), way.condition, again=opened > 0)
+                    )
+                    opened += 1
+                self._carry_out(tuple(way.nodes), file, Scope(scope))
+                ended.append(self._way_ended())
+            if block.otherwise is not None:
+                self._steps.append(Else(_origin(block.otherwise_head or block.head, "ELSE", file, around)))
+                self._carry_out(block.otherwise, file, Scope(scope))
+                ended.append(self._way_ended())
+        self._meet(ended)
+        self._steps += [EndWhen(_origin(block.end or block.head, "END", file, around))] * opened
+
+    def loop(self, block: Block, file: File, scope: Scope) -> None:
+        """Carry out a LOOP up to its END or UNTIL."""
+        refuse_parts(block.head, ("values", *NOT_FOR_BLOCKS), file.findings)
+        around, end = file.findings.place, block.end or block.head
+        self._steps.append(Loop(_origin(block.head, "LOOP", file, around)))
+        self._count(block.head, file)
+        loops = self._around[-1].loops
+        loops.append(False)
+        self._carry_out(block.body, file, Scope(scope))
+        if end.name.name == "UNTIL" and self.ended is None:
+            file.findings.place = around
+            until = read_when(end, scope, file.findings)
+            loops[-1] = True
+            if until is None:
+                self._steps.append(Gap())
+            else:
+                self._count(end, file)
+                self._steps += [until, Exit(until.origin), EndWhen(until.origin)]
+        origin = _origin(end, end.name.name, file, around)
+        if self.ended is None:
+            self._steps.append(NextPass(origin))
+            why = f"the LOOP of line {block.head.line} goes on for ever"
+            self.ended = Ended(why, "write UNTIL instead of END, or EXIT in a WHEN")
+        self._steps.append(EndLoop(origin))
+        if loops.pop():
+            self._goes_on()
+
+    def while_(self, block: Block, file: File, scope: Scope) -> None:
+        """Carry out a WHILE: a loop whose body stands in a WHEN."""
+        around = file.findings.place
+        when = read_when(block.head, scope, file.findings)
+        if when is None:
+            self._steps.append(Gap())
+            return
+        self._count(block.head, file)
+        self._looped(block, file, scope, [when], _origin(block.end or block.head, "END", file, around))
+
+    def repeat(self, block: Block, file: File, scope: Scope, count: Register) -> None:
+        """Carry out a REPEAT that is counted by what a register is in front of it."""
+        head, around = block.head, file.findings.place
+        origin, end = _origin(head, "REPEAT", file, around), _origin(block.end or head, "END", file, around)
+        own = self._counter(count, scope)
+        self._count(head, file)
+        left = RegisterValue(own.name)
+        self._steps.append(SetRegister(origin, own.name, RegisterValue(count.name)))
+        counts = SetRegister(origin, own.name, Between("-", left, Constant(1.0)))
+        self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
+
+    def _looped(self, block: Block, file: File, scope: Scope, begin: list[Step], end: Origin) -> None:
+        """Write a loop that is left at its head: `begin` are the WHEN that leads into the body, and what is done first there."""
+        (when, *_) = begin
+        assert isinstance(when, When)
+        self._steps += [Loop(when.origin), *begin]
+        self._around[-1].loops.append(True)
+        with self._parted():
+            self._carry_out(block.body, file, Scope(scope))
+            if self._way_ended() is None:
+                self._steps.append(NextPass(end))
+        self._around[-1].loops.pop()
+        self._steps += [EndWhen(end), EndLoop(end)]
+
+    def _counter(self, count: Register, scope: Scope) -> Register:
+        """Declare a register that no line can name."""
+        taken = {one.name for one in self._registers}
+        number = next(
+            number
+            for number in range(1, len(taken) + 2)
+            if f"{COUNTER}{number}" not in taken and scope.name(f"{COUNTER}{number}") is None
+        )
+        own = Register(f"{COUNTER}{number}", min(count.low, 0), max(count.high, 0), 0)
+        self._registers.append(own)
+        return own
+
+    @contextmanager
+    def _parted(self) -> Iterator[None]:
+        around = self._around[-1]
+        around.ways += 1
+        yield
+        around.ways -= 1
+
+    def _way_ended(self) -> Ended | None:
+        """Return what ends the way that was carried out last; the next one is reached all the same."""
+        ended = self.ended
+        self._goes_on()
+        return ended
+
+    def _goes_on(self) -> None:
+        self.ended, self._told_unreachable = None, False
+
+    def _meet(self, ended: list[Ended | None]) -> None:
+        """Go on after ways of which each is ended or isn't: if all are, nothing that follows is reached."""
+        if all(one is not None for one in ended):
+            self.ended = ended[-1]
+
+
+def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
+    """Where a step of a block comes from; the lines in the block have places of their own."""
+    return replace(origin_of(statement, word, file.findings), place=around)

@@ -98,12 +98,13 @@ Value = Constant | InputValue | RegisterValue | Before | Between
 
 @frozen
 class Register:
-    """A declared register: an integer from `low` to `high` that is `first` when a run begins."""
+    """A declared register: an integer from `low` to `high` that is `first` when a run begins, or what it was last if it is `kept`."""
 
     name: str
     low: int
     high: int
     first: int
+    kept: bool = False
 
 
 class DecisionError(Exception):

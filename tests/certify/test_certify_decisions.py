@@ -68,6 +68,8 @@ FORGED = [
     ("; register N 0 5 2", "; register N 0 5 3"),
     ("; register N 0 5 2", "; register N 0 5 6"),
     ("; register N 0 5 2", "; register N -1 5 2"),
+    ("; register N 0 5 2", "; register N 0 5 2 kept"),
+    ("; register N 0 5 2", "; register N 0 5 2  kept"),
     ("; register N 0 5 2\n", ""),
     ("; register FLAG 0 1 0\n", ""),
     ("; register FLAG 0 1 0\n", "; register FLAG 0 1 0\n; register FLAG 0 1 0\n"),

@@ -127,7 +127,7 @@ def test_a_loop_that_moves_nothing_looks_again_and_again_and_takes_its_time(robo
 @pytest.mark.parametrize("lines", [WAITS, ("LOOP", "  SET N = 1 - N", "END")])
 def test_a_loop_that_moves_nothing_is_stopped(robot, order, lines):
     begun = time.monotonic()
-    made, ended = performed(robot, *lines, orders=[(1.0, order)])
+    _, ended = performed(robot, *lines, orders=[(1.0, order)])
     assert not ended.well
     assert ended.at_barrier
     assert time.monotonic() - begun < 30.0

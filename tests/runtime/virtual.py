@@ -18,7 +18,7 @@ from yarclang.pipeline.parts import approach
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.robot.description import load_robot
-from yarclang.runtime.actions import Connect, Connected, Late, Unreachable, Violation, Wait
+from yarclang.runtime.actions import Connect, Connected, Keep, Late, Unreachable, Violation, Wait
 from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Remark, Stop
 from yarclang.runtime.pmac.messages import Ask, AskControl, Control, Request, Write, Written
 from yarclang.runtime.pmac.operation import Operation
@@ -85,6 +85,7 @@ class World:
         self.now = machine.now
         self.at = []
         self.told = []
+        self.kept, self.unkept = {}, None
         self.sent = []
         self.given = []
         self.refused = []
@@ -120,6 +121,9 @@ class World:
                 case Wait(until=then):
                     self._pass(then, wakes=True)
                     outcome = None
+                case Keep(register=register, value=value):
+                    self.kept[register] = value
+                    outcome = self.unkept
                 case Connect():
                     self._pass(self.now + 0.001)
                     outcome = self._connect()

@@ -47,7 +47,10 @@ class Emitted:
             )
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")
-        head += [f"; register {one.name} {one.low} {one.high} {one.first}" for one in self.registers]
+        head += [
+            f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}"
+            for one in self.registers
+        ]
         return "\n".join((*head, *self.opening, "")) + self.body
 
 

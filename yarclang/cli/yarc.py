@@ -27,6 +27,7 @@ _COMMANDS = {
     "pendant": "Serve the pendant: watch, run and jog a robot from a browser or tablet.",
     "plot": "Draw a program's motion.",
     "reach": "Draw where a robot can hold its flange.",
+    "registers": "Say what KEPT registers held last.",
     "repl": "Work with a robot live.",
     "replay": "Show a recorded run as it happened.",
     "resume": "Go on behind a hold.",

@@ -8,12 +8,14 @@ from yarclang.coordinator.backwards import Passed, passed
 from yarclang.coordinator.carried_out import taken
 from yarclang.coordinator.history import History
 from yarclang.coordinator.kept_parts import Performed
+from yarclang.coordinator.kept_registers import KeptRegisters, program_of
 from yarclang.coordinator.messages.events import PartBegan, Paused
 from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import resting_place
 from yarclang.coordinator.shared import SharedRobot
 from yarclang.coordinator.signals import output_names
 from yarclang.pipeline.parts import steps_of
+from yarclang.runtime.actions import Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
@@ -55,6 +57,10 @@ class Undertaking:
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the way to the start, then the program."""
         steps = self.loaded.steps
+        try:
+            self._begin_registers()
+        except Trouble as trouble:
+            return Ended(False, trouble.what, trouble.remedy, code=trouble.code)
         self._session.operation.outputs = output_names(self.loaded.origins().program, self.loaded.around)
         if way is not None:
             self._tell(way, 1, 1, to_the_start=True)
@@ -89,6 +95,21 @@ class Undertaking:
         plan = self.loaded.plan
         if plan is not None and self._done:
             history.ran(tuple(self._done), plan.program)
+
+    def _begin_registers(self) -> None:
+        """Look what KEPT registers held last.
+
+        Raises:
+            Trouble: that can't be read.
+        """
+        loaded, coordinator, session = self.loaded, self._coordinator, self._session
+        where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
+        source = loaded.plan.program.source.name if loaded.plan is not None else loaded.name
+        kept = KeptRegisters(f"{coordinator.robot.name} {where}", program_of(source))
+        self._registers, told = kept.first(loaded.program.registers)
+        for one in told:
+            session.operation.remark(one, warning=True)
+        session.keeper = kept.keep
 
     def _next(self, number: int) -> Job | None:
         """Return a job of the program itself, which is carried out once, in steps, or again and again; None after the last."""

@@ -201,6 +201,14 @@ FINDINGS: tuple[Finding, ...] = (
         "The program has found something that it was written not to go on with, and says what. The robot stands, outputs are safe, and the run can't be resumed: the way goes on from nowhere.",
     ),
     Finding(
+        "Y1636",
+        "register-not-kept",
+        "error",
+        "what a KEPT register holds can't be read or written",
+        "A KEPT register goes on in the next run with what it held last. Each of its values is on the disk before the robot goes on; where that can't be done the run ends at rest, since a count that is lost after a power cut is worse "
+        "than a robot that stands.",
+    ),
+    Finding(
         "Y1650",
         "bit-reads-a-number",
         "error",

@@ -53,8 +53,16 @@ class Closed:
     request: object
 
 
+@dataclass(frozen=True, slots=True)
+class Keep:
+    """Keep the value of a register from run to run. Answered by None when it is on the disk, or by why it can't be kept (str)."""
+
+    register: str
+    value: int
+
+
 Action: TypeAlias = Any
-"""`Wait`, `Connect`, or a request that the kind of controller has (`yarclang.runtime.scripts.Exchange`)."""
+"""`Wait`, `Connect`, `Keep`, or a request that the kind of controller has (`yarclang.runtime.scripts.Exchange`)."""
 Outcome: TypeAlias = Any
 """`Connected`, `Unreachable`, None behind a wait, or what came of a request."""
 

@@ -11,7 +11,17 @@ import os
 from collections.abc import Awaitable, Callable
 from typing import Any, Protocol, TypeVar
 
-from yarclang.runtime.actions import Connect, Connected, Late, Outcome, Script, Unreachable, Violation, Wait
+from yarclang.runtime.actions import (
+    Connect,
+    Connected,
+    Keep,
+    Late,
+    Outcome,
+    Script,
+    Unreachable,
+    Violation,
+    Wait,
+)
 from yarclang.runtime.notices import Abort, Fail, Notice, Order, Stop
 from yarclang.runtime.operation import LONGEST_SLEEP
 from yarclang.runtime.scripts import Scripts, scripts_of
@@ -63,6 +73,9 @@ class Session:
         connector: makes connections; TCP, but where a controller lives in this very process.
         leash: the time of a simulator that waits for this session, which is the session's as well; None: the controller waits for nobody.
         scripts: those of the controller's kind; None: of the kind that a robot.toml means that says none.
+
+    Attributes:
+        keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is kept.
     """
 
     def __init__(
@@ -85,6 +98,7 @@ class Session:
         self._leash = leash
         self._reply_time = reply_time
         self.connector = connector
+        self.keeper: Callable[[str, int], None] | None = None
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
         self._wire: Wire | None = None
@@ -135,6 +149,8 @@ class Session:
                         outcome = None
                     case Connect():
                         outcome = await self._connect()
+                    case Keep(register=register, value=value):
+                        outcome = await self._keep(register, value)
                     case _:
                         outcome = await self._exchange(action)
         finally:
@@ -209,6 +225,16 @@ class Session:
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self._woken.wait()
+
+    async def _keep(self, register: str, value: int) -> Outcome:
+        """Keep a register's value. A disk may take its time: everything else goes on meanwhile."""
+        if self.keeper is None:
+            return None
+        try:
+            await asyncio.get_running_loop().run_in_executor(None, self.keeper, register, value)
+        except OSError as error:
+            return str(error)
+        return None
 
     async def _connect(self) -> Outcome:
         self.close()

@@ -42,7 +42,7 @@ _BARRIER = re.compile(
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
 _INTEGER = r"(0|-?[1-9][0-9]{0,9})"
 _REGISTER = re.compile(
-    rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}"
+    rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}( kept)?"
 )
 
 
@@ -213,7 +213,7 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
         name, low, high, first = found[1], int(found[2]), int(found[3]), int(found[4])
         if name in registers or not -LARGEST <= low <= first <= high <= LARGEST:
             lines.refuse(f"is no register, or one that is there already: {shown(lines.peek())}")
-        registers[name] = Register(name, low, high, first)
+        registers[name] = Register(name, low, high, first, bool(found[5]))
         lines.skip()
     for barrier in barriers.values():
         if barrier.decided is None:

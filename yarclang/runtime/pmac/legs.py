@@ -20,7 +20,7 @@ from yarclang.decisions import (
 )
 from yarclang.frozen import frozen
 from yarclang.robot.model import Array
-from yarclang.runtime.actions import Lost, Script, Stopped, Trouble, Wait
+from yarclang.runtime.actions import Keep, Lost, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Barrier, Job, Leg, Part
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Reached, Resume, Stop
 from yarclang.runtime.outcome import Concerned, Ended
@@ -120,7 +120,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                 one.moved = True
             ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
             if not ended.well:
-                _tell_registers(operation, held)
+                _tell_registers(operation, job, held)
                 return replace(ended, ways=ways, barriers=barriers, registers=held.told)
             stands = leg.job.end
         if leg.barrier is None:
@@ -158,7 +158,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                     loop = held.loops[place - 1]
                     ways, barriers = ways[: loop.ways], loop.barriers
             continue
-        _tell_registers(operation, held)
+        _tell_registers(operation, job, held)
         return replace(ended, ways=ways, barriers=barriers, at_barrier=True, registers=held.told)
     clock = job.clock + job.lasting.most
     done = job.offset + job.duration
@@ -167,10 +167,14 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
     )
 
 
-def _tell_registers(operation: Operation, held: Held) -> None:
+def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
     """Tell what a run that ends early has counted: it isn't kept."""
     if held.registers:
-        operation.remark(f"{held.in_words()}; a run that goes on with --from begins with their first values")
+        kept = [one.name for one in job.registers if one.kept]
+        but = f", but for {', '.join(kept)}" if kept else ""
+        operation.remark(
+            f"{held.in_words()}; a run that goes on with --from begins with their first values{but}"
+        )
 
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
@@ -288,6 +292,12 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
             "look at the inputs and at what the program counts, then start it anew",
             "Y1630",
         )
+    if register.kept:
+        # what isn't on the disk hasn't happened: the robot stands until it is
+        why = yield Keep(register.name, int(value))
+        if why is not None:
+            what = f"{_title(barrier)} can't keep {register.name} = {int(value)}: {why}"
+            raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
     held.registers[register.name] = int(value)
     if barrier.word != "REPEAT":
         operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")

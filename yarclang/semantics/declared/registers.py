@@ -20,13 +20,16 @@ _EXAMPLE = "for example REGISTER COUNT 0..17"
 def declare_register(
     statement: Statement, scope: Scope, robot: Robot, findings: Collector
 ) -> Register | None:
-    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3."""
+    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3. KEPT behind it keeps it from run to run."""
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     given = values_of(statement)
+    last = given[-1] if len(given) > 2 else None
+    kept = isinstance(last, Word) and last.name == "KEPT"
+    given = given[:-1] if kept else given
     word, values = (given[0] if given else None), given[1:]
     bounds = range_of(values[0]) if values else None
     if not isinstance(word, Word) or bounds is None or len(values) > 2:
-        message = "REGISTER wants a name, a range, and the value that it begins with if that isn't the lowest"
+        message = "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and KEPT if it is kept from run to run"
         findings.add("Y0431", message, statement.whole_span, _EXAMPLE)
         return None
     low, high = bounds
@@ -49,7 +52,7 @@ def declare_register(
         first = found
     if not may_be_declared(statement, word, scope, robot, findings):
         return None
-    register = Register(word.name, low, high, first)
+    register = Register(word.name, low, high, first, kept)
     scope.declare(word.name, register, Where(findings.source, statement.span(word.place)))
     return register
 

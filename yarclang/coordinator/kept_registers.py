@@ -1,0 +1,144 @@
+"""What KEPT registers hold from run to run: a small database in the state folder, which no kill and no power cut leaves half written."""
+
+from __future__ import annotations
+
+import os
+import sqlite3
+from collections.abc import Iterable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from yarclang.decisions import Register
+from yarclang.frozen import frozen
+from yarclang.runtime.actions import Trouble
+
+_LONGEST_WAIT = 5.0
+"""How long another process may have the database [s]."""
+
+_TABLE = (
+    "CREATE TABLE IF NOT EXISTS kept (controller TEXT NOT NULL, program TEXT NOT NULL, register TEXT NOT NULL, "
+    "value INTEGER NOT NULL, PRIMARY KEY (controller, program, register))"
+)
+
+
+def registers_file() -> Path:
+    """Return where registers are kept (XDG base directories)."""
+    given = Path(os.environ.get("XDG_STATE_HOME", ""))
+    return (given if given.is_absolute() else Path.home() / ".local" / "state") / "yarc" / "registers.sqlite"
+
+
+def program_of(name: str) -> str:
+    """Return under which name the registers of a program are kept: its path, the same for the program and its controller text."""
+    return str(Path(name).resolve().with_suffix(""))
+
+
+@frozen
+class Kept:
+    """What a register held last, on which controller, in which program."""
+
+    controller: str
+    program: str
+    register: str
+    value: int
+
+
+@frozen
+class KeptRegisters:
+    """The registers of one program on one controller.
+
+    Attributes:
+        controller: which robot, and where; a simulated one counts by itself.
+        program: as `program_of` returns it.
+    """
+
+    controller: str
+    program: str
+
+    def first(self, registers: Iterable[Register]) -> tuple[dict[str, int], list[str]]:
+        """Return what KEPT registers begin with, as far as it was kept, and a sentence for each value that isn't in its register's range any more.
+
+        Raises:
+            Trouble: the database can't be read.
+        """
+        kept = [one for one in registers if one.kept]
+        if not kept:
+            return {}, []
+        held = {one.register: one.value for one in listed(self.controller, self.program)}
+        found = {one.name: held[one.name] for one in kept if one.name in held}
+        beyond = {one.name: one for one in kept if not one.low <= found.get(one.name, one.low) <= one.high}
+        told = [
+            f"{name} was kept as {found[name]}, and is {one.low} to {one.high} now: it begins with {one.first}"
+            for name, one in beyond.items()
+        ]
+        return {name: value for name, value in found.items() if name not in beyond}, told
+
+    def keep(self, name: str, value: int) -> None:
+        """Keep a value; when this returns, it is on the disk.
+
+        Raises:
+            OSError: that can't be done, and why.
+        """
+        place = registers_file()
+        try:
+            place.parent.mkdir(parents=True, exist_ok=True)
+            with _opened(place) as base, base:
+                base.execute(_TABLE)
+                row = self.controller, self.program, name, value
+                base.execute("INSERT OR REPLACE INTO kept VALUES (?, ?, ?, ?)", row)
+        except (sqlite3.Error, OSError) as error:
+            raise OSError(f"{place}: {error}") from None
+
+
+def listed(controller: str = "", program: str = "") -> list[Kept]:
+    """Return what is kept, in the order of programs and names; empty names mean all.
+
+    Raises:
+        Trouble: the database can't be read.
+    """
+    place = registers_file()
+    if not place.exists():
+        return []
+    try:
+        with _opened(place) as base:
+            base.execute(_TABLE)
+            rows = base.execute(
+                "SELECT controller, program, register, value FROM kept WHERE (? = '' OR controller = ?) AND (? = '' OR program = ?) "
+                "ORDER BY controller, program, register",
+                (controller, controller, program, program),
+            ).fetchall()
+        return [Kept(str(where), str(what), str(name), int(value)) for where, what, name, value in rows]
+    except (sqlite3.Error, OSError, ValueError) as error:
+        raise _unreadable(place, error) from None
+
+
+def forget(program: str) -> int:
+    """Forget what the registers of a program hold, on all controllers, and return how many values that were.
+
+    Raises:
+        Trouble: the database can't be read or written.
+    """
+    place = registers_file()
+    if not place.exists():
+        return 0
+    try:
+        with _opened(place) as base, base:
+            base.execute(_TABLE)
+            return base.execute("DELETE FROM kept WHERE program = ?", (program,)).rowcount
+    except (sqlite3.Error, OSError) as error:
+        raise _unreadable(place, error) from None
+
+
+def _unreadable(place: Path, error: Exception) -> Trouble:
+    what = f"{place}, where registers are kept, can't be used: {error}"
+    return Trouble(
+        what,
+        "see to the file's rights and disk, or move it away: then all KEPT registers begin anew",
+        "Y1636",
+    )
+
+
+@contextmanager
+def _opened(place: Path) -> Iterator[sqlite3.Connection]:
+    with closing(sqlite3.connect(place, timeout=_LONGEST_WAIT)) as base:
+        base.execute("PRAGMA synchronous = FULL")
+        yield base

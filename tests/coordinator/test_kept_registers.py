@@ -68,7 +68,7 @@ def test_values_are_forgotten(kept):
 def test_a_file_that_is_no_database_is_told(kept):
     kept.keep("COUNT", 4)
     registers_file().write_bytes(b"junk" * 999)
-    for use in (lambda: kept.first((COUNT,)), lambda: listed(), lambda: forget("/cell/box")):
+    for use in (lambda: kept.first((COUNT,)), listed, lambda: forget("/cell/box")):
         with pytest.raises(Trouble, match="can't be used: file is not a database"):
             use()
     with pytest.raises(OSError, match="file is not a database"):

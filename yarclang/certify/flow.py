@@ -260,7 +260,8 @@ def _after_an_end(text: ControllerText) -> Iterator[Fault]:
     for item in text.course:
         if ended is not None and not isinstance(item, Stood):
             if not isinstance(item, Barred) or item.kind not in ("else", "end", "endloop"):
-                yield None, f"line {ended.line} ends its way, which goes on after that"
+                what = "the program" if ended.kind in ("stop", "abort") else "a pass of a loop"
+                yield None, f"line {ended.line} ends {what}, and its way goes on after that"
                 return
             ended = None
         if isinstance(item, Barred) and item.kind in ("stop", "abort", "next", "exit"):

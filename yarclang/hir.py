@@ -495,12 +495,14 @@ class Say:
 class When:
     """The steps up to the next Else or EndWhen of the same depth are done if a condition holds.
 
-    With `again` it is decided with what the WHEN has read in whose second way it stands first: a CASE reads its inputs once.
+    With `again` it is decided with what the WHEN has read in whose second way it stands first: a CASE reads its inputs once. With a time `within` [s] the robot stands until the
+    condition holds, or until the time is over.
     """
 
     origin: Origin
     condition: Value
     again: bool = False
+    within: float | None = None
 
 
 @frozen

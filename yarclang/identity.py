@@ -130,7 +130,12 @@ def _fed(step: Motion, memory: Memory) -> bytes:
 
 def _bytes_of(step: Step) -> bytes:
     fed: list[bytes] = []
-    if isinstance(step, When) and not step.again and (compared := simple(step.condition)) is not None:
+    if (
+        isinstance(step, When)
+        and not step.again
+        and step.within is None
+        and (compared := simple(step.condition)) is not None
+    ):
         # an input and its value, whatever a condition may be besides
         one, value = compared
         step_parts = (step.origin, Signal(one.name, one.variable), value)

@@ -13,9 +13,9 @@ from typing import Literal
 
 from yarclang.frozen import frozen
 
-Mark = Literal["wait", "hold", "when", "else", "end", "finish", "loop", "next", "exit", "endloop"]
+Mark = Literal["wait", "hold", "ask", "when", "else", "end", "finish", "loop", "next", "exit", "endloop"]
 Part = float | Mark
-"""What a program does, in order: a known time [s], or something whose time isn't known; and where its ways part and meet."""
+"""What a program does, in order: a known time [s], or something whose time isn't known; and where its ways part (`ask`: behind a wait) and meet."""
 
 ONCE = "each loop once"
 """Stands behind times of which nobody knows how often loops are gone through."""
@@ -157,6 +157,9 @@ class _Clock:
         match mark:
             case "wait" | "hold":
                 self.so_far = self.so_far.then(Lasting(fewest=1, waits=1))
+            case "ask":
+                self.take("wait")
+                self.take("when")
             case "when" | "loop":
                 self.open.append(_Open(self.so_far, self.clock, mark == "loop"))
                 self.so_far = NO_TIME

@@ -444,3 +444,38 @@ def test_a_forged_saying_is_refused(old, new):
     assert not [one for one in judged(made, made.text).diagnostics if one.is_error]
     assert made.text.count(old) == 1
     assert any(one.is_error for one in judged(made, made.text.replace(old, new)).diagnostics)
+
+
+LATE = """INPUT DOOR M11
+REGISTER N 0..5
+P10 WAIT DOOR ON [3] (s) ELSE
+  P20 SET N = 1
+END
+P30 WAIT DOOR = ON OR N > 2 [2.5] (s) ELSE
+  P40 ABORT "late"
+END
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("M11=1 3 DOOR", "M11=1 4 DOOR"),
+        ("M11=1 3 DOOR", "M11=1 - DOOR"),
+        ("M11=1 3 DOOR", "M11=0 3 DOOR"),
+        ("M11=1 3 DOOR", "again:M11=1 3 DOOR"),
+        ("(M11=1)|($N>2) 2.5", "(M11=1)|($N>2) 25"),
+        ("(M11=1)|($N>2) 2.5", "(M11=1)&($N>2) 2.5"),
+        ("when 0 M11=1 3 DOOR", "wait 0 M11=1 3 DOOR"),
+        ("else 1 - - -", "end 1 - - -"),
+        ("else 1 - - -", "else 1 - 3 -"),
+    ],
+)
+def test_a_forged_wait_with_an_else_is_refused(old, new):
+    found, _ = compiled(LATE, "INDUSTRIAL6")
+    assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
+    assert found.text.count(old) == 1, found.text
+    result = judged(found, found.text.replace(old, new))
+    assert any(one.is_error for one in result.diagnostics), (old, new)
+    found, diagnostics = compiled(LATE, "INDUSTRIAL6", target="prog")
+    assert [one.code for one in diagnostics if one.is_error] == ["Y1106"]

@@ -200,3 +200,26 @@ def test_a_lost_connection_in_a_later_pass_ends_the_run(robot):
     )
     assert not ended.well
     assert State.STOP in [one.state for one in made.told if hasattr(one, "state")]
+
+
+def test_a_wait_that_is_given_up_goes_the_way_of_its_else(robot):
+    lines = ("WAIT DOOR ON [2] (s) ELSE", "  SET N = 1", "END", "SET LAMP 3")
+    lines = tuple(f"P{k}0 {line.strip()}" if "ELSE" in line else line for k, line in enumerate(lines, 101))
+    made, ended = performed(robot, *lines)
+    assert ended.well
+    assert dict(ended.registers)["N"] == 1
+    assert ended.ways == (False,)
+    assert value(made, "M2") == 3
+    assert any("M11 is OFF: the lines behind its ELSE are carried out" in one for one in remarks(made))
+    made, ended = performed(robot, *lines, at=[(1.0, "M11=1")])
+    assert ended.well
+    assert dict(ended.registers)["N"] == 0
+    assert ended.ways == (True,)
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+def test_a_wait_with_an_else_is_stopped(robot, order):
+    made, ended = performed(robot, "P900 WAIT DOOR ON [20] (s) ELSE", "END", orders=[(1.0, order)])
+    assert not ended.well
+    assert made.now < 15.0
+    assert ended.at_barrier

@@ -75,7 +75,7 @@ class Drawn:
     def part(self, depth):
         still, parting = ("mark", "set"), ("when", "case", "repeat", "loop", "counted")
         kinds = (*still, *still, *still, *parting, *parting, *parting) if depth else (*still, "mark")
-        kinds = (*kinds, "say") if self.in_a_loop else (*kinds, "wait", "say")
+        kinds = (*kinds, "say", "late") if self.in_a_loop else (*kinds, "wait", "say", "late")
         kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
         if kind == "ends" and self.in_a_loop and self.chance.random() < 0.7:
             kind = "leave"
@@ -141,6 +141,20 @@ class Drawn:
                 raise Ends("has waited 0.1 s")
 
         return [f"{self.number()} WAIT {text} [0.1] (s)"], carried_out
+
+    def late(self, _):
+        """A WAIT that is given up, or whose condition holds at once."""
+        text, holds = self.chance.choice(WAITS)
+        self.marks += 1
+        mark = self.marks
+        lines = [f"{self.number()} WAIT {text} [0.1] (s) ELSE", f"{self.number()} SET LAMP {mark}", "END"]
+
+        def carried_out(state, passed):
+            if not holds(state):
+                passed.append(mark)
+                state["late"] += 1
+
+        return lines, carried_out
 
     def way(self, depth):
         self.in_a_way += 1
@@ -257,6 +271,7 @@ def robot(industrial6):
     group=0.2,
     passes=0.08,
     left=0.02,
+    late=0.04,
 )
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
@@ -267,7 +282,7 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
         head = [line.replace("JOB M70", "JOB M72..M74") if is_group else line for line in HEAD]
         run = job(robot, *head, *lines)
         for _ in range(2):
-            counters = dict.fromkeys(("K0", "K1", "K2", "passes", "left"), 0)
+            counters = dict.fromkeys(("K0", "K1", "K2", "passes", "left", "late"), 0)
             state = {
                 "N": 0,
                 "FLAG": 0,
@@ -307,6 +322,7 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             tally.count("waits", "wait" in program.kinds and "waited" not in reason)
             tally.count("passes", state["passes"] > 1)
             tally.count("left", state["left"])
+            tally.count("late", state["late"])
             held = dict(ended.registers or (("N", 0), ("FLAG", 0)))
             assert {name: held[name] for name in ("N", "FLAG")} == {
                 "N": state["N"],

@@ -108,6 +108,19 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
         (["REPEAT I N", "P10 MOVEJ A", "END"], "Y0401", "N is known only when the program runs"),
         (["P5 LOOP", "P10 MOVEJ A", "END"], "Y0117", "LOOP is no command and has no index"),
         (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT wants nothing behind it"),
+        (["P10 WAIT DOOR ON ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
+        (["P10 WAIT [5] ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
+        (["P10 WAIT DOOR ON [5] ELSE 4", "P20 MOVEJ A", "END"], "Y0412", "nothing stands behind the ELSE"),
+        (["P10 WAIT DOOR ON [5] BLEND 2 ELSE", "P20 MOVEJ A", "END"], "Y0408", "WAIT doesn't take BLEND"),
+        (["P10 MOVEJ A ELSE"], "Y0412", "ELSE stands behind the time of a WAIT"),
+        (["WAIT DOOR ON [5] ELSE", "P20 MOVEJ A", "END"], "Y0105", "WAIT has no index"),
+        (["P10 WAIT DOOR ON [5] ELSE", "P20 MOVEJ A"], "Y0113", "this WAIT has no END"),
+        (
+            ["P10 WAIT DOOR ON [5] ELSE", "ELSE", "P20 MOVEJ A", "END"],
+            "Y0115",
+            "the WAIT of line 5 has an ELSE already",
+        ),
+        (["P10 WAIT N = 3 [5] ELSE", "P20 MOVEJ A", "END"], "Y0440", "no input stands in this condition"),
     ],
 )
 def test_mistakes_are_told(lines, code, what):
@@ -151,6 +164,12 @@ def test_a_loop_closes(lines, what):
     _, found = planned(HEAD + "\n".join(lines) + "\n")
     (one,) = (one for one in found if one.code == "Y1002")
     assert what in one.message
+
+
+def test_the_way_of_an_else_comes_back():
+    _, found = planned(HEAD + "P10 WAIT DOOR ON [5] ELSE\nP20 MOVEJ A\nEND\n")
+    (one,) = (one for one in found if one.code == "Y1002")
+    assert "the ways of this WAIT end apart: J1 by 10 deg" in one.message
 
 
 def test_a_loop_may_be_left_elsewhere_than_where_it_begins():

@@ -218,9 +218,11 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | SetRegister
                 label=label,
                 condition=canonical(condition),
             )
-        case When(condition=condition, again=again):
+        case When(condition=condition, again=again, within=within):
             told = f"{AGAIN if again else ''}{canonical(condition)}"
-            return Barrier(number, "when", name=called(condition), label=label, condition=told)
+            return Barrier(
+                number, "when", timeout=within, name=called(condition), label=label, condition=told
+            )
         case SetRegister(register=register, value=value):
             name = f"{register} = {in_words(value)}"
             told = f"${register}:={canonical(value)}"

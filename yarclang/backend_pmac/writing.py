@@ -25,10 +25,15 @@ def streamed_only(program: Program) -> Diagnostic | None:
             message = f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs without it"
             help_ = "leave --target prog out, or repeat a number of times: REPEAT 4"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
-        is_plain = isinstance(step, When) and not step.again and simple(step.condition) is not None
+        is_plain = (
+            isinstance(step, When)
+            and not step.again
+            and step.within is None
+            and simple(step.condition) is not None
+        )
         if isinstance(step, SetRegister | When | WaitUntil) and not is_plain:
             message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
-            help_ = f"leave --target prog out, or decide by one input: {'WAIT' if isinstance(step, WaitUntil) else 'WHEN'} DOOR ON"
+            help_ = f"leave --target prog out, or decide by one input: {'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} DOOR ON"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Say):
             message = "SAY is told by the runtime, and a program buffer runs without it"

@@ -26,7 +26,7 @@ SEGMENTS_OFF = 1
 _SAME_TIME = 1e-6
 _DECIMALS = 9
 """Decimals of the values of inputs and outputs in a text."""
-_TIMES = {"dwell": (1,), "wait": (4,), "until": (3,)}
+_TIMES = {"dwell": (1,), "wait": (4,), "until": (3,), "when": (4,)}
 """Which numbers of a deed are times: a dwell [ms], how long a WAIT waits [s]."""
 _LONGEST_NAME = 80
 """Characters of a name or text that a map keeps."""
@@ -88,8 +88,8 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("wait", number, signal.variable, value, timeout, _printable(signal.name))
             case hir.WaitUntil(condition=condition, timeout=timeout):
                 yield number, ("until", number, condition, timeout, _printable(in_words(condition)))
-            case hir.When(condition=condition, again=again):
-                yield number, ("when", number, condition, again, _printable(called(condition)))
+            case hir.When(condition=condition, again=again, within=within):
+                yield number, ("when", number, condition, again, within, _printable(called(condition)))
             case hir.SetRegister(register=register, value=result):
                 name = _printable(f"{register} = {in_words(result)}")
                 yield number, ("assign", number, register, result, name)
@@ -135,7 +135,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
             case Put(variable=variable, value=value):
                 yield ("set", variable, value)
             case Barred(kind="when", decided=decided, again=again):
-                yield ("when", item.step, decided, again, item.name)
+                yield ("when", item.step, decided, again, item.timeout, item.name)
             case Barred(kind="set", decided=decided, register=register):
                 yield ("assign", item.step, register, decided, item.name)
             case Barred(kind="wait", decided=decided) if decided is not None:

@@ -48,8 +48,8 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
     """Where ways part and meet; None for all else."""
     signal = hir.Signal("", "")
     match barrier:
-        case Barred(kind="when", decided=decided, again=again) if decided is not None:
-            return hir.When(origin, decided, again)
+        case Barred(kind="when", decided=decided, again=again, timeout=within) if decided is not None:
+            return hir.When(origin, decided, again, within)
         case Barred(kind="set", decided=decided, register=register) if decided is not None:
             return hir.SetRegister(origin, register, decided)
         case Barred(kind="else"):

@@ -247,6 +247,15 @@ FINDINGS = (
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 STOP",
     ),
     Finding(
+        "Y0451",
+        "else-of-no-wait",
+        "error",
+        "the ELSE of a WAIT has no condition, or no time after which it is come to",
+        "The lines behind a WAIT with an ELSE are carried out if its condition doesn't hold when its time is over. A WAIT for a time alone, or for ever, never gets there.",
+        'INPUT DOOR M11\nP0010 WAIT DOOR ON ELSE\n  P0020 ABORT "the door is open"\nEND',
+        'INPUT DOOR M11\nP0010 WAIT DOOR ON [5] (s) ELSE\n  P0020 ABORT "the door is open"\nEND',
+    ),
+    Finding(
         "Y0456",
         "beyond-table",
         "error",

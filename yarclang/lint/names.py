@@ -18,7 +18,7 @@ from yarclang.syntax.ast import (
     Word,
 )
 from yarclang.syntax.expressions import Expression, Name, parts_of
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
+from yarclang.syntax.words import BLOCK_ENDS, DECLARATIONS, opens_block
 from yarclang.words.registry import word_specs
 
 
@@ -58,7 +58,7 @@ def names_of(module: Module) -> Names:
     depth, sub_depth = 0, 0
     for statement in each(module.statements):
         word = statement.name.name
-        if word in BLOCK_HEADS:
+        if opens_block(statement):
             depth += 1
             sub_depth = sub_depth or (depth if word == "SUB" else 0)
         elif word in BLOCK_ENDS:

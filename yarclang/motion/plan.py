@@ -102,6 +102,8 @@ class MotionPlan:
             match step:
                 case Dwell(duration=duration):
                     parts.append(float(duration))
+                case When(within=float()):
+                    parts.append("ask")
                 case _ if (mark := _MARKS.get(type(step))) is not None:
                     parts.append(mark)
                 case _:

@@ -158,11 +158,12 @@ def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[
 
 
 def _barrier(item: Barred, entry: Entry) -> Act:
+    late = "" if item.timeout is None else f", after {item.timeout:g} s the other way"
     what = {
         "wait": f"waits for {item.name} ({item.condition}), "
         + ("for ever" if item.timeout is None else f"at most {item.timeout:g} s"),
         "hold": f"holds for the operator: {item.name}" if item.name else "holds for the operator",
-        "when": f"the way parts at {item.name} ({item.condition})",
+        "when": f"the way parts at {item.name} ({item.condition}){late}",
         "else": "the other way",
         "end": "the ways meet",
         "loop": "a loop begins",

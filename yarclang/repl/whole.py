@@ -5,7 +5,7 @@ from __future__ import annotations
 from yarclang.source import SourceFile
 from yarclang.syntax.lines import code_of
 from yarclang.syntax.parse import parse
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 
 def is_whole(text: str) -> bool:
@@ -18,5 +18,4 @@ def is_whole(text: str) -> bool:
         return False
     module = parse(source).value
     assert module is not None  # parsing always gives a tree
-    words = [one.name.name for one in module.statements if one.index is None]
-    return sum((word in BLOCK_HEADS) - (word in BLOCK_ENDS) for word in words) <= 0
+    return sum(opens_block(one) - (one.name.name in BLOCK_ENDS) for one in module.statements) <= 0

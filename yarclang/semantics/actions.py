@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
+from yarclang.commands.registry import actions
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.decisions import (
     DecisionError,
@@ -16,6 +19,7 @@ from yarclang.decisions import (
     shown_variable,
     simple,
 )
+from yarclang.decisions import Value as Condition
 from yarclang.diagnostics import Collector
 from yarclang.hir import Action, Output, Say, SetRegister, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
@@ -123,6 +127,49 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
         return None
     condition = equals(signal.variable, signal.name, value)
     return When(origin, condition)
+
+
+def read_wait_else(
+    statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
+) -> When | None:
+    """WAIT DOOR ON [5] ELSE: what is decided by a WAIT whose time may be over."""
+    *others, last = statement.options
+    if others:
+        message = f"WAIT doesn't take {others[0].word.name}"
+        findings.add("Y0408", message, statement.span(others[0].word.place), "take it away")
+        return None
+    span = statement.span(last.word.place)
+    if last.argument is not None:
+        findings.add(
+            "Y0412",
+            "nothing stands behind the ELSE of a WAIT",
+            span,
+            "write what is done in lines of its own, up to END",
+        )
+        return None
+    plain = replace(statement, options=())
+    silent = Collector(findings.source)
+    silent.place = findings.place
+    if plain.expression is not None:
+        steps: tuple[Action | None, ...] = (read_wait(plain, scope, defaults, silent),)
+    else:
+        steps = read_action(plain, actions()["WAIT"], scope, defaults, silent) or ()
+    findings.found += [one for one in silent.found if one.code != "Y1003"]
+    step = steps[0] if steps else None
+    match step:
+        case WaitInput(input=signal, value=value, timeout=float(seconds)):
+            condition: Condition = equals(signal.variable, signal.name, value)
+        case WaitUntil(condition=condition, timeout=float(seconds)):
+            pass
+        case None:
+            return None
+        case _:
+            message = (
+                "this ELSE has nothing to do: WAIT needs a condition, and a time after which it is given up"
+            )
+            findings.add("Y0451", message, span, "for example WAIT DOOR ON [5] (s) ELSE")
+            return None
+    return When(step.origin, condition, within=seconds)
 
 
 def read_wait(

@@ -186,6 +186,11 @@ class Statement:
         return Span(line, place.start, line, place.end)
 
     @property
+    def waits_else(self) -> bool:
+        """True of a WAIT with an ELSE: the lines up to its END are carried out if its time is over."""
+        return self.name.name == "WAIT" and bool(self.options) and self.options[-1].word.name == "ELSE"
+
+    @property
     def head_span(self) -> Span:
         """The index (if there is one) and the name."""
         first = self.index.place if self.index else self.name.place
@@ -217,7 +222,7 @@ class Statement:
 class Block:
     """The statements from a SUB, REPEAT, IF or WHEN to its END.
 
-    `otherwise` is what stands behind ELSE, None where there is no ELSE. `otherwise_head` and `end` are the
+    `otherwise` is what stands behind ELSE, None where there is no ELSE; of a WAIT with an ELSE all of it. `otherwise_head` and `end` are the
     statements ELSE and END themselves; they are None where there is none, or none that can be read.
     """
 

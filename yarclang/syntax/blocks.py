@@ -10,7 +10,7 @@ from yarclang.progress import each
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Block, Module, Node, Statement
 from yarclang.syntax.lines import code_of
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS
+from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS, DECLARATIONS_IN_BLOCKS, opens_block
 from yarclang.words.registry import word_specs
 
 DEEPEST_BLOCK = 100
@@ -37,7 +37,10 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     if module.unreadable_lines:
         both += [(line, _word(module.source.line(line)), None) for line in module.unreadable_lines]
         both.sort(key=lambda entry: entry[0])
-    arrangement.missing = sum((word in BLOCK_HEADS) - (word in BLOCK_ENDS) for _, word, _ in both)
+    arrangement.missing = sum(
+        (word in BLOCK_HEADS if one is None else opens_block(one)) - (word in BLOCK_ENDS)
+        for _, word, one in both
+    )
     for line, word, statement in each(both):
         arrangement.add(line, word, statement)
     return arrangement.finish()
@@ -46,7 +49,7 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 def _needs_arranging(statement: Statement) -> bool:
     """Whether a statement belongs to a block, or is a declaration that has an index: of a long program's lines hardly any."""
     word = statement.name.name
-    return word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)
+    return (word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)) or statement.waits_else
 
 
 _OF_BLOCKS = BLOCK_HEADS | BLOCK_ENDS | {"ELSE"}
@@ -78,7 +81,7 @@ class _Open:
     @property
     def takes_else(self) -> bool:
         """Whether an ELSE may follow."""
-        return word_specs()[self.word].takes_else and self.otherwise is None
+        return self.otherwise is None and word_specs()[self.word].takes_else
 
     def closed(self, end: Statement | None) -> tuple[Block, ...]:
         """The finished block, if there is one."""
@@ -108,7 +111,7 @@ class _Arrangement:
             self.findings.add("Y0117", f"{word} is no command and has no index", span, "take the index away")
         if word in _TOP_LEVEL and self.open and not self.too_deep and statement is not None:
             self._leave_blocks(statement)
-        if word in BLOCK_HEADS:
+        if word in BLOCK_HEADS or (statement is not None and statement.waits_else):
             self._begin(line, word, statement)
         elif word == "END":
             self._end(statement)
@@ -130,7 +133,10 @@ class _Arrangement:
 
     def _begin(self, line: int, word: str, head: Statement | None) -> None:
         if len(self.open) < DEEPEST_BLOCK and not self.too_deep:
-            self.open.append(_Open(word, line, head))
+            block = _Open(word, line, head)
+            if word not in BLOCK_HEADS:  # a WAIT with its ELSE
+                block.otherwise = []
+            self.open.append(block)
             return
         self.too_deep += 1
         if not self.too_deep_told:
@@ -188,7 +194,7 @@ class _Arrangement:
             self._refuse("Y0114", "this ELSE belongs to nothing: no block is open", statement, help_)
             return
         block = self.open[-1]
-        if word_specs()[block.word].takes_else:
+        if block.otherwise is not None:
             first = f" in line {block.otherwise_head.line}" if block.otherwise_head else ""
             message = f"the {block.word} of line {block.line} has an ELSE already{first}"
             help_ = "for a third way write an IF behind the first ELSE, with an END of its own"

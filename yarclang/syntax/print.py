@@ -27,7 +27,7 @@ from yarclang.syntax.ast import (
 )
 from yarclang.syntax.blocks import DEEPEST_BLOCK
 from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 _INDENT = "  "
 _TIGHT = {"*", "/", "%", "**"}
@@ -81,7 +81,7 @@ def _rows(module: Module) -> Iterator[_Row | None]:
         indent = _INDENT * min(max(depth - (word in ("ELSE", "OF")), 0), DEEPEST_BLOCK)
         for row in _rows_of(piece):
             yield _Row(indent + (row.code or row.comment), row.comment if row.code else "")
-        depth += word in BLOCK_HEADS
+        depth += opens_block(piece)
 
 
 def _aligned(paragraph: list[_Row]) -> list[str]:

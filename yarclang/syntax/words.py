@@ -2,6 +2,7 @@
 
 from types import MappingProxyType
 
+from yarclang.syntax.ast import Statement
 from yarclang.words.registry import word_specs
 
 LONGEST_INDEX = 9
@@ -12,6 +13,12 @@ BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.open
 
 BLOCK_ENDS = frozenset(name for name, word in word_specs().items() if word.ends_block)
 """Words that end a block."""
+
+
+def opens_block(statement: Statement) -> bool:
+    """Return True if a statement begins a block, which a word of `BLOCK_ENDS` ends."""
+    return statement.name.name in BLOCK_HEADS or statement.waits_else
+
 
 DECLARATIONS = frozenset(name for name, word in word_specs().items() if not word.is_command)
 """Words that begin a line without an index."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from yarclang.runtime.actions import Trouble
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, LONGEST_INDEX
+from yarclang.syntax.words import BLOCK_ENDS, LONGEST_INDEX, opens_block
 from yarclang.teaching.edits import Draft, Program
 
 _INDEX = re.compile(r"\s*[Pp]([0-9]+)(?![^\s;\[\](){}!,\"])")
@@ -126,8 +126,7 @@ def indentation(program: Program, after: int) -> str:
     if not above:
         return program.indent(below.line) if below else ""
     last = above[-1]
-    word = last.name.name
-    if word in BLOCK_HEADS or word in ("ELSE", "OF"):
+    if opens_block(last) or last.name.name in ("ELSE", "OF"):
         if below is not None and below.name.name not in (*BLOCK_ENDS, "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(last.line) + _INDENT

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from yarclang.runtime.actions import Trouble
 from yarclang.syntax.ast import Block, Node
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS
+from yarclang.syntax.words import BLOCK_ENDS, opens_block
 from yarclang.teaching.edits import Draft, Edited, Program
 from yarclang.teaching.indices import (
     free_indices,
@@ -171,9 +171,9 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
     """Return the indentation behind a line as if others weren't there."""
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
-    word = next((one.name.name for one in statements if one.line == above), "")
+    head = next((one for one in statements if one.line == above), None)
     below = next((one for one in statements if one.line > after), None)
-    if word in BLOCK_HEADS or word in ("ELSE", "OF"):
+    if head is not None and (opens_block(head) or head.name.name in ("ELSE", "OF")):
         if below is not None and below.name.name not in (*BLOCK_ENDS, "ELSE", "OF"):
             return program.indent(below.line)
         return program.indent(above) + "  "

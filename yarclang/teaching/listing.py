@@ -12,7 +12,7 @@ from yarclang.frozen import frozen
 from yarclang.source import SourceFile
 from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.lines import code_of
-from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
+from yarclang.syntax.words import BLOCK_ENDS, DECLARATIONS, opens_block
 from yarclang.teaching.edits import Program
 from yarclang.teaching.fields import Field, Reader
 from yarclang.teaching.indices import index_of, shown_index
@@ -108,7 +108,7 @@ class _Lister:
                 # what belongs to no block has no depth of its own
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
-                depth += one.name.name in BLOCK_HEADS or one.name.name in ("ELSE", "OF")
+                depth += opens_block(one) or one.name.name in ("ELSE", "OF")
             elif one is not None:
                 yield Listed(line, 1, depth, "other", "", "!", _cut(one.lstrip("! ")), "", None, False)
             else:
@@ -194,7 +194,7 @@ def _is_tool(one: Statement) -> bool:
 def kind_of(one: Statement) -> ListedKind:
     """Return what a statement is."""
     word = one.name.name
-    if word in BLOCK_HEADS:
+    if opens_block(one):
         return "block"
     if word in (*BLOCK_ENDS, "ELSE", "OF"):
         return "end"

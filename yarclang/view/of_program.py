@@ -222,6 +222,13 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             return (("waits for", f"{in_words(condition)}, {longest}"),)
         case Hold(text=text):
             return (("waits for", f"the operator{': ' * bool(text)}{text}"),)
+        case When(condition=condition, within=float(within)):
+            return (
+                (
+                    "waits for",
+                    f"{in_words(condition)}, at most {within:g} s; the other way is what is done then",
+                ),
+            )
         case When(condition=condition):
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"

@@ -147,7 +147,9 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
         cursor.expect("STOP")
         return
     condition = CONDITION.fullmatch(barrier.condition)
-    if barrier.kind == "set" or (barrier.kind == "when" and condition is None):
+    if barrier.kind == "set" or (
+        barrier.kind == "when" and (condition is None or barrier.timeout is not None)
+    ):
         cursor.refuse("is decided by whoever streams: no program buffer can do that")
     if barrier.kind in ("loop", "next", "exit", "endloop"):
         cursor.refuse("belongs to a loop, which whoever streams begins anew: no program buffer can do that")

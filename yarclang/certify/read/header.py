@@ -175,7 +175,7 @@ def _read_barrier(lines: Lines) -> Barred:
         lines.refuse(f"is no line of the map of barriers: {shown(lines.peek())}")
     line, kind, step, condition, timeout, name = found.groups()
     decided, again, register = _decided(lines, kind, condition)
-    if timeout != "-" and kind != "wait":
+    if timeout != "-" and (kind not in ("wait", "when") or condition.startswith(AGAIN)):
         lines.refuse(f"names a time that no '{kind}' has: {shown(lines.peek())}")
     lines.skip()
     seconds = None if timeout == "-" else float(timeout)

@@ -214,6 +214,8 @@ def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:
             return item.duration
         case Dwelt(milliseconds=milliseconds):
             return float(milliseconds) * MS
+        case Barred(kind="when", timeout=float()):
+            return "ask"
         case Barred(kind=kind):
             return _MARKS.get(kind, 0.0)
         case _:

@@ -198,10 +198,11 @@ class _Making:
     def _bar(self, item: Barred) -> None:
         limit = "without a limit" if item.timeout is None else f"at most {item.timeout:g} s"
         said = f"{item.name} ({item.condition})"
+        late = "" if item.timeout is None else f" within {item.timeout:g} s"
         what = {
             "wait": f"wait for {said}, {limit}",
             "hold": f"wait for the operator: {item.name}" if item.name else "wait for the operator",
-            "when": f"what follows is only for {said}",
+            "when": f"what follows is only for {said}{late}",
             "else": "what follows is for the other case",
             "end": "both cases go on from here",
             "loop": "what follows is done again and again, up to the end of the loop",

@@ -113,6 +113,8 @@ def _told(inspected: Inspected, step: Step) -> str | None:
             return f"the robot stands until {in_words(condition)}{until}"
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
+        case When(condition=condition, within=float(within)):
+            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines behind ELSE are carried out"
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:

@@ -179,14 +179,20 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
     """Wait at a barrier, decide, begin a loop anew, or change a register; the number of the leg that comes next."""
-    if barrier.kind in ("wait", "hold"):
+    if barrier.kind in ("wait", "hold") or barrier.timeout is not None:
         operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
         case "wait":
             if barrier.decided is None:
                 yield from _wait_for_input(operation, barrier)
             else:
-                yield from _wait_until(operation, barrier, barrier.decided, held)
+                met = yield from _wait_until(operation, barrier, barrier.decided, held)
+                if not met:
+                    raise Trouble(
+                        f"{_title(barrier)} has waited {barrier.timeout:g} s until {_awaited(barrier, barrier.decided)}: {_known(barrier.decided, held)}",
+                        "look at the inputs, then go on with --from",
+                        "Y1604",
+                    )
         case "hold":
             yield from _wait_for_operator(operation, job, barrier)
         case "when":
@@ -247,6 +253,12 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
     """Decide a WHEN. Each input is read once; the ways of a CASE are decided with what was read at the first of them."""
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
+    if barrier.timeout is not None:
+        met = yield from _wait_until(operation, barrier, barrier.decided, held)
+        if not met:
+            known = _known(barrier.decided, held)
+            operation.remark(f"{_title(barrier)}: {known}: the lines behind its ELSE are carried out")
+        return met
     if not barrier.again:
         held.inputs = yield from _read(operation, barrier, barrier.decided)
     holds = bool(_evaluated(barrier, barrier.decided, held))
@@ -262,13 +274,8 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
         state = state_text(held.inputs[compared[0].variable])
         _say(operation, barrier, held, f"{said} is {state}: {taken}")
         return holds
-    known = [f"{name} is {held.registers[name]}" for name in registers_of(barrier.decided)]
-    known += [
-        f"{shown_variable(one.variable)} is {_said(one.variable, held.inputs[one.variable])}"
-        for one in inputs_of(barrier.decided)
-    ]
     told = "holds" if holds else "does not hold"
-    _say(operation, barrier, held, f"{barrier.name or said} {told}, {', '.join(known)}: {taken}")
+    _say(operation, barrier, held, f"{barrier.name or said} {told}, {_known(barrier.decided, held)}: {taken}")
     return holds
 
 
@@ -398,12 +405,12 @@ def _wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
     operation.go(Event.END)
 
 
-def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[None]:
-    """Until a condition holds, or its time is over. At each look all inputs are read, each once."""
+def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
+    """Until a condition holds, or its time is over: False then. At each look all inputs are read, each once."""
     since, place = operation.now, barrier.label or f"line {barrier.source_line}"
-    name = barrier.name or in_words(condition)
-    read = yield from _read(operation, barrier, condition)
-    holds = _evaluated(barrier, condition, replace(held, inputs=read))
+    name = _awaited(barrier, condition)
+    held.inputs = yield from _read(operation, barrier, condition)
+    holds = _evaluated(barrier, condition, held)
     operation.notices.append(WaitBegan(since, place, name, "", 1.0, holds))
     waits = not holds
     if waits:
@@ -412,23 +419,35 @@ def _wait_until(operation: Operation, barrier: Barrier, condition: Value, held: 
         waited = operation.now - since
         if barrier.timeout is not None and waited > barrier.timeout:
             operation.notices.append(WaitEnded(operation.now, place, name, "", 0.0, waited, met=False))
-            known = [f"{one} is {held.registers[one]}" for one in registers_of(condition)]
-            known += [
-                f"{shown_variable(one.variable)} is {_said(one.variable, read[one.variable])}"
-                for one in inputs_of(condition)
-            ]
-            raise Trouble(
-                f"{_title(barrier)} has waited {barrier.timeout:g} s until {name}: {', '.join(known)}",
-                "look at the inputs, then go on with --from",
-                "Y1604",
-            )
+            if barrier.kind == "when":
+                operation.go(Event.END)
+            return False
         yield Wait(operation.now + _LOOK)
         yield from _obey(operation)
-        read = yield from _read(operation, barrier, condition)
-        holds = _evaluated(barrier, condition, replace(held, inputs=read))
+        held.inputs = yield from _read(operation, barrier, condition)
+        holds = _evaluated(barrier, condition, held)
     operation.notices.append(WaitEnded(operation.now, place, name, "", 1.0, operation.now - since, met=True))
     if waits:
         operation.go(Event.END)
+    return True
+
+
+def _awaited(barrier: Barrier, condition: Value) -> str:
+    """Return what is waited for, with the names of the program where the text has them."""
+    compared = simple(condition)
+    if barrier.kind == "when" and compared is not None and barrier.name:
+        return f"{barrier.name} is {state_text(compared[1])}"
+    return barrier.name or in_words(condition)
+
+
+def _known(condition: Value, held: Held) -> str:
+    """Return what the registers and inputs of a condition were."""
+    known = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
+    known += [
+        f"{shown_variable(one.variable)} is {_said(one.variable, held.inputs[one.variable])}"
+        for one in inputs_of(condition)
+    ]
+    return ", ".join(known)
 
 
 def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:

@@ -147,6 +147,19 @@ class Decided:
         self._meet(ended)
         self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
 
+    def wait(self, block: Block, file: File, scope: Scope, when: When | None) -> None:
+        """Carry out a WAIT with its ELSE: a WHEN that is decided when its condition holds or its time is over, with nothing in its first way."""
+        if when is None:
+            self._steps.append(Gap())
+            return
+        around = when.origin.place
+        self._steps += [when, Else(replace(when.origin, name="ELSE"))]
+        self._count(block.head, file)
+        with self._parted():
+            self._carry_out(block.otherwise or (), file, Scope(scope))
+            self._way_ended()
+        self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
+
     def case(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""
         ways, around = ways_of(block, scope, file.findings), file.findings.place

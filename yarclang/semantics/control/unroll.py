@@ -14,7 +14,7 @@ from yarclang.decisions import Register
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
-from yarclang.semantics.actions import read_action, read_assignment, read_wait
+from yarclang.semantics.actions import read_action, read_assignment, read_wait, read_wait_else
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
 from yarclang.semantics.control.calling import Calls
@@ -174,6 +174,8 @@ class _Unroller:
                 self._if(block, file, scope, place)
             case "CASE":
                 self._decided.case(block, file, scope)
+            case "WAIT":
+                self._wait(block, file, scope, place)
             case "LOOP":
                 self._decided.loop(block, file, scope)
             case "WHILE":
@@ -182,6 +184,13 @@ class _Unroller:
                 self._decided.when(block, file, scope)
         self._depth -= 1
         self._place = before
+
+    def _wait(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        """Carry out a WAIT with its ELSE."""
+        file.command_seen = True
+        file.findings.place = shown(at(place, block.head)) if place else ""
+        step = read_wait_else(block.head, scope, file.defaults, file.findings)
+        self._decided.wait(block, file, scope, step)
 
     def _carry_out(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> None:
         """Carry out lines of a block that is decided when the program runs."""

@@ -32,6 +32,9 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         elif word == "STRETCH":
             message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
             line.findings.add("Y0412", message, span, "take it away, and write another motion time")
+        elif word == "ELSE":
+            message = "ELSE stands behind the time of a WAIT, or in a line of its own"
+            line.findings.add("Y0412", message, span, "take it away")
         elif word == "BLEND":
             blend = _blend(line, option)
     return timing, tolerance, blend

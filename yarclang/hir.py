@@ -557,11 +557,11 @@ class EndLoop:
 
 
 @frozen
-class SetRegister:
-    """A register takes a value when the robot stands."""
+class Assign:
+    """A register, or an output, takes a value that is computed when the robot stands."""
 
     origin: Origin
-    register: str
+    target: str | Signal
     value: Value
 
 
@@ -596,7 +596,7 @@ Action = (
     | When
     | Else
     | EndWhen
-    | SetRegister
+    | Assign
     | Finish
     | Loop
     | NextPass

@@ -328,7 +328,7 @@ def test_what_is_written_is_read_as_it_was_meant(tally):
         text = canonical(value)
         assert read_value(text) == value, text
         assert (read_condition(text) == value) == condition
-        assert (read_assignment(f"$N:={text}") == ("N", value)) == (not condition)
+        assert (read_assignment(f"$N:={text}") == (RegisterValue("N"), value)) == (not condition)
         tally.count("deep", text.count("(") >= 3)
         tally.count("condition", condition)
         assert in_words(value)
@@ -479,3 +479,47 @@ def test_a_forged_wait_with_an_else_is_refused(old, new):
     assert any(one.is_error for one in result.diagnostics), (old, new)
     found, diagnostics = compiled(LATE, "INDUSTRIAL6", target="prog")
     assert [one.code for one in diagnostics if one.is_error] == ["Y1106"]
+
+
+COMPUTED = """OUTPUT GO M80..M82
+OUTPUT HEAT M1
+INPUT JOB M70
+REGISTER N 0..7
+P10 SET GO N
+P20 SET HEAT = JOB * 2 + N
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("M80,M81,M82:=$N", "M81,M80,M82:=$N"),
+        ("M80,M81,M82:=$N", "M80,M81:=$N"),
+        ("M80,M81,M82:=$N", "M80,M81,M83:=$N"),
+        ("M80,M81,M82:=$N", "M80,M81,M82:=$N+1"),
+        ("M80,M81,M82:=$N", "$N:=$N"),
+        ("M80,M81,M82:=$N", "M80,M81,M82:=$N>1"),
+        ("M1:=(M70*2)+$N", "M2:=(M70*2)+$N"),
+        ("M1:=(M70*2)+$N", "M161:=(M70*2)+$N"),
+        ("M1:=(M70*2)+$N", "P8100:=(M70*2)+$N"),
+        ("M1:=(M70*2)+$N", "M1:=(M71*2)+$N"),
+        ("M1:=(M70*2)+$N", "M1=(M70*2)+$N"),
+        ("GO = N", "HEAT = N"),
+    ],
+)
+def test_a_forged_output_of_a_computed_value_is_refused(old, new):
+    found, _ = compiled(COMPUTED, "INDUSTRIAL6")
+    assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
+    assert found.text.count(old) == 1, found.text
+    result = judged(found, found.text.replace(old, new))
+    assert any(one.is_error for one in result.diagnostics), (old, new)
+
+
+@pytest.mark.parametrize("variable", ["M161", "P8100", "M0080"])
+def test_no_computed_value_goes_into_a_variable_of_ours(variable):
+    found, _ = compiled(COMPUTED, "INDUSTRIAL6")
+    forged = found.text.replace("M1:=(M70", f"{variable}:=(M70")
+    result = certify_text(forged, found.plan.robot, found.program.source)
+    assert any(one.is_error and one.code in ("Y1191", "Y1151") for one in result.diagnostics), (
+        result.diagnostics
+    )

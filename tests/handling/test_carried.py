@@ -200,3 +200,25 @@ def test_a_mistake_in_the_file_is_told_at_its_line(tmp_path, more, code):
 def test_the_certificate_is_plain_data(tmp_path):
     found = made(tmp_path, PICK + PUT)
     assert json.dumps(found.value.certificate.to_json())
+
+
+def test_a_gripper_takes_no_computed_value(tmp_path):
+    found = made(tmp_path, "REGISTER N 0..1\n" + PICK.replace("SET GRIP ON", "SET GRIP = N") + PUT)
+    (one,) = told(found, "Y0949")
+    assert "GRIP moves parts (M1)" in one.message
+    assert found.value is None
+
+
+def test_a_loop_that_leaves_a_part_elsewhere_is_an_error(tmp_path):
+    program = "INPUT DOOR M11\nP0005 MOVEJ READY\nLOOP\n" + PICK + PUT + "UNTIL DOOR ON\n"
+    found = made(tmp_path, program)
+    (one,) = told(found, "Y0948")
+    assert "BOX isn't where it was when the loop began" in one.message
+    assert found.value is None
+
+
+def test_a_loop_that_brings_a_part_back_is_proved(tmp_path):
+    back = PUT.replace("{PUT}", "{FEEDER}")
+    found = made(tmp_path, "INPUT DOOR M11\nP0005 MOVEJ READY\nLOOP\n" + PICK + back + "UNTIL DOOR ON\n")
+    assert not [one for one in found.diagnostics if one.is_error], found.diagnostics
+    assert [one.carries for one in found.value.certificate.commands].count(("BOX",)) == 3

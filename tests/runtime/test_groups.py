@@ -153,3 +153,31 @@ def test_who_holds_or_stops_between_two_looks_sees_no_motion_of_a_way(robot, ord
     assert not ended.well
     assert value(made, "M2") == 0.0
     assert abs(joints(made, robot)).max() < 1e-3
+
+
+@pytest.mark.parametrize("number", [0, 1, 5, 7])
+@pytest.mark.parametrize("form", ["SET OUT N", "SET OUT = N"])
+def test_a_group_of_outputs_gets_what_a_register_holds(robot, number, form):
+    made = standing(robot, number)
+    lines = ("OUTPUT OUT M80..M82", "SET N = JOB", form)
+    for bit in ("M80", "M81", "M82"):
+        assert made.machine.command(f"{bit}->*", 7).error is None
+    assert performed(made, robot, *lines).well
+    assert [value(made, bit) for bit in ("M80", "M81", "M82")] == [number >> place & 1 for place in range(3)]
+
+
+def test_an_output_gets_a_computed_number(robot):
+    made = standing(robot, 3)
+    assert performed(made, robot, "SET N = JOB", "SET LAMP = JOB * 100 + N - 1").well
+    assert value(made, "M2") == 302.0
+
+
+def test_what_a_group_cannot_hold_ends_the_run(robot):
+    made = standing(robot, 7)
+    for bit in ("M80", "M81"):
+        assert made.machine.command(f"{bit}->*", 7).error is None
+        made.machine.command(f"{bit}=0", 7)
+    ended = performed(made, robot, "OUTPUT OUT M80..M81", "SET N = JOB", "SET OUT = N", "SET LAMP 9")
+    assert ended.code == "Y1630"
+    assert "would make OUT 7, and its 2 bits hold integers from 0 to 3" in ended.what
+    assert value(made, "M80") == value(made, "M81") == 0

@@ -188,7 +188,7 @@ def test_the_steps_that_were_taken(robot):
     )
     program, _ = checked("INPUT DOOR M11\nREGISTER N 0..9\n" + "\n".join(lines) + "\n")
     names = [type(one).__name__ for one in program.steps]
-    assert names == ["Loop", "SetRegister", "When", "Exit", "EndWhen", "SetRegister", "NextPass", "EndLoop", "SetRegister"]  # fmt: skip
+    assert names == ["Loop", "Assign", "When", "Exit", "EndWhen", "Assign", "NextPass", "EndLoop", "Assign"]  # fmt: skip
     assert taken(program.steps, 0, 9, (True,)) == [0, 1, 2, 3, 8]
     assert taken(program.steps, 0, 9, (False,)) == [0, 1, 2, 5, 6]
     assert taken(program.steps, 0, 9, ()) == [0, 1]

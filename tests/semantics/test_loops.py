@@ -3,7 +3,7 @@
 import pytest
 from programs import checked, codes, planned
 
-from yarclang.hir import EndLoop, EndWhen, Exit, Finish, Loop, NextPass, SetRegister, When
+from yarclang.hir import Assign, EndLoop, EndWhen, Exit, Finish, Loop, NextPass, When
 
 HEAD = "INPUT DOOR M11\nREGISTER N 0..9\nJOINTS A 10 0 0 0 0 0 (deg)\nDEFAULT [1] (deg,s)\n"
 
@@ -34,7 +34,7 @@ def test_a_repeat_counts_a_register_of_its_own_down():
     own = program.registers[1]
     assert (own.low, own.high) == (0, 9)
     steps = [type(step) for step in program.steps if not hasattr(step, "profile")]
-    assert steps == [SetRegister, Loop, When, SetRegister, NextPass, EndWhen, EndLoop]
+    assert steps == [Assign, Loop, When, Assign, NextPass, EndWhen, EndLoop]
 
 
 def test_repeats_inside_each_other_have_registers_of_their_own():
@@ -66,7 +66,7 @@ def test_a_return_leads_behind_its_sub():
         "P30 CALL S",
         "P40 MOVEJ A",
     )
-    assert kinds(*lines) == [Loop, When, Exit, EndWhen, SetRegister, EndLoop]
+    assert kinds(*lines) == [Loop, When, Exit, EndWhen, Assign, EndLoop]
 
 
 def test_a_return_on_all_ways_needs_no_step():

@@ -13,6 +13,7 @@ from yarclang.backend_pmac.guard import Watermarks, watermarks
 from yarclang.decisions import AGAIN, called, in_words
 from yarclang.hir import (
     Array,
+    Assign,
     Dwell,
     Else,
     EndLoop,
@@ -26,7 +27,6 @@ from yarclang.hir import (
     NextPass,
     Say,
     SetOutput,
-    SetRegister,
     Stop,
     WaitInput,
     WaitUntil,
@@ -163,7 +163,7 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
                 | When()
                 | Else()
                 | EndWhen()
-                | SetRegister()
+                | Assign()
                 | Finish()
                 | Loop()
                 | NextPass()
@@ -204,7 +204,7 @@ def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
     }
 
 
-def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | SetRegister | Turn) -> Barrier:
+def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | Assign | Turn) -> Barrier:
     label = step.origin.label or f"line {step.origin.span.line}"
     match step:
         case WaitInput(input=signal, value=value, timeout=timeout):
@@ -223,9 +223,9 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | SetRegister
             return Barrier(
                 number, "when", timeout=within, name=called(condition), label=label, condition=told
             )
-        case SetRegister(register=register, value=value):
-            name = f"{register} = {in_words(value)}"
-            told = f"${register}:={canonical(value)}"
+        case Assign(target=target, value=value):
+            name, into = (target, f"${target}") if isinstance(target, str) else (target.name, target.variable)
+            name, told = f"{name} = {in_words(value)}", f"{into}:={canonical(value)}"
             return Barrier(number, "set", name=name, label=label, condition=told)
         case Say(text=text):
             return Barrier(number, "say", name=text, label=label)

@@ -90,9 +90,12 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("until", number, condition, timeout, _printable(in_words(condition)))
             case hir.When(condition=condition, again=again, within=within):
                 yield number, ("when", number, condition, again, within, _printable(called(condition)))
-            case hir.SetRegister(register=register, value=result):
-                name = _printable(f"{register} = {in_words(result)}")
-                yield number, ("assign", number, register, result, name)
+            case hir.Assign(target=target, value=result):
+                called_, into = (
+                    (target, target) if isinstance(target, str) else (target.name, target.variable)
+                )
+                name = _printable(f"{called_} = {in_words(result)}")
+                yield number, ("assign", number, isinstance(target, str), into, result, name)
             case hir.Say(text=text):
                 yield number, ("say", number, _printable(text))
             case hir.Hold(text=text):
@@ -136,8 +139,8 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 yield ("set", variable, value)
             case Barred(kind="when", decided=decided, again=again):
                 yield ("when", item.step, decided, again, item.timeout, item.name)
-            case Barred(kind="set", decided=decided, register=register):
-                yield ("assign", item.step, register, decided, item.name)
+            case Barred(kind="set", decided=decided, register=register, output=output):
+                yield ("assign", item.step, not output, register or output, decided, item.name)
             case Barred(kind="wait", decided=decided) if decided is not None:
                 yield ("until", item.step, decided, item.timeout, item.name)
             case Barred(kind="wait", condition=condition):

@@ -50,8 +50,8 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
     match barrier:
         case Barred(kind="when", decided=decided, again=again, timeout=within) if decided is not None:
             return hir.When(origin, decided, again, within)
-        case Barred(kind="set", decided=decided, register=register) if decided is not None:
-            return hir.SetRegister(origin, register, decided)
+        case Barred(kind="set", decided=decided, register=register, output=output) if decided is not None:
+            return hir.Assign(origin, register or hir.Signal(output, output), decided)
         case Barred(kind="else"):
             return hir.Else(origin)
         case Barred(kind="end"):
@@ -109,6 +109,11 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [
+        f"'{item.condition}' in line {item.line}"
+        for item in content.course
+        if isinstance(item, Barred) and item.output
+    ]
+    outputs += [
         f"{variable}={value:.9g} in " + ("the PLC of safe values" if line is None else f"line {line}")
         for line, variable, value in assignments_of(content)
     ]

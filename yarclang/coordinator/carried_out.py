@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from yarclang.coordinator.resting import resting_place
 from yarclang.hir import (
+    Assign,
     Else,
     EndLoop,
     EndWhen,
@@ -18,7 +19,6 @@ from yarclang.hir import (
     NextPass,
     Say,
     SetOutput,
-    SetRegister,
     Step,
     Stop,
     WaitInput,
@@ -123,7 +123,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
 
 
 def _is_barrier(step: Step) -> bool:
-    return isinstance(step, WaitInput | WaitUntil | Hold | Say | SetRegister | Turn)
+    return isinstance(step, WaitInput | WaitUntil | Hold | Say | Assign | Turn)
 
 
 def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) -> tuple[int, ...]:

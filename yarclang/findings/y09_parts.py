@@ -92,4 +92,13 @@ FINDINGS = (
         "LOOP\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nUNTIL DONE ON",
         "REPEAT I 4\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nEND",
     ),
+    Finding(
+        "Y0949",
+        "parts-moved-by-a-number",
+        "error",
+        "an output that moves parts gets a value that is computed when the program runs",
+        "A gripper's output, or that of a machine which takes parts away, decides where parts are, and everything after it is proved with that. A value that only the running robot knows would leave it open.",
+        "REGISTER N 0..1\nOUTPUT GRIP M1\nP0010 SET GRIP = N",
+        "REGISTER N 0..1\nOUTPUT GRIP M1\nWHEN N = 1\n  P0010 SET GRIP ON\nEND",
+    ),
 )

@@ -243,6 +243,7 @@ def _barrier(item: Barred, entry: Entry) -> Barrier:
         item.again,
         item.register,
         entry.name,
+        item.output,
     )
 
 

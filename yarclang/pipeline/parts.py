@@ -17,6 +17,7 @@ from yarclang.handling.surroundings import without_parts
 from yarclang.handling.walk import Followed, followed, handling_of
 from yarclang.hir import (
     Array,
+    Assign,
     Dwell,
     Else,
     EndLoop,
@@ -32,7 +33,6 @@ from yarclang.hir import (
     Program,
     Say,
     SetOutput,
-    SetRegister,
     SplineMove,
     Step,
     Timing,
@@ -330,10 +330,7 @@ def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
         at: step.origin.label
         for at, step in enumerate(steps)
         if not isinstance(step, Gap)
-        and (
-            at in moves
-            or isinstance(step, WaitInput | WaitUntil | Say | SetOutput | SetRegister | Hold | Dwell)
-        )
+        and (at in moves or isinstance(step, WaitInput | WaitUntil | Say | SetOutput | Assign | Hold | Dwell))
     }
     found = matching(labels, place)
     if not found:

@@ -45,7 +45,7 @@ class Barrier:
 
     `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort; a wait compares `variable` with `value`; `name` is the input's, or the operator's
     text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever). `decided` is the condition of a when, or of a wait that has no `variable`, decided with what the last when has read if `again`;
-    of a set it is the number that `register` gets. `word` is the command's name: of a when, OF in a CASE.
+    of a set it is the number that `register` or `output` gets. `word` is the command's name: of a when, OF in a CASE.
     """
 
     kind: str
@@ -59,6 +59,7 @@ class Barrier:
     again: bool = False
     register: str = ""
     word: str = ""
+    output: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.decisions import (
     DecisionError,
     Register,
+    RegisterValue,
     equals,
     evaluated,
     in_words,
@@ -21,7 +22,7 @@ from yarclang.decisions import (
 )
 from yarclang.decisions import Value as Condition
 from yarclang.diagnostics import Collector
-from yarclang.hir import Action, Output, Say, SetRegister, Signal, WaitInput, WaitUntil, When
+from yarclang.hir import Action, Assign, Output, Say, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.meanings import group_fault, state_value
 from yarclang.semantics.files import values_of
@@ -204,40 +205,58 @@ def read_wait(
     return WaitUntil(origin, condition, seconds)
 
 
-def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> SetRegister | None:
-    """SET COUNT = COUNT + 1."""
+def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> Assign | None:
+    """SET COUNT = COUNT + 1, SET GO = COUNT and SET GO COUNT."""
     before = len(findings.found)
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
-    (word,) = values_of(statement)
+    word, *others = values_of(statement)
     assert isinstance(word, Word)
-    assert statement.expression is not None
     found, span = scope.name(word.name), statement.span(word.place)
     if found is None:
-        known = sorted(set(scope.names(Register)))
+        known = sorted(set(scope.names(Register, Output)))
         subject = unknown(word.text, known)
         help_ = subject.question or (
             f"there are {', '.join(known)}" if known else "declare it: REGISTER N 0..9"
         )
-        findings.add("Y0210", f"no register is named {word.text}", span, help_, subject=subject)
-    elif not isinstance(found, Register):
-        help_ = f"SET {word.text} ON has no equals sign" if isinstance(found, Output) else ""
-        findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a register", span, help_)
+        findings.add("Y0210", f"no register or output is named {word.text}", span, help_, subject=subject)
+    elif not isinstance(found, Register | Output):
+        findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a register or an output", span)
     try:
-        value = number_of(statement.expression, scope)
-        if not inputs_of(value) and not registers_of(value) and isinstance(found, Register):
+        if statement.expression is not None:
+            value = number_of(statement.expression, scope)
+        else:
+            register = scope.name(others[0].name) if isinstance(others[0], Word) else None
+            assert isinstance(register, Register)  # as `sets_by_register` has found
+            value = RegisterValue(register.name)
+        if not inputs_of(value) and not registers_of(value) and isinstance(found, Register | Output):
             _check_range(evaluated(value, {}, {}), found, statement, findings)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         return None
     except DecisionError as error:
+        assert statement.expression is not None  # a register has a value
         findings.add("Y0410", str(error), statement.span(statement.expression.place))
         return None
-    if not isinstance(found, Register) or any(one.is_error for one in findings.found[before:]):
+    if not isinstance(found, Register | Output) or any(one.is_error for one in findings.found[before:]):
         return None
-    return SetRegister(origin_of(statement, "SET", findings), found.name, value)
+    target = found.name if isinstance(found, Register) else found.signal
+    return Assign(origin_of(statement, "SET", findings), target, value)
 
 
-def _check_range(number: float, register: Register, statement: Statement, findings: Collector) -> None:
+def sets_by_register(statement: Statement, scope: Scope) -> bool:
+    """Return True of a SET GO COUNT, which is a SET GO = COUNT."""
+    values = values_of(statement)
+    return (
+        len(values) == 2 and isinstance(values[1], Word) and isinstance(scope.name(values[1].name), Register)
+    )
+
+
+def _check_range(number: float, target: Register | Output, statement: Statement, findings: Collector) -> None:
+    if isinstance(target, Output):
+        if fault := group_fault(target.signal, number) if is_group(target.signal.variable) else "":
+            findings.add("Y0470", fault, statement.whole_span, "check the number, or the bits")
+        return
+    register = target
     if number.is_integer() and register.low <= number <= register.high:
         return
     assert statement.expression is not None

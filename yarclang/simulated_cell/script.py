@@ -15,7 +15,7 @@ from yarclang.cell.model import Cell
 from yarclang.decisions import bits_of, group_of, inputs_of, is_group, largest_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Program, SetOutput, SetRegister, Signal, WaitInput, WaitUntil, When
+from yarclang.hir import Assign, Gap, Program, SetOutput, Signal, WaitInput, WaitUntil, When
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -100,8 +100,8 @@ def known_in(
             places.add(step.origin.label)
         if isinstance(step, WaitInput):
             inputs[step.input.name.upper()] = step.input.variable
-        elif isinstance(step, When | WaitUntil | SetRegister):
-            for read in inputs_of(step.value if isinstance(step, SetRegister) else step.condition):
+        elif isinstance(step, When | WaitUntil | Assign):
+            for read in inputs_of(step.value if isinstance(step, Assign) else step.condition):
                 signal_read = Signal(read.name.upper(), read.variable)
                 inputs |= {bit.name: bit.variable for bit in signal_read.bits}
                 if is_group(read.variable):

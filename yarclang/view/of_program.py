@@ -15,6 +15,7 @@ from yarclang.certify.outward import percent
 from yarclang.decisions import in_words, simple
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
+    Assign,
     Dwell,
     Exit,
     Finish,
@@ -26,7 +27,6 @@ from yarclang.hir import (
     Origin,
     Say,
     SetOutput,
-    SetRegister,
     Step,
     TimedMove,
     WaitInput,
@@ -243,7 +243,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             return (("tells", text),)
         case Finish(fails=fails, text=text):
             return (("ends", f"the program, as a fault: {text}" if fails else "the program"),)
-        case SetRegister(register=register, value=number):
+        case Assign(target=target, value=number):
+            register = target if isinstance(target, str) else target.name
             return (("sets", f"{register} to {in_words(number)}"),)
     return ()
 

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from yarclang.hir import (
+    Assign,
     Else,
     EndLoop,
     EndWhen,
@@ -18,7 +19,6 @@ from yarclang.hir import (
     Motion,
     NextPass,
     Program,
-    SetRegister,
     Step,
     WaitInput,
     WaitUntil,
@@ -124,7 +124,7 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
-        if isinstance(step, WaitInput | WaitUntil | Hold | SetRegister | Turn):
+        if isinstance(step, WaitInput | WaitUntil | Hold | Assign | Turn):
             return True
     return False
 

@@ -56,6 +56,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     carried = {step: tuple(one.name for one in parts.held()) for step, parts in found.before.items()}
     flowing = {place.step for place in layout.places if place.behind is not None}
     findings = list(_findings(handling, found.grasps, found.before, flowing))
+    findings += _computed(handling)
     findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
     return Handled(program.cell, found.cells, carried), findings
@@ -88,6 +89,24 @@ def _findings(
             message = f"after the WHENs before it the robot may hold any of {len(unsure)} parts, more than {MOST_UNSURE}"
             found.append(_finding("Y0945", message, command.origin, _UNSURE))
             break
+    return list(grouped(found))
+
+
+def _computed(handling: Handling) -> list[Diagnostic]:
+    """Return the SETs of computed values that move parts: where these are then isn't known."""
+    found = []
+    cell = handling.cell
+    moving = set() if cell is None else {*cell.grips, *cell.removals}
+    for step in handling.steps:
+        if isinstance(step, hir.Assign) and not isinstance(step.target, str):
+            for bit in step.target.bits:
+                if bit.variable in moving:
+                    message = f"{step.target.name} moves parts ({bit.variable}), and its value is known only when the program runs"
+                    found.append(
+                        _finding(
+                            "Y0949", message, step.origin, "set it ON or OFF, in the ways of a WHEN or CASE"
+                        )
+                    )
     return list(grouped(found))
 
 

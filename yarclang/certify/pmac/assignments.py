@@ -23,7 +23,13 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
         outputs: the variables of the program's outputs; None where the program isn't known: then any variable that an output could have.
     """
     seen: set[str] = set()
-    for line, variable, _ in assignments_of(text):
+    computed = [
+        (item.line, variable)
+        for item in text.course
+        if isinstance(item, Barred) and item.output
+        for variable in bits_of(item.output)
+    ]
+    for line, variable in (*((line, variable) for line, variable, _ in assignments_of(text)), *computed):
         where = "the PLC of safe values" if line is None else f"line {line}"
         if reason := _why_not(variable, robot):
             yield f"{where} sets {variable}, which {reason}"

@@ -54,13 +54,13 @@ def read_condition(text: str) -> Value | None:
     return value if value is not None and _is_condition(value) else None
 
 
-def read_assignment(text: str) -> tuple[str, Value] | None:
-    """Return the register, and the number that it gets; None if the text isn't in the canonical form."""
-    target, _, rest = text.partition(":=")
-    register, value = read_value(target), read_value(rest)
-    if not isinstance(register, RegisterValue) or value is None or _is_condition(value):
+def read_assignment(text: str) -> tuple[RegisterValue | InputValue, Value] | None:
+    """Return the register or the variables of an output, and the number that it gets; None if the text isn't in the canonical form."""
+    into, _, rest = text.partition(":=")
+    target, value = read_value(into), read_value(rest)
+    if not isinstance(target, RegisterValue | InputValue) or value is None or _is_condition(value):
         return None
-    return register.name, value
+    return target, value
 
 
 def _is_condition(value: Value) -> bool:

@@ -9,7 +9,17 @@ from sys import intern
 from yarclang.certify.read.deciding import read_assignment, read_condition
 from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.text import Barred, Entry, Unreadable
-from yarclang.decisions import AGAIN, LARGEST, LONGEST_NAME, Register, Value, inputs_of, registers_of
+from yarclang.decisions import (
+    AGAIN,
+    LARGEST,
+    LONGEST_NAME,
+    InputValue,
+    Register,
+    RegisterValue,
+    Value,
+    inputs_of,
+    registers_of,
+)
 from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
 from yarclang.lasting import ONCE, Lasting
@@ -174,22 +184,26 @@ def _read_barrier(lines: Lines) -> Barred:
     if found is None:
         lines.refuse(f"is no line of the map of barriers: {shown(lines.peek())}")
     line, kind, step, condition, timeout, name = found.groups()
-    decided, again, register = _decided(lines, kind, condition)
+    decided, again, target = _decided(lines, kind, condition)
     if timeout != "-" and (kind not in ("wait", "when") or condition.startswith(AGAIN)):
         lines.refuse(f"names a time that no '{kind}' has: {shown(lines.peek())}")
     lines.skip()
     seconds = None if timeout == "-" else float(timeout)
     name = "" if name == "-" else name
-    return Barred(int(line), kind, int(step), condition, seconds, name, decided, again, register)
+    register = target.name if isinstance(target, RegisterValue) else ""
+    output = target.variable if isinstance(target, InputValue) else ""
+    return Barred(int(line), kind, int(step), condition, seconds, name, decided, again, register, output)
 
 
-def _decided(lines: Lines, kind: str, condition: str) -> tuple[Value | None, bool, str]:
-    """Return what a barrier decides by, whether that was read before, and the register that gets it."""
+def _decided(
+    lines: Lines, kind: str, condition: str
+) -> tuple[Value | None, bool, RegisterValue | InputValue | None]:
+    """Return what a barrier decides by, whether that was read before, and the register or output that gets it."""
     if kind == "when":
         again = condition.startswith(AGAIN)
         found = read_condition(condition.removeprefix(AGAIN))
         if found is not None:
-            return found, again, ""
+            return found, again, None
     elif kind == "set":
         assigned = read_assignment(condition)
         if assigned is not None:
@@ -197,9 +211,9 @@ def _decided(lines: Lines, kind: str, condition: str) -> tuple[Value | None, boo
     elif kind == "wait" and _WAITED.fullmatch(condition) is None:
         found = read_condition(condition)
         if found is not None and inputs_of(found):
-            return found, False, ""
+            return found, False, None
     elif (_WAITED.fullmatch(condition) is not None) if kind == "wait" else condition == "-":
-        return None, False, ""
+        return None, False, None
     raise Refusal(lines.line, f"names a condition that no '{kind}' has: {shown(lines.peek())}", "Y1151")
 
 

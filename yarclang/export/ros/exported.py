@@ -15,7 +15,7 @@ from yarclang.export.ros.interpolation import Interpolation
 from yarclang.export.ros.proof import deviation
 from yarclang.export.ros.sampling import Points, sampled
 from yarclang.frozen import frozen
-from yarclang.hir import SetOutput, SetRegister, WaitInput, WaitUntil, When
+from yarclang.hir import Assign, SetOutput, WaitInput, WaitUntil, When
 from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled
 from yarclang.progress import tell
@@ -104,7 +104,7 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
         match step:
             case SetOutput(output=signal) | WaitInput(input=signal):
                 names.setdefault(signal.variable, signal.name)
-            case When(condition=value) | WaitUntil(condition=value) | SetRegister(value=value):
+            case When(condition=value) | WaitUntil(condition=value) | Assign(value=value):
                 for read in inputs_of(value):
                     names.setdefault(read.variable, read.name)
     course = course_of(content, map_lines(compiled.text), robot, names)

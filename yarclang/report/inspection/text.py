@@ -8,10 +8,11 @@ import numpy as np
 
 from yarclang.certify.certificate import IDLE, CommandCertificate, Load, bound_text
 from yarclang.certify.outward import percent
-from yarclang.decisions import in_words, simple
+from yarclang.decisions import in_words, shown_variable, simple
 from yarclang.emitted.purposes import MOVE, Stretch
 from yarclang.frozen import frozen
 from yarclang.hir import (
+    Assign,
     Dwell,
     Exit,
     Finish,
@@ -24,7 +25,7 @@ from yarclang.hir import (
     PoseDelta,
     Say,
     SetOutput,
-    SetRegister,
+    Signal,
     Step,
     TimedMove,
     Timing,
@@ -131,7 +132,9 @@ def _told(inspected: Inspected, step: Step) -> str | None:
             return f"the operator is told: {printable(text)}"
         case Finish(fails=fails, text=text):
             return f"the program ends as a fault: {printable(text)}" if fails else "the program ends"
-        case SetRegister(register=register, value=number):
+        case Assign(target=Signal(name=name, variable=variable), value=number):
+            return f"the output {name} ({shown_variable(variable)}) becomes {in_words(number)}"
+        case Assign(target=register, value=number):
             return f"the register {register} becomes {in_words(number)}"
         case _:
             return None

@@ -14,6 +14,7 @@ from yarclang.decisions import (
     in_words,
     inputs_of,
     is_group,
+    largest_of,
     registers_of,
     shown_variable,
     simple,
@@ -27,7 +28,7 @@ from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
 from yarclang.runtime.pmac.rest import leave, stands_at
-from yarclang.runtime.signals import WaitBegan, WaitEnded, state_text
+from yarclang.runtime.signals import OutputSet, WaitBegan, WaitEnded, state_text
 from yarclang.runtime.state import Event
 
 LOST = "Y1606"
@@ -288,8 +289,11 @@ def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
 
 
 def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Give a register its value, or end the run if that is out of range."""
+    """Give a register or an output its value, or end the run if that is out of range."""
     assert barrier.decided is not None  # as above
+    if barrier.output:
+        yield from _set_output(operation, barrier, barrier.decided, held)
+        return
     register = next(one for one in job.registers if one.name == barrier.register)
     held.inputs = yield from _read(operation, barrier, barrier.decided)
     value = _evaluated(barrier, barrier.decided, held)
@@ -308,6 +312,29 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
     held.registers[register.name] = int(value)
     if barrier.word != "REPEAT":
         operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
+
+
+def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held) -> Script[None]:
+    """Give an output its value, or all bits of a group theirs, the lowest first."""
+    held.inputs = yield from _read(operation, barrier, value)
+    number, bits = _evaluated(barrier, value, held), bits_of(barrier.output)
+    name = barrier.name.partition(" = ")[0]
+    if len(bits) > 1 and not (number.is_integer() and 0 <= number <= largest_of(barrier.output)):
+        raise Trouble(
+            f"{_title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers from 0 to {largest_of(barrier.output)}",
+            "look at the inputs and at what the program counts, then start it anew",
+            "Y1630",
+        )
+    for place, bit in enumerate(bits):
+        one = number if len(bits) == 1 else float(int(number) >> place & 1)
+        yield from operation.ask(f"{bit}={_digits(one)}")
+        operation.notices.append(OutputSet(operation.now, operation.outputs.get(bit, bit), bit, one))
+    operation.remark(f"{_title(barrier)}: {name} is {_digits(number)}")
+
+
+def _digits(number: float) -> str:
+    """Return a number as the controller reads it."""
+    return f"{number + 0.0:.9f}".rstrip("0").rstrip(".")
 
 
 def _read(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from yarclang.decisions import Between, Constant, Register, RegisterValue
-from yarclang.hir import Else, EndLoop, EndWhen, Exit, Gap, Loop, NextPass, Origin, SetRegister, Step, When
+from yarclang.hir import Assign, Else, EndLoop, EndWhen, Exit, Gap, Loop, NextPass, Origin, Step, When
 from yarclang.semantics.actions import read_when
 from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.files import File
@@ -231,8 +231,8 @@ class Decided:
         own = self._counter(count, scope)
         self._count(head, file)
         left = RegisterValue(own.name)
-        self._steps.append(SetRegister(origin, own.name, RegisterValue(count.name)))
-        counts = SetRegister(origin, own.name, Between("-", left, Constant(1.0)))
+        self._steps.append(Assign(origin, own.name, RegisterValue(count.name)))
+        counts = Assign(origin, own.name, Between("-", left, Constant(1.0)))
         self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
 
     def _looped(self, block: Block, file: File, scope: Scope, begin: list[Step], end: Origin) -> None:

@@ -223,3 +223,10 @@ def test_a_wait_with_an_else_is_stopped(robot, order):
     assert not ended.well
     assert made.now < 15.0
     assert ended.at_barrier
+
+
+def test_a_loop_with_a_number_makes_so_many_passes(robot):
+    made, ended = performed(robot, "LOOP 4", "  SET N = N + 1", "END", "LOOP 0", "  SET N = 9", "END")
+    assert ended.well
+    assert dict(ended.registers)["N"] == 4
+    assert any("LOOP: 4 passes to go" in one for one in remarks(made))

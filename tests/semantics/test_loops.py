@@ -37,6 +37,14 @@ def test_a_repeat_counts_a_register_of_its_own_down():
     assert steps == [Assign, Loop, When, Assign, NextPass, EndWhen, EndLoop]
 
 
+def test_a_loop_with_a_number_counts_as_well():
+    program, _ = checked(HEAD + "LET K = 143\nLOOP $(K * 2 + 2)\nP10 MOVEJ HOME\nEND\n")
+    assert program.registers[-1].high == 288
+    steps = [type(step) for step in program.steps if not hasattr(step, "profile")]
+    assert steps == [Assign, Loop, When, Assign, NextPass, EndWhen, EndLoop]
+    assert kinds("LOOP N", "P10 MOVEJ HOME", "END") == steps
+
+
 def test_repeats_inside_each_other_have_registers_of_their_own():
     program, _ = checked(HEAD + "REPEAT N\nREPEAT N\nP10 MOVEJ HOME\nEND\nEND\n")
     assert [one.name for one in program.registers] == ["N", "REPEAT_1", "REPEAT_2"]
@@ -96,7 +104,12 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
         (["WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON", "END"], "Y0114", "the WHEN of line 5 is open here"),
         (["LOOP", "P10 MOVEJ A"], "Y0113", "this LOOP has no END"),
         (["LOOP", "WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0113", "this WHEN has no END"),
-        (["LOOP 5", "P10 MOVEJ A", "END"], "Y0408", "LOOP doesn't take values"),
+        (["LOOP 5 6", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
+        (["LOOP DOOR", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
+        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: a whole number"),
+        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: a whole number"),
+        (["LOOP 300000", "P10 MOVEJ A", "END"], "Y1004", "LOOP 300,000"),
+        (["LOOP 5", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0401", "a LOOP with a number of passes ends with END"),
         (
             ["LOOP", "P10 MOVEJ A", "ELSE", "P20 MOVEJ HOME", "END"],
             "Y0115",

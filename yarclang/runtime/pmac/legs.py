@@ -40,6 +40,9 @@ _TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
 _LEFT = {True: "the loop is left", False: "the loop goes on"}
 """The same of UNTIL."""
 
+_COUNTED = ("REPEAT", "LOOP")
+"""Words whose decisions and registers are the count of a loop."""
+
 _LOOK = 0.02
 """Time between two looks at an input [s]."""
 
@@ -266,7 +269,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     compared = simple(barrier.decided)
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
     taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
-    if barrier.word == "REPEAT":
+    if barrier.word in _COUNTED:
         (counted,) = registers_of(barrier.decided)
         left = max(held.registers[counted], 0)
         _say(operation, barrier, held, f"{left} pass{'es' * (left != 1)} to go")
@@ -310,7 +313,7 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
             what = f"{_title(barrier)} can't keep {register.name} = {int(value)}: {why}"
             raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
     held.registers[register.name] = int(value)
-    if barrier.word != "REPEAT":
+    if barrier.word not in _COUNTED:
         operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
 
 

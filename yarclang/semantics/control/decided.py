@@ -9,15 +9,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
-from yarclang.decisions import Between, Constant, Register, RegisterValue
+from yarclang.decisions import Between, Constant, Register, RegisterValue, Value
 from yarclang.hir import Assign, Else, EndLoop, EndWhen, Exit, Gap, Loop, NextPass, Origin, Step, When
 from yarclang.semantics.actions import read_when
 from yarclang.semantics.control.cases import ways_of
-from yarclang.semantics.files import File
+from yarclang.semantics.control.repeats import repeats
+from yarclang.semantics.files import File, values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import Scope
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
-from yarclang.syntax.ast import Block, Node, Statement
+from yarclang.syntax.ast import Block, Node, Statement, Word
 
 COUNTER = "REPEAT_"
 """How the registers begin that count the passes of a REPEAT."""
@@ -188,8 +189,11 @@ class Decided:
         self._steps += [EndWhen(_origin(block.end or block.head, "END", file, around))] * opened
 
     def loop(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a LOOP up to its END or UNTIL."""
-        refuse_parts(block.head, ("values", *NOT_FOR_BLOCKS), file.findings)
+        """Carry out a LOOP up to its END or UNTIL; one with a number makes so many passes at most."""
+        refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
+        if values_of(block.head):
+            self._times(block, file, scope)
+            return
         around, end = file.findings.place, block.end or block.head
         self._steps.append(Loop(_origin(block.head, "LOOP", file, around)))
         self._count(block.head, file)
@@ -214,6 +218,25 @@ class Decided:
         if loops.pop():
             self._goes_on()
 
+    def _times(self, block: Block, file: File, scope: Scope) -> None:
+        """Carry out a LOOP with a number of passes."""
+        head, values, end = block.head, values_of(block.head), block.end
+        word = values[0] if len(values) == 1 and isinstance(values[0], Word) else None
+        register = None if word is None else scope.name(word.name)
+        if isinstance(register, Register):
+            self.repeat(block, file, scope, RegisterValue(register.name), register)
+            return
+        if end is not None and end.name.name == "UNTIL":
+            message = "a LOOP with a number of passes ends with END"
+            file.findings.add("Y0401", message, end.head_span, "write EXIT in a WHEN, to leave it before")
+            self._steps.append(Gap())
+            return
+        count = repeats(head, values, scope, file.findings)
+        if count is None:
+            self._steps.append(Gap())
+            return
+        self.repeat(block, file, scope, Constant(float(count)), Register("", 0, count, 0))
+
     def while_(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a WHILE: a loop whose body stands in a WHEN."""
         around = file.findings.place
@@ -224,14 +247,23 @@ class Decided:
         self._count(block.head, file)
         self._looped(block, file, scope, [when], _origin(block.end or block.head, "END", file, around))
 
-    def repeat(self, block: Block, file: File, scope: Scope, count: Register) -> None:
-        """Carry out a REPEAT that is counted by what a register is in front of it."""
+    def repeat(self, block: Block, file: File, scope: Scope, count: Value, bounds: Register) -> None:
+        """Carry out a REPEAT or LOOP that is counted when it is run.
+
+        Args:
+            block: the lines.
+            file: in which they stand.
+            scope: the names that are known there.
+            count: how many passes.
+            bounds: a register with the bounds of that number.
+        """
         head, around = block.head, file.findings.place
-        origin, end = _origin(head, "REPEAT", file, around), _origin(block.end or head, "END", file, around)
-        own = self._counter(count, scope)
+        origin = _origin(head, head.name.name, file, around)
+        end = _origin(block.end or head, "END", file, around)
+        own = self._counter(bounds, scope)
         self._count(head, file)
         left = RegisterValue(own.name)
-        self._steps.append(Assign(origin, own.name, RegisterValue(count.name)))
+        self._steps.append(Assign(origin, own.name, count))
         counts = Assign(origin, own.name, Between("-", left, Constant(1.0)))
         self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
 

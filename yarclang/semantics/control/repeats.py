@@ -28,14 +28,20 @@ def counted(head: Statement) -> tuple[Word | None, list[Value]]:
 
 def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
     """The number behind REPEAT and its name, `values`; None with a finding where there is none."""
-    example = "for example REPEAT I 4, or REPEAT $ROWS; REPEAT COUNT asks a register when run"
+    example = (
+        "for example LOOP 288, or LOOP"
+        if head.name.name == "LOOP"
+        else "for example REPEAT I 4, or REPEAT $ROWS; REPEAT COUNT asks a register when run"
+    )
     if len(values) == 1 and isinstance(values[0], Word) and isinstance(scope.name(values[0].name), Register):
         name = values[0].text
         message = f"{name} is known only when the program runs: its rounds have no number that lines can compute with"
         findings.add("Y0401", message, head.whole_span, f"write REPEAT {name}, without a name in front of it")
         return None
     if len(values) != 1 or not isinstance(values[0], Number | Computed):
-        findings.add("Y0401", "REPEAT wants a name and a number, or a number", head.whole_span, example)
+        word = head.name.name
+        wants = "a name and a number, or a number" if word == "REPEAT" else "a number of passes, or nothing"
+        findings.add("Y0401", f"{word} wants {wants}", head.whole_span, example)
         return None
     span = head.span(values[0].place)
     if (fault := number_fault(values[0])) is not None:
@@ -47,10 +53,12 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     whole = round(found.value)
     # 3 * 0.1 * 10 is meant as 3
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
-        findings.add("Y0414", f"REPEAT {found}: a whole number, 0 or more, is wanted", span, example)
+        findings.add(
+            "Y0414", f"{head.name.name} {found}: a whole number, 0 or more, is wanted", span, example
+        )
         return None
     if whole > MOST_ROUNDS:
-        message = f"REPEAT {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"
+        message = f"{head.name.name} {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"
         findings.add("Y1004", message, span, "make the loop shorter")
         return None
     return whole

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
-from yarclang.decisions import Register
+from yarclang.decisions import Register, RegisterValue
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
@@ -230,7 +230,7 @@ class _Unroller:
         register = None if word is None or values else scope.name(word.name)
         if isinstance(register, Register):
             self._count(block, file, scope, place)
-            self._decided.repeat(block, file, scope, register)
+            self._decided.repeat(block, file, scope, RegisterValue(register.name), register)
             return
         count = repeats(head, values, scope, file.findings)
         if word is not None and not may_be_declared(head, word, scope, self._context.robot, file.findings):

@@ -477,10 +477,11 @@ class WaitUntil:
 
 @frozen
 class Hold:
-    """The robot stands until the operator goes on."""
+    """The robot stands until the operator goes on, with a number for a `register` if that isn't empty: `text` is the question."""
 
     origin: Origin
     text: str
+    register: str = ""
 
 
 @frozen

@@ -523,3 +523,35 @@ def test_no_computed_value_goes_into_a_variable_of_ours(variable):
     assert any(one.is_error and one.code in ("Y1191", "Y1151") for one in result.diagnostics), (
         result.diagnostics
     )
+
+
+ASKED = """REGISTER N 0..5
+REGISTER M 0..5
+P10 HOLD "how many?" N
+P20 HOLD "go?"
+P30 SET M = N
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        ("$N - how many?", "$M - how many?"),
+        ("$N - how many?", "$K - how many?"),
+        ("$N - how many?", "- - how many?"),
+        ("$N - how many?", "N - how many?"),
+        ("$N - how many?", "$N+1 - how many?"),
+        ("$N - how many?", "M11 - how many?"),
+        ("$N - how many?", "$N 5 how many?"),
+        ("$N - how many?", "$N - how few?"),
+        ("- - go?", "$M - go?"),
+    ],
+)
+def test_a_forged_question_is_refused(old, new):
+    found, _ = compiled(ASKED, "INDUSTRIAL6")
+    assert not [one for one in judged(found, found.text).diagnostics if one.is_error]
+    assert found.text.count(old) == 1, found.text
+    result = judged(found, found.text.replace(old, new))
+    assert any(one.is_error for one in result.diagnostics), (old, new)
+    found, diagnostics = compiled(ASKED, "INDUSTRIAL6", target="prog")
+    assert [one.code for one in diagnostics if one.is_error] == ["Y1106"]

@@ -136,6 +136,33 @@ def said(*arguments):
     return result.exit_code, result.output
 
 
+def test_a_question_is_answered_from_another_terminal(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lines = 'ROBOT INDUSTRIAL6\nREGISTER N 1..9\nSTART HOME\nP10 HOLD "how many?" N\nP20 SAY "{N} boxes"\n'
+    (tmp_path / "box.yarc").write_text(lines)
+    command = [
+        sys.executable,
+        "-c",
+        "from yarclang.cli.yarc import main; main()",
+        "run",
+        "box.yarc",
+        "-y",
+        "--no-log",
+    ]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True) as process:
+        output = ""
+        for line in process.stdout:
+            output += line
+            if "asks: how many?" in line:
+                assert said("resume")[0] == 2
+                code, told = said("resume", "--answer", "12")
+                assert code == 2
+                assert "asks: how many?: --answer with a number from 1 to 9, not 12" in " ".join(told.split())
+                assert said("resume", "--answer", "4")[0] == 0
+    assert process.returncode == 0, output
+    assert "SAY: 4 boxes" in output
+
+
 def test_runs_one_after_the_other(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     lines = 'ROBOT INDUSTRIAL6\nREGISTER COUNT 0..9 KEPT\nSTART HOME\nP10 SET COUNT = COUNT + 1\nP20 SAY "{COUNT}"\nP30 WAIT [0.1] (s)\n'

@@ -7,7 +7,7 @@ import pytest
 from tests.runtime.test_decisions import numbered
 from tests.runtime.test_legs import HOME, OUT, job, joints, value, world
 from yarclang.coordinator.carried_out import taken
-from yarclang.runtime.notices import Abort, Hold, Remark, Resume, Stop
+from yarclang.runtime.notices import Abort, Changed, Hold, Question, Remark, Resume, Stop
 from yarclang.runtime.pmac.performance import perform
 from yarclang.runtime.state import State
 
@@ -230,3 +230,38 @@ def test_a_loop_with_a_number_makes_so_many_passes(robot):
     assert ended.well
     assert dict(ended.registers)["N"] == 4
     assert any("LOOP: 4 passes to go" in one for one in remarks(made))
+
+
+ASKS = ('P900 HOLD "how many?" N', "SET K = N", "SET LAMP 3")
+
+
+def test_a_hold_that_asks_goes_on_with_an_answer(robot):
+    orders = [(1.0, Resume()), (2.0, Resume(12)), (3.0, Resume(-1)), (4.0, Resume(7)), (5.0, Resume(2))]
+    made, ended = performed(robot, *ASKS, orders=orders)
+    assert ended.well
+    assert dict(ended.registers) == {"N": 7, "K": 7}
+    assert value(made, "M2") == 3
+    told = [one.text for one in made.told if isinstance(one, Remark) and one.warning]
+    assert told == [
+        "P0900 HOLD: no answer, and it asks for a number from 0 to 9",
+        "P0900 HOLD: the answer 12, and it asks for a number from 0 to 9",
+        "P0900 HOLD: the answer -1, and it asks for a number from 0 to 9",
+    ]
+    asked = [one.asks for one in made.told if isinstance(one, Changed) and one.asks]
+    assert asked == [Question("how many?", "N", 0, 9)]
+    assert [one.asks for one in made.told if isinstance(one, Changed)][-1] is None
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+def test_a_hold_that_asks_is_stopped(robot, order):
+    _, ended = performed(robot, *ASKS, orders=[(1.0, order), (2.0, Resume(3))])
+    assert not ended.well
+    assert dict(ended.registers)["N"] == 0
+
+
+def test_an_answer_is_kept(robot):
+    made = world(robot)
+    made.at.append((made.now + 1.0, lambda: made.operation.orders.append(Resume(3))))
+    run = job(robot, "REGISTER N 0..9 KEPT", 'P10 HOLD "how many?" N', "P20 SET LAMP 1")
+    assert made.perform(perform(made.operation, run)).well
+    assert made.kept == {"N": 3}

@@ -229,8 +229,10 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | Assign | Tu
             return Barrier(number, "set", name=name, label=label, condition=told)
         case Say(text=text):
             return Barrier(number, "say", name=text, label=label)
-        case Hold(text=text):
-            return Barrier(number, "hold", name=text, label=label)
+        case Hold(text=text, register=register):
+            return Barrier(
+                number, "hold", name=text, label=label, condition=f"${register}" if register else ""
+            )
         case Finish(fails=fails, text=text):
             return Barrier(number, "abort" if fails else "stop", name=text if fails else "", label=label)
         case Else():

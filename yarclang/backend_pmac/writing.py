@@ -9,7 +9,7 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.decisions import simple
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.hir import Assign, Finish, Loop, Program, Say, SetOutput, Stop, WaitUntil, When
+from yarclang.hir import Assign, Finish, Hold, Loop, Program, Say, SetOutput, Stop, WaitUntil, When
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.pmac.program import LOADING, Target
@@ -34,6 +34,10 @@ def streamed_only(program: Program) -> Diagnostic | None:
         if isinstance(step, Assign | When | WaitUntil) and not is_plain:
             message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
             help_ = f"leave --target prog out, or decide by one input: {'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} DOOR ON"
+            return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
+        if isinstance(step, Hold) and step.register:
+            message = "the answer to a HOLD is taken by the runtime, and a program buffer runs without it"
+            help_ = "leave --target prog out, or hold without a register"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Say):
             message = "SAY is told by the runtime, and a program buffer runs without it"

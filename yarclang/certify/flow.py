@@ -98,8 +98,8 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
                 yield number, ("assign", number, isinstance(target, str), into, result, name)
             case hir.Say(text=text):
                 yield number, ("say", number, _printable(text))
-            case hir.Hold(text=text):
-                yield number, ("hold", number, _printable(text))
+            case hir.Hold(text=text, register=register):
+                yield number, ("hold", number, register, _printable(text))
             case hir.Else():
                 yield number, ("else", number)
             case hir.Loop():
@@ -146,7 +146,9 @@ def _told(text: ControllerText) -> Iterator[Deed]:
             case Barred(kind="wait", condition=condition):
                 name, _, wanted = condition.partition("=")
                 yield (item.kind, item.step, name, float(wanted), item.timeout, item.name)
-            case Barred(kind="hold" | "abort" | "say"):
+            case Barred(kind="hold"):
+                yield (item.kind, item.step, item.register, item.name)
+            case Barred(kind="abort" | "say"):
                 yield (item.kind, item.step, item.name)
             case Barred():
                 yield (item.kind, item.step)

@@ -69,7 +69,7 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
         case Barred(kind="say", name=text):
             return hir.Say(origin, text)
         case Barred(kind="hold"):
-            return hir.Hold(origin, "")
+            return hir.Hold(origin, "", barrier.register)
         case Barred(kind="wait", decided=decided, timeout=timeout) if decided is not None:
             return hir.WaitUntil(origin, decided, timeout)
         case Barred(kind="wait"):
@@ -101,7 +101,7 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     conditions = [
         f"'{item.condition}' in line {item.line}"
         for item in content.course
-        if isinstance(item, Barred) and item.condition != "-" and item.kind != "set"
+        if isinstance(item, Barred) and item.condition != "-" and item.kind not in ("set", "hold")
     ]
     counted = [f"line {item.line}" for item in content.course if isinstance(item, Barred) and item.register]
     if conditions:

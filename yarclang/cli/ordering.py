@@ -99,7 +99,7 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
         time.sleep(_POLL)
 
 
-def fulfilled(word: str, status: Status, percent: float = 100.0) -> bool:
+def fulfilled(word: str, status: Status, percent: float = 100.0, **_: Any) -> bool:
     """Whether what was ordered is so by now, or can't be any more as nothing moves."""
     state = status["state"]
     if word == "hold" and state in _ENDED:

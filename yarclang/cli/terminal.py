@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
+import re
 import signal
 import sys
 from collections.abc import Callable
@@ -161,4 +162,10 @@ class Terminal:
             if not self._answer.done():
                 self._answer.set_result(data.decode(errors="replace"))
         elif data and ((self._picture is not None and self._picture.paused) or self._state is State.HOLD):
-            self._order(orders.Resume())
+            self._order(orders.Resume(value=_number_in(data)))
+
+
+def _number_in(data: bytes) -> int | None:
+    """Return the integer that was typed; None if it was none."""
+    text = data.decode(errors="replace").strip()
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,9}", text) else None

@@ -78,7 +78,7 @@ class Desk:
         self._handlers: dict[type[Order[Any]], Callable[[Any], Any]] = {
             orders.AskStatus: lambda _: status_of(coordinator),
             orders.Hold: lambda _: self._ordered(client.motion.hold),
-            orders.Resume: lambda _: self._resume(),
+            orders.Resume: lambda order: self._resume(order.value),
             orders.Step: lambda _: self._resume(),
             orders.Stop: lambda _: self._ordered(client.motion.stop),
             orders.Abort: lambda _: self._ordered(client.motion.abort),
@@ -173,14 +173,14 @@ class Desk:
         order()
         return replies.Taken(state=state)
 
-    def _resume(self) -> replies.Taken:
+    def _resume(self, answer: int | None = None) -> replies.Taken:
         coordinator = self._coordinator
         if self._held.rests:
             raise Trouble("it moves only while its button is held", "hold the button", "")
         operation = coordinator.engine.operation
         if coordinator.state is State.MOVE and not coordinator.paused and Hold() not in operation.orders:
             raise Trouble("it isn't held: there is nothing to resume", code="")
-        return self._ordered(self.client.motion.resume)
+        return self._ordered(lambda: self.client.motion.resume(answer))
 
     def _own(self, order: orders.Own) -> None:
         self.client.session.own(shared=order.shared)
@@ -417,6 +417,7 @@ def status_of(coordinator: Coordinator) -> replies.Status:
         cell=coordinator.cell,
         log=None if log is None else str(log.path),
         log_lost="" if log is None else log.lost(),
+        asks=coordinator.asks,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import asdict
 from datetime import datetime
 from itertools import chain, count
 from pathlib import Path
@@ -17,6 +18,7 @@ from yarclang.coordinator.history import History, stands_there
 from yarclang.coordinator.lines import Lines
 from yarclang.coordinator.mailbox import CAPACITY
 from yarclang.coordinator.messages import events
+from yarclang.coordinator.messages.message import Question
 from yarclang.coordinator.names import Names
 from yarclang.coordinator.offers import Planner
 from yarclang.coordinator.ordered import OrderedSession
@@ -115,6 +117,7 @@ class SharedRobot:
         self.stops = 0
         self.rests = 0
         self.why = ""
+        self.asks: Question | None = None
         self.progress: events.ProgressMade | None = None
         self.behind = 0.0
         self._percent = 100.0
@@ -421,10 +424,15 @@ class SharedRobot:
     def _hear(self, notice: Notice) -> None:
         time = round(notice.time, 4)
         match notice:
-            case Changed(state=state, why=why, code=code, remedy=remedy):
-                self.why = why
+            case Changed(state=state, why=why, code=code, remedy=remedy, asks=asks):
+                self.why, self.asks = why, None if asks is None else Question(**asdict(asks))
                 changed = events.StateChanged(
-                    time_s=time, state=state, why=why, code=code or None, help=remedy or None
+                    time_s=time,
+                    state=state,
+                    why=why,
+                    code=code or None,
+                    help=remedy or None,
+                    asks=self.asks,
                 )
                 self._tell(changed)
             case Progress():

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 
 from yarclang.coordinator.messages import events, replies
+from yarclang.coordinator.messages.message import Question
 from yarclang.pendant.messages.display import NO_ALARM, AlarmBar, Display
 from yarclang.pendant.scene.placements import moved_links, packed
 from yarclang.robot.model import Array, Robot
@@ -42,6 +43,7 @@ class Showing:
         self._status: replies.Status | None = None
         self._health: replies.Health | None = None
         self._state, self._why = State.DISCONNECTED, ""
+        self._asks: Question | None = None
         self._owner: str | None = None
         self._under_way = self._command = ""
         self._line = 0
@@ -95,7 +97,7 @@ class Showing:
     def welcome(self, status: replies.Status) -> None:
         """Take what is told to whoever comes."""
         self.connected = True
-        self._state, self._why = status.state, status.why
+        self._state, self._why, self._asks = status.state, status.why, status.asks
         self._owner = status.owner
         moves = status.state in (State.MOVE, State.INIT, State.HOLD)
         self._under_way = status.program if moves else ""
@@ -118,8 +120,8 @@ class Showing:
     def take(self, event: events.BaseEvent) -> None:
         """Take what the coordinator tells."""
         match event:
-            case events.StateChanged(state=state, why=why):
-                self._state, self._why = state, why
+            case events.StateChanged(state=state, why=why, asks=asks):
+                self._state, self._why, self._asks = state, why, asks
             case events.Position(joints=joints):
                 self._joints = tuple(joints.get(name) for name in self.robot.joint_names)
             case events.ProgressMade():
@@ -155,6 +157,7 @@ class Showing:
             connected=self.connected,
             state=self._state,
             why=self._why,
+            asks=self._asks,
             mode=self._mode,
             owner=self._owner,
             under_way=self._under_way,

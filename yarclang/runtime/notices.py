@@ -11,14 +11,25 @@ from yarclang.runtime.state import State
 
 
 @dataclass(frozen=True, slots=True)
+class Question:
+    """What the operator is asked for: an integer from `low` to `high`, which register gets it (`into`)."""
+
+    text: str
+    into: str
+    low: int
+    high: int
+
+
+@dataclass(frozen=True, slots=True)
 class Changed:
-    """The state is another one now, and why; if something went wrong, the code of the finding, and what to do."""
+    """The state is another one now, and why; if something went wrong, the code of the finding, and what to do. With `asks` it goes on with an answer only."""
 
     time: float
     state: State
     why: str
     code: str = ""
     remedy: str = ""
+    asks: Question | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,7 +74,9 @@ class Hold:
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Go on behind a hold."""
+    """Go on behind a hold; `answer` is what the operator says if that was asked."""
+
+    answer: int | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Protocol
 
-from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Notice, Order, Remark, Stop
+from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Notice, Order, Question, Remark, Stop
 from yarclang.runtime.state import Event, State, after
 
 SILENCE = 0.4
@@ -104,7 +104,9 @@ class Operation:
             self.slept = max(self.slept, now - self._now)
         self._now = now
 
-    def go(self, event: Event, why: str = "", code: str = "", remedy: str = "") -> None:
+    def go(
+        self, event: Event, why: str = "", code: str = "", remedy: str = "", asks: Question | None = None
+    ) -> None:
         """Change the state as the table says, and tell it.
 
         Args:
@@ -112,10 +114,11 @@ class Operation:
             why: in words.
             code: of the finding, if something went wrong.
             remedy: what to do then.
+            asks: what the operator is asked for.
         """
         before, self.state = self.state, after(self.state, event)
         if self.state is not before or why:
-            self.notices.append(Changed(self.now, self.state, why, code, remedy))
+            self.notices.append(Changed(self.now, self.state, why, code, remedy, asks))
 
     def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
         """Tell something."""

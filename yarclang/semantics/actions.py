@@ -287,6 +287,23 @@ def _value(
             return state_value(value, scope, statement, findings)
         case Slot.TEXT:
             return value.text.strip('"')
+        case Slot.REGISTER:
+            found = scope.name(value.name) if isinstance(value, Word) else None
+            if isinstance(found, Register):
+                return found.name
+            known = sorted(set(scope.names(Register)))
+            subject = unknown(value.text, known)
+            help_ = subject.question or (
+                f"there are {', '.join(known)}" if known else "declare it: REGISTER N 0..9"
+            )
+            findings.add(
+                "Y0210",
+                f"no register is named {value.text}",
+                statement.span(value.place),
+                help_,
+                subject=subject,
+            )
+            return None
 
 
 def _seconds(

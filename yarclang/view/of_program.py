@@ -220,6 +220,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
         case WaitUntil(condition=condition, timeout=timeout):
             longest = "for ever" if timeout is None else f"at most {timeout:g} s"
             return (("waits for", f"{in_words(condition)}, {longest}"),)
+        case Hold(text=text, register=register) if register:
+            return (("asks", f"the operator for {register}: {text}"),)
         case Hold(text=text):
             return (("waits for", f"the operator{': ' * bool(text)}{text}"),)
         case When(condition=condition, within=float(within)):

@@ -21,6 +21,7 @@ class Slot(Enum):
     """ON, OFF or a number."""
     TEXT = "text"
     """A text in quotes."""
+    REGISTER = "register"
 
     @property
     def is_signal(self) -> bool:

@@ -40,7 +40,7 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
         if line is None:
             seen.add(variable)
     for item in text.course:
-        if not isinstance(item, Barred) or item.condition == "-":
+        if not isinstance(item, Barred) or item.condition == "-" or item.kind == "hold":
             continue
         if item.decided is None:
             read = [item.condition.partition("=")[0]]

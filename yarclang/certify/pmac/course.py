@@ -155,6 +155,8 @@ def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int
         cursor.refuse("belongs to a loop, which whoever streams begins anew: no program buffer can do that")
     if barrier.kind in ("stop", "abort"):
         cursor.refuse("ends the program in the middle of its text: no program buffer can do that")
+    if barrier.kind == "hold" and barrier.register:
+        cursor.refuse("asks the operator for a number: no program buffer can do that")
     if barrier.kind == "say":
         cursor.refuse("is told by whoever streams: no program buffer can do that")
     if barrier.kind == "wait" and condition is None:

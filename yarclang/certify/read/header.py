@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 from sys import intern
 
-from yarclang.certify.read.deciding import read_assignment, read_condition
+from yarclang.certify.read.deciding import read_assignment, read_condition, read_value
 from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.text import Barred, Entry, Unreadable
 from yarclang.decisions import (
@@ -208,6 +208,10 @@ def _decided(
         assigned = read_assignment(condition)
         if assigned is not None:
             return assigned[1], False, assigned[0]
+    elif kind == "hold" and condition != "-":
+        asked = read_value(condition)
+        if isinstance(asked, RegisterValue):
+            return None, False, asked
     elif kind == "wait" and _WAITED.fullmatch(condition) is None:
         found = read_condition(condition)
         if found is not None and inputs_of(found):
@@ -230,9 +234,8 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
         registers[name] = Register(name, low, high, first, bool(found[5]))
         lines.skip()
     for barrier in barriers.values():
-        if barrier.decided is None:
-            continue
-        for name in (*registers_of(barrier.decided), *([barrier.register] if barrier.register else [])):
+        used = () if barrier.decided is None else registers_of(barrier.decided)
+        for name in (*used, *([barrier.register] if barrier.register else [])):
             if name not in registers:
                 lines.refuse(f"stands where the map has no register {name}, which line {barrier.line} uses")
     return tuple(registers.values())

@@ -119,7 +119,7 @@ class Barred:
     """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
     (`condition`, or -), how long [s] (None: for ever), and the input's name or the operator's text.
 
-    `decided` is the condition of a `when`, or of a `wait` that isn't for one value of one input, and `again` says that it is decided with what was read before; of a `set` it is the number that `register` gets, or `output`, the variable of one or of all bits of a group.
+    `decided` is the condition of a `when`, or of a `wait` that isn't for one value of one input, and `again` says that it is decided with what was read before; of a `set` it is the number that `register` gets, or `output`, the variable of one or of all bits of a group; of a `hold` the operator's answer goes into `register`.
     """
 
     line: int

@@ -12,14 +12,20 @@ _PATIENCE = 20.0
 
 @click.command("resume")
 @run_option
-def command(run: str | None) -> None:
+@click.option("--answer", type=int, metavar="N", help="What a HOLD of the program has asked for.")
+def command(run: str | None, answer: int | None) -> None:
     """Go on behind a hold, or to the next command of `yarc run --step`."""
     with trouble_is_said():
-        from yarclang.cli.ordering import order
+        from yarclang.cli.ordering import order, status_of
         from yarclang.runtime.transports.runs import the_run
 
         chosen = the_run(run)
-        status = order(chosen, "resume", _PATIENCE)
+        asks = status_of(chosen).get("asks")
+        if asks is not None and (answer is None or not asks["low"] <= answer <= asks["high"]):
+            what = "" if answer is None else f", not {answer}"
+            wanted = f"--answer with a number from {asks['low']} to {asks['high']}{what}"
+            raise click.UsageError(f"{chosen.name} asks: {asks['text'] or asks['into']}: {wanted}")
+        status = order(chosen, "resume", _PATIENCE, **({} if answer is None else {"value": answer}))
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         else:

@@ -6,15 +6,16 @@ from yarclang.words.spec import Slot
 
 
 def _build(arguments: ActionArguments) -> tuple[Action, ...]:
-    return (Hold(arguments.origin, "".join(map(str, arguments.values))),)
+    text, register = (*map(str, arguments.values), "", "")[:2]
+    return (Hold(arguments.origin, text, register),)
 
 
 COMMAND = ActionSpec(
     name="HOLD",
     title="Hold",
-    summary="waits for the operator",
-    wants="a text in quotes, or nothing",
+    summary="waits for the operator, and for the operator's answer if a register is to have it",
+    wants="a text in quotes, a text and the register that gets the answer, or nothing",
     build=_build,
-    forms=(ActionForm(), ActionForm((Slot.TEXT,))),
+    forms=(ActionForm(), ActionForm((Slot.TEXT,)), ActionForm((Slot.TEXT, Slot.REGISTER))),
     examples=('HOLD "put in the next part"',),
 )

@@ -255,8 +255,11 @@ class Motion(Part):
         """Come to rest on the path, ready to go on. For everybody."""
         self._coordinator.hold()
 
-    def resume(self) -> None:
+    def resume(self, answer: int | None = None) -> None:
         """Go on: behind a hold, at a HOLD of the program, to the next step.
+
+        Args:
+            answer: what the HOLD has asked for.
 
         Raises:
             NotOwner: this client only watches.
@@ -266,7 +269,7 @@ class Motion(Part):
         session = coordinator.engine.session
         # a hold that wasn't looked at yet is a hold
         if session.paused or coordinator.state is State.HOLD or Hold() in session.operation.orders:
-            session.order(Resume())
+            session.order(Resume(answer))
 
     def override(self, percent: float) -> None:
         """Another pace, for what is under way and what comes: `percent` of the programmed speed, 1 to 100.

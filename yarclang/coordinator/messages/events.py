@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from yarclang.coordinator.messages.findings import Finding
-from yarclang.coordinator.messages.message import Joints, Message
+from yarclang.coordinator.messages.message import Joints, Message, Question
 from yarclang.runtime.state import State
 
 
@@ -19,13 +19,14 @@ class BaseEvent(Message):
 
 
 class StateChanged(BaseEvent):
-    """The robot's state is another one now, and why; if something went wrong, the code of the finding, and what to do."""
+    """The robot's state is another one now, and why; if something went wrong, the code of the finding, and what to do. With `asks` a HOLD goes on with an answer only."""
 
     event: Literal["state"] = "state"
     state: State
     why: str
     code: str | None = None
     help: str | None = None
+    asks: Question | None = None
 
 
 class Position(BaseEvent):

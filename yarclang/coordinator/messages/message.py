@@ -45,3 +45,12 @@ class Message(BaseModel):
     def to_json(self) -> dict[str, Any]:
         """Return the message as plain data."""
         return self.model_dump(mode="json")
+
+
+class Question(Message):
+    """What the operator is asked for: an integer from `low` to `high`, which register gets it (`into`)."""
+
+    text: str
+    into: str
+    low: int
+    high: int

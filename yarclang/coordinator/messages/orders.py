@@ -59,9 +59,10 @@ class Hold(Order[replies.Taken]):
 
 
 class Resume(Order[replies.Taken]):
-    """Go on: behind a hold, at a HOLD of the program, to the next step."""
+    """Go on: behind a hold, at a HOLD of the program, to the next step. `value` is what a HOLD has asked for."""
 
     order: Literal["resume"] = "resume"
+    value: Annotated[int | None, Field(description="a whole number, or null")] = None
 
 
 class Step(Order[replies.Taken]):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from yarclang.coordinator.messages.findings import Finding
-from yarclang.coordinator.messages.message import Joints, Message
+from yarclang.coordinator.messages.message import Joints, Message, Question
 from yarclang.runtime.state import State
 
 
@@ -82,6 +82,8 @@ class Status(Reply):
     """Where motions are logged; null: nowhere yet."""
     log_lost: str = ""
     """What has happened to that file; empty: it is there."""
+    asks: Question | None = None
+    """What a HOLD asks the operator for; null: nothing."""
 
 
 class Welcome(Reply):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from yarclang.coordinator.messages.message import Message
+from yarclang.coordinator.messages.message import Message, Question
 from yarclang.runtime.state import State
 
 
@@ -37,6 +37,8 @@ class Display(Message):
     connected: bool
     state: State
     why: str
+    asks: Question | None
+    """What a HOLD of the program asks the operator for; None: nothing."""
     mode: str
     """What is going on, in a word: `idle`, `program`, `jog`, `held`, `fault`, `disconnected`."""
     owner: str | None

@@ -11,8 +11,12 @@ def _hold(session: Session, rest: str) -> None:  # noqa: ARG001 - it takes nothi
     session.order(orders.Hold())
 
 
-def _resume(session: Session, rest: str) -> None:  # noqa: ARG001
-    session.order(orders.Resume())
+def _resume(session: Session, rest: str) -> None:
+    try:
+        value = int(rest) if rest else None
+    except ValueError:
+        raise Misused(f"{rest!r} isn't a whole number: .resume 3 answers what a HOLD asks") from None
+    session.order(orders.Resume(value=value))
 
 
 def _stop(session: Session, rest: str) -> None:  # noqa: ARG001
@@ -41,7 +45,12 @@ def _override(session: Session, rest: str) -> None:
 COMMANDS = (
     DotCommand(".hold", "", "rest on the path, ready to go on", "orders", _hold, overtakes=True),
     DotCommand(
-        ".resume", "", "go on behind a hold, or to the next step (Enter)", "orders", _resume, overtakes=True
+        ".resume",
+        "[N]",
+        "go on behind a hold, or to the next step (Enter); N answers what a HOLD asks",
+        "orders",
+        _resume,
+        overtakes=True,
     ),
     DotCommand(
         ".stop", "", "rest on the path, and end what is under way (Ctrl-C)", "orders", _stop, overtakes=True

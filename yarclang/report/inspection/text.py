@@ -112,6 +112,10 @@ def _told(inspected: Inspected, step: Step) -> str | None:
         case WaitUntil(condition=condition, timeout=timeout):
             until = f", at most {timeout:g} s" if timeout is not None else ", however long"
             return f"the robot stands until {in_words(condition)}{until}"
+        case Hold(text=text, register=register) if register:
+            return (
+                f"the robot stands until the operator answers: {printable(text)}; {register} gets the answer"
+            )
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):

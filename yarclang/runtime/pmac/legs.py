@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 from yarclang.decisions import (
     DecisionError,
+    Register,
     Value,
     bits_of,
     evaluated,
@@ -23,7 +24,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Keep, Lost, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Barrier, Job, Leg, Part
-from yarclang.runtime.notices import Abort, Fail, Hold, Override, Reached, Resume, Stop
+from yarclang.runtime.notices import Abort, Fail, Hold, Override, Question, Reached, Resume, Stop
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
@@ -198,7 +199,7 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
                         "Y1604",
                     )
         case "hold":
-            yield from _wait_for_operator(operation, job, barrier)
+            yield from _wait_for_operator(operation, job, barrier, held)
         case "when":
             holds = yield from _decided(operation, barrier, held)
             return place + 1 if holds else _behind(job.legs, place, "when", "else", "end")
@@ -306,15 +307,20 @@ def _set(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script
             "look at the inputs and at what the program counts, then start it anew",
             "Y1630",
         )
-    if register.kept:
-        # what isn't on the disk hasn't happened: the robot stands until it is
-        why = yield Keep(register.name, int(value))
-        if why is not None:
-            what = f"{_title(barrier)} can't keep {register.name} = {int(value)}: {why}"
-            raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
+    yield from _keep(barrier, register, int(value))
     held.registers[register.name] = int(value)
     if barrier.word not in _COUNTED:
         operation.remark(f"{_title(barrier)}: {register.name} is {int(value)}")
+
+
+def _keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
+    """Keep the value of a KEPT register: what isn't on the disk hasn't happened, and the robot stands until it is."""
+    if not register.kept:
+        return
+    why = yield Keep(register.name, value)
+    if why is not None:
+        what = f"{_title(barrier)} can't keep {register.name} = {value}: {why}"
+        raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
 
 
 def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held) -> Script[None]:
@@ -489,21 +495,45 @@ def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: floa
     )
 
 
-def _wait_for_operator(operation: Operation, job: Job, barrier: Barrier) -> Script[None]:
-    """Until somebody says that it goes on; outputs are safe meanwhile."""
+def _wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
+    """Until somebody says that it goes on, with an answer if there is a question; outputs are safe meanwhile."""
     outputs = Outputs(job)
     yield from outputs.remember(operation)
     yield from outputs.secure(operation)
     text = f": {barrier.name}" if barrier.name else ""
-    operation.go(Event.HOLD, f"{_title(barrier)} holds{text}; Enter or `yarc resume` goes on")
-    while not (yield from _obey(operation)):
-        yield Wait(operation.now + _LOOK)
+    register = next((one for one in job.registers if one.name == barrier.register), None)
+    if register is None:
+        operation.go(Event.HOLD, f"{_title(barrier)} holds{text}; Enter or `yarc resume` goes on")
+        while not (yield from _obey(operation)):
+            yield Wait(operation.now + _LOOK)
+    else:
+        yield from _ask(operation, barrier, register, held)
     yield from outputs.restore(operation, 0)
     operation.go(Event.END, "the operator goes on")
 
 
-def _obey(operation: Operation) -> Script[bool]:
-    """What people order while the robot stands at a barrier; whether it may go on."""
+def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
+    """Until somebody answers with a number that the register can hold."""
+    asks = Question(barrier.name, register.name, register.low, register.high)
+    wanted = f"a number from {register.low} to {register.high}"
+    how = f"{wanted} and Enter, or `yarc resume --answer N`, goes on"
+    operation.go(Event.HOLD, f"{_title(barrier)} asks: {barrier.name or register.name}; {how}", asks=asks)
+    answers: list[int | None] = []
+    while True:
+        if (yield from _obey(operation, answers)):
+            answer = answers[-1]
+            if answer is not None and register.low <= answer <= register.high:
+                break
+            said = "no answer" if answer is None else f"the answer {answer}"
+            operation.remark(f"{_title(barrier)}: {said}, and it asks for {wanted}", warning=True)
+        yield Wait(operation.now + _LOOK)
+    yield from _keep(barrier, register, answer)
+    held.registers[register.name] = answer
+    operation.remark(f"{_title(barrier)}: {register.name} is {answer}")
+
+
+def _obey(operation: Operation, answers: list[int | None] | None = None) -> Script[bool]:
+    """What people order while the robot stands at a barrier; whether it may go on. What they answer is added to `answers`."""
     resumed = False
     while operation.orders:
         match operation.orders.popleft():
@@ -513,8 +543,10 @@ def _obey(operation: Operation) -> Script[bool]:
                 raise Stopped(abort=True)
             case Fail(what=what, remedy=remedy):
                 raise Trouble(what, remedy, code="")  # no command's fault
-            case Resume():
+            case Resume(answer=answer):
                 resumed = True
+                if answers is not None:
+                    answers.append(answer)
             case Override(percent=percent):
                 operation.override = percent / 100.0
                 operation.remark(f"override {percent:g} %")

@@ -14,12 +14,13 @@ export class Controls {
     this.step = button("Step", () => (app.robot.display?.paused ? player.may() && plain("step") : player.run(1, true)));
     this.back = button("Backwards", () => player.backwards());
     this.hold = button("Hold", () => plain("hold"));
-    this.resume = button("Resume", () => player.may() && plain("resume"));
+    this.answer = h("input", { type: "number", step: 1, hidden: true, "aria-label": "Answer" });
+    this.resume = button("Resume", () => player.may() && plain("resume", this.answer.hidden ? {} : { value: this.answer.valueAsNumber }));
     this.pace = h("input", { type: "range", min: 1, max: 100, value: 100, "aria-label": "Override, percent", onchange: () => (player.may() ? plain("override", { percent: Number(this.pace.value) }) : this.refresh(app.robot.display)) });
     this.percent = h("output", {});
     this.told = h("p", { class: "doing", role: "status" });
     this.element = h("div", { class: "controls" },
-      h("div", { class: "actions" }, this.run, this.passes, this.step, this.back, this.hold, this.resume),
+      h("div", { class: "actions" }, this.run, this.passes, this.step, this.back, this.hold, this.answer, this.resume),
       h("label", { class: "pace" }, h("span", {}, "Override"), this.pace, this.percent),
       this.told);
   }
@@ -41,10 +42,23 @@ export class Controls {
     this.step.disabled = !(ready || display.paused);
     this.back.disabled = !idle;
     this.hold.disabled = !app.may("operator") || display.mode !== "program" || display.paused;
-    this.resume.disabled = display.mode !== "held" && !display.paused;
+    this.ask(display.mode === "held" ? display.asks : null);
+    this.resume.disabled = (display.mode !== "held" && !display.paused) || (!this.answer.hidden && !this.answer.checkValidity());
     if (document.activeElement !== this.pace) this.pace.value = display.override;
     text(this.percent, `${Math.round(display.override)} %`);
     text(this.told, this.doing(display));
+  }
+
+  // A HOLD that asks goes on with a number in its range.
+  ask(asks) {
+    const { answer } = this;
+    if (asks && answer.hidden) {
+      [answer.min, answer.max, answer.required, answer.value] = [asks.low, asks.high, true, ""];
+      answer.placeholder = `${asks.low} to ${asks.high}`;
+      answer.title = asks.text || asks.into;
+      answer.oninput = () => this.refresh(this.app.robot.display);
+    }
+    answer.hidden = !asks;
   }
 
   // What goes on, in a line.

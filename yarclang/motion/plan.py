@@ -95,7 +95,12 @@ class MotionPlan:
 
     @cached_property
     def schedule(self) -> Schedule:
-        """When each step of the program begins. A motion that isn't planned takes no time."""
+        """When each step of the program begins."""
+        return schedule_of(self.parts)
+
+    @cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """What each step of the program takes. A motion that isn't planned takes no time."""
         durations = {motion.step: motion.curve.duration for motion in self.motions}
         parts: list[Part] = []
         for number, step in enumerate(self.program.steps):
@@ -108,7 +113,7 @@ class MotionPlan:
                     parts.append(mark)
                 case _:
                     parts.append(float(durations.get(number, 0.0)))
-        return schedule_of(parts)
+        return tuple(parts)
 
     def origin_of(self, motion: int) -> Origin:
         """Return the command of a motion, counted from 0."""

@@ -32,6 +32,9 @@ _MOST_PLACES = 8
     type=click.Path(),
     help="Of a .pmc: its program (default: looked for beside it, and in the working folder).",
 )
+@click.option(
+    "--ways", is_flag=True, help="Show all ways and loops of a program as a tree, with their times."
+)
 @click.option("--all-lines", is_flag=True, help="Show the command's controller text whole.")
 @planning_options
 @tm_option
@@ -41,6 +44,7 @@ def command(
     place: str | None,
     line: int | None,
     source: str | None,
+    ways: bool,
     all_lines: bool,
     format_: str,
     **planning: Any,
@@ -49,12 +53,16 @@ def command(
     taken, what limits the time, what was proved, and the lines for the controller.
 
     The command is told by its index, by its place among loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
-    back to its command.
+    back to its command. With --ways it is the whole program: which ways it may take, and how long each of them is.
     """
     from yarclang.pipeline.controller_text import is_compiled
 
+    if ways:
+        if place is not None or line is not None or source is not None or is_compiled(file):
+            raise click.UsageError("--ways goes with a program alone, the .yarc file")
+        raise SystemExit(_ways_of(file, format_, planning))
     if (place is None) == (line is None):
-        raise click.UsageError("say which command: its index, such as P0010, or --line N")
+        raise click.UsageError("say which command: its index, such as P0010, or --line N; or --ways")
     if is_compiled(file):
         _check_compiled_usage(planning)
         raise SystemExit(_of_text(file, place, line, source, all_lines, format_, planning))
@@ -69,6 +77,33 @@ def _check_compiled_usage(planning: dict[str, Any]) -> None:
 
 
 # a program
+
+
+def _ways_of(file: str, format_: str, planning: dict[str, Any]) -> int:
+    from yarclang.cli.show import show_findings
+    from yarclang.cli.work import Progress, options_from
+    from yarclang.diagnostics import has_errors
+    from yarclang.pipeline.checking import check_program_file
+    from yarclang.report.inspection.outline import outline_lines, outline_of
+
+    with Progress() as progress:
+        checked = check_program_file(file, options_from(planning))
+        progress.pause()
+        if has_errors(checked.diagnostics) or checked.plan is None:
+            show_findings(checked.diagnostics)
+            return 1
+        rows = outline_of(checked.plan)
+        if format_ == "json":
+            import json
+
+            takes = checked.plan.lasting.to_json()
+            document = {"version": 1, "takes": takes, "ways": [row.to_json() for row in rows]}
+            click.echo(json.dumps(document, indent=2, ensure_ascii=False))
+            return 0
+        for text in outline_lines(rows):
+            click.echo(text)
+        click.echo(f"in all {checked.plan.lasting.text()}")
+    return 0
 
 
 def _of_program(

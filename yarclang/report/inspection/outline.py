@@ -1,0 +1,192 @@
+"""What a program does as a tree: its ways and loops, each with the time that it takes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import Any
+
+from yarclang.decisions import called, in_words
+from yarclang.frozen import frozen
+from yarclang.hir import (
+    Assign,
+    Dwell,
+    Else,
+    EndLoop,
+    EndWhen,
+    Exit,
+    Finish,
+    Gap,
+    Hold,
+    Loop,
+    MotionHead,
+    NextPass,
+    Say,
+    SetOutput,
+    Step,
+    Stop,
+    WaitInput,
+    WaitUntil,
+    When,
+)
+from yarclang.lasting import Lasting, Part, schedule_of
+from yarclang.motion.plan import MotionPlan
+
+
+@frozen
+class Row:
+    """A line of the tree.
+
+    Attributes:
+        depth: how many ways and loops are around it.
+        kind: `step`, `way`, `loop` or `block`.
+        label: the command's place, or the line of a word without an index.
+        text: what is done.
+        takes: the time of a motion, a way, or one pass of a loop; None of what takes none.
+        step: its number in the program.
+    """
+
+    depth: int
+    kind: str
+    label: str
+    text: str
+    takes: Lasting | None
+    step: int
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data."""
+        takes = None if self.takes is None else self.takes.to_json()
+        return {
+            "depth": self.depth,
+            "kind": self.kind,
+            "place": self.label,
+            "text": self.text,
+            "takes": takes,
+            "step": self.step,
+        }
+
+
+def outline_of(plan: MotionPlan) -> tuple[Row, ...]:
+    """Return the tree of a planned program."""
+    return tuple(_Outline(plan.program.steps, plan.parts).rows())
+
+
+class _Outline:
+    """A program while its tree is made."""
+
+    def __init__(self, steps: Sequence[Step], parts: Sequence[Part]) -> None:
+        self._steps, self._parts = steps, parts
+        self._ends = _ends(steps)
+
+    def rows(self) -> Iterator[Row]:
+        """Yield the lines from the first step on."""
+        yield from self._range(0, len(self._steps), 0)
+
+    def _range(self, begin: int, end: int, depth: int) -> Iterator[Row]:
+        number = begin
+        while number < end:
+            step = self._steps[number]
+            if isinstance(step, Loop):
+                yield from self._loop(number, depth)
+                number = self._ends[number][1] + 1
+            elif isinstance(step, When):
+                yield from self._when(step, number, depth)
+                number = self._ends[number][1] + 1
+            else:
+                if (text := _text(step)) and not isinstance(step, Gap):
+                    part = self._parts[number]
+                    takes = self._taken(number, number + 1) if part and isinstance(part, float) else None
+                    yield Row(depth, "step", _label(step), text, takes, number)
+                number += 1
+
+    def _loop(self, number: int, depth: int) -> Iterator[Row]:
+        step, end = self._steps[number], self._ends[number][1]
+        is_sub = not any(isinstance(one, NextPass) for one in self._steps[number:end])
+        # of a loop the longest is a whole pass, the shortest the way to where it is left
+        told = self._taken(number, end + 1)
+        if not any(isinstance(one, Loop) for one in self._steps[number + 1 : end]):
+            told = replace(told, loops=False)
+        text = "a SUB that some ways leave" if is_sub else "again and again, a pass"
+        assert isinstance(step, Loop)
+        yield Row(
+            depth, "block" if is_sub else "loop", _label(step), f"{step.origin.name}: {text}", told, number
+        )
+        yield from self._range(number + 1, end, depth + 1)
+
+    def _when(self, step: When, number: int, depth: int) -> Iterator[Row]:
+        middle, end = self._ends[number]
+        limit = "" if step.within is None else f", within {step.within:g} s"
+        first = end if middle is None else middle
+        text = f"{step.origin.name} {in_words(step.condition) if step.again else _said(step)}{limit}"
+        yield Row(depth, "way", _label(step), text, self._taken(number + 1, first), number)
+        yield from self._range(number + 1, first, depth + 1)
+        if middle is not None:
+            other = self._steps[middle]
+            assert isinstance(other, Else)
+            yield Row(depth, "way", _label(other), "ELSE", self._taken(middle + 1, end), middle)
+            yield from self._range(middle + 1, end, depth + 1)
+
+    def _taken(self, begin: int, end: int) -> Lasting:
+        return schedule_of(self._parts[begin:end]).lasting
+
+
+def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
+    """Return for each WHEN and loop its ELSE (None: there is none), and its end; what isn't ended ends with the program."""
+    found: dict[int, tuple[int | None, int]] = {}
+    opened: list[tuple[int, int | None]] = []
+    for number, step in enumerate(steps):
+        match step:
+            case When() | Loop():
+                opened.append((number, None))
+            case Else() if opened:
+                opened[-1] = opened[-1][0], number
+            case EndWhen() | EndLoop() if opened:
+                begin, middle = opened.pop()
+                found[begin] = middle, number
+            case _:
+                pass
+    return found | {begin: (middle, len(steps)) for begin, middle in opened}
+
+
+def _said(step: When) -> str:
+    named = called(step.condition)
+    whole = in_words(step.condition)
+    return whole if named in whole else f"{named}: {whole}"
+
+
+def _label(step: Step) -> str:
+    assert not isinstance(step, Gap)  # what isn't understood has no line
+    return step.origin.label or f"line {step.origin.span.line}"
+
+
+def _text(step: Step) -> str:
+    """Return what a step does, in a few words; nothing of what only ends a block."""
+    match step:
+        case MotionHead() | Dwell() | Exit() | Stop():
+            return step.origin.name
+        case SetOutput(output=output, value=value):
+            return f"SET {output.name} {value:.9g}"
+        case Assign(target=target, value=value):
+            return f"SET {target if isinstance(target, str) else target.name} = {in_words(value)}"
+        case WaitInput(input=signal, value=value):
+            return f"WAIT {signal.name} = {value:.9g}"
+        case WaitUntil(condition=condition):
+            return f"WAIT {in_words(condition)}"
+        case Hold(text=text):
+            return f'HOLD "{text}"' if text else "HOLD"
+        case Say(text=text):
+            return f'SAY "{text}"'
+        case Finish(fails=fails, text=text):
+            return f'ABORT "{text}"' if fails else "STOP"
+        case NextPass():
+            return "begin the loop anew"
+        case _:
+            return ""
+
+
+def outline_lines(rows: Sequence[Row]) -> Iterator[str]:
+    """Yield the tree as text: depth by blanks, times on the right."""
+    left = [f"{'  ' * row.depth}{row.label} {row.text}" for row in rows]
+    width = min(max(map(len, left), default=0), 90)
+    for text, row in zip(left, rows, strict=True):
+        yield text if row.takes is None else f"{text:<{width}}  {row.takes.text()}"

@@ -165,3 +165,46 @@ P0050 WAIT [1]
     assert "P0040 MOVEJ" in finding.help
     assert not can_begin_at(value, "P0020")
     assert can_begin_at(value, "P0040")
+
+
+WAYS = """\
+INPUT DOOR M11
+REGISTER N 0..9
+DEFAULT [1] (deg,s)
+P0010 MOVEJ 5 0 0 0 0 0
+WHEN DOOR ON
+  P0020 MOVEJ 10 0 0 0 0 0
+  P0030 MOVEJ 5 0 0 0 0 0
+END
+P0040 MOVEJ 0 0 0 0 0 0
+LOOP
+  P0050 MOVEJ 1 0 0 0 0 0
+  WHEN N = 3
+    P0060 EXIT
+  END
+  P0070 MOVEJ 0 0 0 0 0 0
+END
+P0080 MOVEJ 2 0 0 0 0 0
+P0090 MOVEJ 3 0 0 0 0 0
+"""
+
+
+def test_ways_and_loops_are_one_group_with_what_stands_before_them():
+    program, found = planned(WAYS)
+    assert not [one for one in found if one.is_error]
+    groups = chains(program)
+    assert groups == [(0, 3), (3, 6), (6, 7), (7, 8)]
+    for first, last in groups:
+        made = part(program, REQUEST, first, last)
+        assert made.value is not None, made.diagnostics
+
+
+@pytest.mark.parametrize("place", ["P0020", "P0030", "P0050", "P0070"])
+def test_no_part_begins_in_a_way_or_a_loop(place):
+    program, _ = planned(WAYS)
+    made = part(program, REQUEST, motion_number(program, place))
+    assert made.value is None
+    (one,) = made.diagnostics
+    assert one.code == "Y1164"
+    word = "LOOP" if place in ("P0050", "P0070") else "WHEN"
+    assert f"inside a {word}" in one.message

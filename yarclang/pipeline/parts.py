@@ -271,16 +271,29 @@ def chain_begin(plan: MotionPlan, number: int) -> int:
 
 
 def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
-    """The motions from number `first` on in groups: in front of each the robot stands, and within it doesn't.
+    """The motions from number `first` on in groups: in front of each the robot stands, and a program can begin there. The motions of a WHEN, a CASE or a loop belong to
+    one group with what stands in front of them.
 
     Returns:
         The first number of each group, and that behind its last.
     """
     flows = [motion.flows for motion in plan.motions]
+    inside = _in_ways(plan.program.steps)
     begins = [
-        number for number in range(first, len(plan.motions)) if number == first or not flows[number - 1]
+        number
+        for number in range(first, len(plan.motions))
+        if number == first or not (flows[number - 1] or inside[plan.motions[number].step])
     ]
     return list(zip(begins, [*begins[1:], len(plan.motions)], strict=True))
+
+
+def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
+    """Return for each step if it stands in a WHEN or a loop."""
+    depth, found = 0, []
+    for step in steps:
+        found.append(depth > 0)
+        depth += isinstance(step, When | Loop) - isinstance(step, EndWhen | EndLoop)
+    return found
 
 
 def chain_place(plan: MotionPlan, place: str) -> str:

@@ -265,3 +265,21 @@ def test_an_answer_is_kept(robot):
     run = job(robot, "REGISTER N 0..9 KEPT", 'P10 HOLD "how many?" N', "P20 SET LAMP 1")
     assert made.perform(perform(made.operation, run)).well
     assert made.kept == {"N": 3}
+
+
+def test_flags_are_on_and_off(robot):
+    lines = (
+        "SET N ON",
+        "WHEN N ON",
+        "  SET K = 5",
+        "END",
+        "SET N OFF",
+        "WHILE N ON",
+        "  SET K = 9",
+        "END",
+        "SET K 7",
+    )
+    _, ended = performed(robot, *lines)
+    assert ended.well
+    assert ended.ways == (True, False)
+    assert dict(ended.registers) == {"N": 0, "K": 7}

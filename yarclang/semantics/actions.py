@@ -7,6 +7,8 @@ from dataclasses import replace
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
 from yarclang.decisions import (
+    Between,
+    Constant,
     DecisionError,
     Register,
     RegisterValue,
@@ -122,12 +124,15 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     if len(values) != len(spec.slots):
         _tell_wanted(statement, spec.name, spec.wants, (spec.example,), findings)
         return None
-    signal = input_named(values[0], scope, statement, findings)
+    register = _register_named(values[0], scope)
+    signal = None if register else input_named(values[0], scope, statement, findings)
     value = state_value(values[1], scope, statement, findings)
-    if signal is None or value is None:
+    if value is None or (signal is None and register is None):
         return None
-    condition = equals(signal.variable, signal.name, value)
-    return When(origin, condition)
+    if register is not None:
+        return When(origin, Between("=", RegisterValue(register.name), Constant(value)))
+    assert signal is not None  # as above
+    return When(origin, equals(signal.variable, signal.name, value))
 
 
 def read_wait_else(
@@ -224,17 +229,25 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
     try:
         if statement.expression is not None:
             value = number_of(statement.expression, scope)
-        else:
-            register = scope.name(others[0].name) if isinstance(others[0], Word) else None
-            assert isinstance(register, Register)  # as `sets_by_register` has found
+        elif (register := _register_named(others[0], scope)) is not None:
             value = RegisterValue(register.name)
+        else:
+            number = state_value(others[0], scope, statement, findings)
+            if number is None:
+                return None
+            value = Constant(number)
         if not inputs_of(value) and not registers_of(value) and isinstance(found, Register | Output):
-            _check_range(evaluated(value, {}, {}), found, statement, findings)
+            number = evaluated(value, {}, {})
+            if isinstance(found, Output):
+                help_ = f"SET {word.text} {'ON' if number == 1.0 else 'OFF' if number == 0.0 else f'{number:.9g}'} has no equals sign"
+                findings.add("Y0209", f"{word.text} is an output, not a register", span, help_)
+            else:
+                _check_range(number, found, statement, findings)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         return None
     except DecisionError as error:
-        assert statement.expression is not None  # a register has a value
+        assert statement.expression is not None  # a register and a number have values
         findings.add("Y0410", str(error), statement.span(statement.expression.place))
         return None
     if not isinstance(found, Register | Output) or any(one.is_error for one in findings.found[before:]):
@@ -243,25 +256,25 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
     return Assign(origin_of(statement, "SET", findings), target, value)
 
 
-def sets_by_register(statement: Statement, scope: Scope) -> bool:
-    """Return True of a SET GO COUNT, which is a SET GO = COUNT."""
+def assigns(statement: Statement, scope: Scope) -> bool:
+    """Return True of a SET with an equals sign, of SET GO COUNT, and of SET FLAG ON where FLAG is a register."""
     values = values_of(statement)
-    return (
-        len(values) == 2 and isinstance(values[1], Word) and isinstance(scope.name(values[1].name), Register)
-    )
+    if statement.expression is not None:
+        return True
+    return len(values) == 2 and any(_register_named(one, scope) is not None for one in values)
 
 
-def _check_range(number: float, target: Register | Output, statement: Statement, findings: Collector) -> None:
-    if isinstance(target, Output):
-        if fault := group_fault(target.signal, number) if is_group(target.signal.variable) else "":
-            findings.add("Y0470", fault, statement.whole_span, "check the number, or the bits")
-        return
-    register = target
+def _register_named(value: Value, scope: Scope) -> Register | None:
+    found = scope.name(value.name) if isinstance(value, Word) else None
+    return found if isinstance(found, Register) else None
+
+
+def _check_range(number: float, register: Register, statement: Statement, findings: Collector) -> None:
     if number.is_integer() and register.low <= number <= register.high:
         return
-    assert statement.expression is not None
+    place = statement.expression.place if statement.expression else values_of(statement)[1].place
     message = f"{register.name} is an integer from {register.low} to {register.high}, and never {number:.15g}"
-    findings.add("Y0431", message, statement.span(statement.expression.place), "check the value or the range")
+    findings.add("Y0431", message, statement.span(place), "check the value or the range")
 
 
 def _tell_wanted(
@@ -288,8 +301,7 @@ def _value(
         case Slot.TEXT:
             return value.text.strip('"')
         case Slot.REGISTER:
-            found = scope.name(value.name) if isinstance(value, Word) else None
-            if isinstance(found, Register):
+            if (found := _register_named(value, scope)) is not None:
                 return found.name
             known = sorted(set(scope.names(Register)))
             subject = unknown(value.text, known)

@@ -15,11 +15,11 @@ from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import (
+    assigns,
     read_action,
     read_assignment,
     read_wait,
     read_wait_else,
-    sets_by_register,
 )
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
@@ -334,7 +334,7 @@ class _Unroller:
             return
         file.findings.place = shown(at(place, statement)) if place else ""
         given, before = self._calls.given, len(file.findings.found)
-        if word == "SET" and (statement.expression is not None or sets_by_register(statement, scope)):
+        if word == "SET" and assigns(statement, scope):
             assigned = read_assignment(statement, scope, file.findings)
             steps: tuple[Step, ...] = () if assigned is None else (assigned,)
         elif word == "WAIT" and statement.expression is not None:

@@ -114,7 +114,7 @@ FINDINGS = (
         "missing-end",
         "error",
         "a block has no END",
-        "SUB, REPEAT, IF and WHEN each need their own END: without it nobody knows which commands are repeated, or depend "
+        "SUB, REPEAT, IF, WHEN, CASE, WHILE, a WAIT with an ELSE and a LOOP without UNTIL each need their own END: without it nobody knows which commands are repeated, or depend "
         "on the condition.",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND",

@@ -54,14 +54,15 @@ def refuted(
         own: the pairs of each motion; None for all.
     """
     pairs, count = scene.pairs, len(spans)
-    reported = np.full((count, len(pairs.first)), -np.inf)
-    for motion in range(count):
-        rows = slice(None) if own is None else own[motion]
-        reported[motion, rows] = pairs.margin[rows]
-        for kind in (0, 1):
-            near, least = int(found.nearest[motion, kind]), float(found.least[motion, kind])
-            if near >= 0 and least < KNOWN:
-                reported[motion, near] = max(reported[motion, near], least)
+    if own is None:
+        reported = np.repeat(pairs.margin[None], count, axis=0)
+    else:
+        reported = np.full((count, len(pairs.first)), -np.inf)
+        for motion, rows in enumerate(own):
+            reported[motion, rows] = pairs.margin[rows]
+    decided, kind = np.nonzero((found.nearest[:, :2] >= 0) & (found.least[:, :2] < KNOWN))
+    deciding = decided, found.nearest[decided, kind]
+    reported[deciding] = np.maximum(reported[deciding], found.least[decided, kind])
     reported[[one.motion for one in found.meetings]] = -np.inf
     hollow = scene.boxes.hollow[pairs.first] | scene.boxes.hollow[pairs.second]
     reported[:, pairs.touching | hollow] = -np.inf

@@ -11,6 +11,8 @@ from programs import codes, compiled
 from yarclang.certify.certifying import certify
 from yarclang.certify.claims import Claims
 from yarclang.certify.motion.speed import KEPT
+from yarclang.collision.zones import speed
+from yarclang.collision.zones.speed import Fastest
 from yarclang.motion.profile import profile_names
 from yarclang.pipeline.cells import cell_loader
 from yarclang.robot.description import load_robot
@@ -98,6 +100,18 @@ def test_what_breaks_a_zone_is_refused(tmp_path, keys, line, code, message):
     assert finding.code == code
     assert re.search(message, finding.message), finding.message
     assert (finding.span.line, bool(finding.help)) == (5, True)
+
+
+def test_a_planner_that_sees_no_speed_is_refused(tmp_path, monkeypatch):
+    """The judge bounds speeds by itself: an error in the planner's search isn't certified."""
+    text = "P0010 MOVEL 100 1100 1400 -100 0 0 [V {}]"
+    assert with_cell(tmp_path, SLOW, text.format(99))[0] is not None
+    none = Fastest(np.zeros(9), np.full(9, -1), np.zeros(9))
+    monkeypatch.setattr(speed._Search, "made", lambda self: none)
+    assert with_cell(tmp_path, SLOW, text.format(99))[0] is not None
+    value, found = with_cell(tmp_path, SLOW, text.format(101))
+    assert value is None
+    assert codes([one for one in found if one.is_error]) == ["Y0911"]
 
 
 LINES = {

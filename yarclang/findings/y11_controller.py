@@ -189,6 +189,15 @@ FINDINGS: tuple[Finding, ...] = (
         "text's name, beside it is compiled, and the text is proved against it. It is a warning if the text waits for inputs or sets outputs.",
     ),
     Finding(
+        "Y1180",
+        "clearances-disagree",
+        "error",
+        "two proofs of a clearance disagree",
+        "The certificate proves twice that bodies stay apart: once by the search that also reports the smallest distance, and once by placements, supports and bounds "
+        "of its own. The second proof has found a place where two bodies are nearer than the first one reported. One of them has an error, and nothing is written. "
+        "Report it, with the program, the robot and the cell.",
+    ),
+    Finding(
         "Y1194",
         "kinematics-disagree",
         "error",

@@ -9,6 +9,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
+from yarclang.certify.bodies.second import Nearer, refuted
 from yarclang.certify.bodies.sweep import Sweep, sweep_of
 from yarclang.certify.certificate import Clearance
 from yarclang.certify.moments import pose_text, span_text
@@ -68,7 +69,11 @@ def find_clearances(
         if not len(scene.pairs.first):
             continue
         sweep = sweep_of(layout, places)
-        found = clearances(scene, sweep.course, sweep.spans, own if len(scenes) > 1 else None)
+        chosen = own if len(scenes) > 1 else None
+        found = clearances(scene, sweep.course, sweep.spans, chosen)
+        findings += [
+            _refuted(scene, sweep, one) for one in refuted(scene, sweep.course, sweep.spans, found, chosen)
+        ]
         kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
         for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
             told = (_clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0))
@@ -77,6 +82,20 @@ def find_clearances(
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))
     return apart, list(grouped(findings))
+
+
+def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
+    """Return the finding about a clearance that the second proof refutes."""
+    moving, other = scene.names(place.pair)
+    origin = sweep.places[place.motion].motion.origin
+    message = (
+        f"{moving} and {other} are {place.distance / MM:.5g} mm apart {place.time - sweep.starts(place.motion):.3f} s after its start, "
+        f"where {place.reported / MM:.5g} mm were reported: the two proofs of clearances disagree"
+    )
+    help_ = (
+        "nothing is written: this is an error of yarclang; please report it with the program, robot and cell"
+    )
+    return Diagnostic("Y1180", message, origin.source, origin.span, help_, place=origin.place)
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:

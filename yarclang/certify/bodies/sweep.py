@@ -18,9 +18,10 @@ from yarclang.frozen import frozen
 
 @frozen(eq=False)
 class Sweep:
-    """Commands that follow each other: what the joints do in their segments, and which of these (M, 2), first and last (not included), are those of each."""
+    """Commands that follow each other: what the joints do in their segments (`cubics`, and `course` for distances), and which of these (M, 2), first and last (not included), are those of each."""
 
     places: list[Place]
+    cubics: Cubics
     course: Course
     spans: NDArray[np.int64]
 
@@ -49,8 +50,13 @@ def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | Non
 def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
     """What the joints do in commands that follow each other."""
     base = places[0].first
-    course = course_of(layout.cubics(base, places[-1].last))
-    return Sweep(places, course, np.array([(place.first - base, place.last - base) for place in places]))
+    cubics = layout.cubics(base, places[-1].last)
+    return Sweep(
+        places,
+        cubics,
+        course_of(cubics),
+        np.array([(place.first - base, place.last - base) for place in places]),
+    )
 
 
 def course_of(cubics: Cubics) -> Course:

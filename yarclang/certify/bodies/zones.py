@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.cell.model import JointWindow
+from yarclang.certify.bodies.fastest import Motions, fastest_in
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
 from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
@@ -19,9 +20,7 @@ from yarclang.certify.read.layout import Layout, Place
 from yarclang.collision.proof import KNOWN
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.breach import Beyond, beyond
-from yarclang.collision.zones.moved import Whole
 from yarclang.collision.zones.proof import kept
-from yarclang.collision.zones.speed import fastest_inside
 from yarclang.collision.zones.watched import Moving, tool_frame
 from yarclang.collision.zones.windows import room
 from yarclang.collision.zones.workspace import Watch, watches_of
@@ -145,12 +144,13 @@ class _Judge:
 
     def _speeds(self) -> list[ZoneSpeed | None]:
         worst: list[ZoneSpeed | None] = [None] * len(self.places)
-        whole = Whole(self.scene, self.course, self.spans)
+        motions = Motions(self.scene.chain, self.sweep.cubics, self.spans)
         for watch in self.watches:
             limit = watch.zone.speed
             if watch.zone.rule != "slow" or limit is None:
                 continue
-            found = fastest_inside(self.scene, self.course, self.spans, watch, whole=whole)
+            assert watch.item is not None  # zones without are joint windows with other rules
+            found = fastest_in(motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
                 had = worst[row]

@@ -157,6 +157,32 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
     return poses, jacobians
 
 
+def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
+    """Compute where what the first joints move is, and how it moves.
+
+    Args:
+        chain: n joints.
+        q: (P, n) joint positions [rad or m].
+        rate: (P, n) their velocities.
+
+    Returns:
+        Placements as of `Kinematics.placements`, angular velocities (n + 1, 3, P) [rad/s], and velocities (n + 1, 3, P) [m/s] of what is in the origin of {B}, in the axes of {B}.
+    """
+    placed = KINEMATICS.placements(chain, q)
+    lines, count = axes_of(chain), len(q)
+    spin, drift = np.zeros((chain.size + 1, 3, count)), np.zeros((chain.size + 1, 3, count))
+    for joint in range(chain.size):
+        turn, shift = placed[joint, :, :3], placed[joint, :, 3]
+        axis = np.tensordot(turn, lines.axes[joint], axes=(1, 0))
+        x, y, z = np.tensordot(turn, lines.points[joint], axes=(1, 0)) + shift
+        spin[joint + 1] = axis * (lines.turn[joint] * rate[:, joint])
+        # a turn about an axis through o moves the origin by o x w
+        u, v, w = spin[joint + 1]
+        drift[joint + 1] = np.stack([y * w - z * v, z * u - x * w, x * v - y * u])
+        drift[joint + 1] += axis * (lines.slide[joint] * rate[:, joint])
+    return placed, np.cumsum(spin, axis=0), np.cumsum(drift, axis=0)
+
+
 def _blocks(count: int) -> Iterator[slice]:
     for begin in range(0, count, _BLOCK):
         yield slice(begin, min(begin + _BLOCK, count))

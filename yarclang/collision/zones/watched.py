@@ -94,7 +94,7 @@ def _elbow(chain: Chain) -> tuple[int, Array] | None:
 @lru_cache(maxsize=32)
 def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
     """The bodies of a scene, each with its room; remembered by the scene's identity."""
-    return tuple((body, _body(body)) for body in scene.bodies)
+    return tuple((body, room_of(body)) for body in scene.bodies)
 
 
 def _point(name: str, joint: int, point: Array) -> Item:
@@ -106,8 +106,9 @@ _SIDES = 32
 """Sides of the polygon around a disc."""
 
 
-def _body(body: Body) -> Item:
-    """The room of a body."""
+@lru_cache(maxsize=1024)
+def room_of(body: Body) -> Item:
+    """Return the room of a body, remembered by the body's identity."""
     import coal
 
     shape, placed = body.geometry.of_coal, body.base_from_body

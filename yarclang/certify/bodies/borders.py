@@ -1,0 +1,76 @@
+"""Convex regions of slow zones as the judge computes them: how far they reach, and in which direction from them a point lies."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.cell.model import HalfSpace, ShapeRegion
+from yarclang.robot.model import Array
+from yarclang.shapes import Box, Capsule, Cylinder, Sphere
+
+Region = ShapeRegion | HalfSpace
+_NO_LENGTH = 1e-12
+"""Vectors shorter than this [m] have no direction."""
+_ALONG = 1.0 - 1e-12
+"""Cosine from which on a direction counts as the normal of a half-space."""
+
+
+def extent(region: Region, directions: Array) -> Array:
+    """Compute the largest d . p over the points p of a region.
+
+    Args:
+        region: a half-space, or a shape in {B}.
+        directions: (3, P) unit vectors d in {B}.
+
+    Returns:
+        (P,) [m]; infinite where the region has no end.
+    """
+    if isinstance(region, HalfSpace):
+        # all n . p >= offset: bounded in the direction -n alone
+        return np.where(-(region.normal @ directions) >= _ALONG, -region.offset, np.inf)
+    placed, shape = region.base_from_shape, region.shape
+    at_center: Array = np.asarray(placed[:3, 3] @ directions)
+    own = placed[:3, :3].T @ directions
+    if isinstance(shape, Box):
+        return np.asarray(at_center + 0.5 * (shape.size @ np.abs(own)))
+    if isinstance(shape, Sphere):
+        return np.asarray(at_center + shape.radius)
+    ends: Array = 0.5 * shape.length * np.abs(own[2])
+    if isinstance(shape, Capsule):
+        return np.asarray(at_center + ends + shape.radius)
+    rim: Array = shape.radius * np.hypot(own[0], own[1])
+    return at_center + ends + rim
+
+
+def directions_to(region: Region, points: Array) -> Array:
+    """Return unit directions from the nearest point of a region to points (3, P) in {B}, (3, P).
+
+    For a point inside, the direction is any in which the point lies from the region's axis or center.
+    """
+    if isinstance(region, HalfSpace):
+        return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
+    placed, shape = region.base_from_shape, region.shape
+    own = placed[:3, :3].T @ (points - placed[:3, 3:4])
+    away = own - _nearest(shape, own)
+    length = np.sqrt((away**2).sum(axis=0))
+    inside = length < _NO_LENGTH
+    away[:, inside], length[inside] = own[:, inside], np.sqrt((own[:, inside] ** 2).sum(axis=0))
+    nowhere = length < _NO_LENGTH
+    away[:, nowhere], length[nowhere] = np.array([[0.0], [0.0], [1.0]]), 1.0
+    turned: Array = placed[:3, :3] @ (away / length)
+    return turned
+
+
+def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
+    """Return the points of a shape that are nearest to points (3, P) in the shape's own axes; of round shapes those of the center or the axis serve as well."""
+    if isinstance(shape, Box):
+        half = shape.size[:, None] / 2.0
+        return np.clip(own, -half, half)
+    found = np.zeros_like(own)
+    if isinstance(shape, Sphere):
+        return found
+    found[2] = np.clip(own[2], -shape.length / 2.0, shape.length / 2.0)
+    if isinstance(shape, Cylinder):
+        across = np.hypot(own[0], own[1])
+        found[:2] = own[:2] * np.minimum(1.0, shape.radius / np.maximum(across, _NO_LENGTH))
+    return found

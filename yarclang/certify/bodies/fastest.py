@@ -1,0 +1,305 @@
+"""The judge's own bound of how fast items move in a slow zone. It shares no line with `yarclang.collision.zones.speed`, by which motions are planned.
+
+Pieces of segments are halved until each is proved to be outside of the zone, or no faster than what is known, or is too short to tell. Three bounds settle a piece of the duration d:
+a point moves by no more than V d; in any direction it isn't lower than the lowest of its places at both ends and in the middle by more than A d^2 / 32;
+and its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three derivatives of all points of the item (`_derivatives`).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.model import HalfSpace, JointWindow
+from yarclang.certify.bodies.borders import Region, directions_to, extent
+from yarclang.certify.kinematics.arm import axes_of, motions
+from yarclang.certify.motion.bounds import Cubics
+from yarclang.collision.zones.gaps import distance_outside
+from yarclang.collision.zones.moved import Posed
+from yarclang.collision.zones.watched import Item
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Chain
+
+Rows = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+SHARP = 2e-4
+"""Share of the largest speed by which its bound may be larger."""
+NEAR = 1e-5
+"""Distance [m] within which a place counts as on a zone's border."""
+SAME = 1e-10
+"""Joint positions and velocities that differ by no more [rad or m, and per s] differ by rounding."""
+NEAR_JOINT = 1e-6
+"""Distance within which a joint position counts as on the end of a window [rad or m]."""
+
+
+@frozen(eq=False)
+class Fastest:
+    """Largest speeds of an item in a zone, one for each motion.
+
+    Attributes:
+        speed: (G,) upper bounds [m/s]; 0 where the item is never inside.
+        segment: (G,) the segment in which the item is so fast, -1 for none.
+        time: (G,) the middle of the piece in question, after the start of the first segment [s].
+    """
+
+    speed: Array
+    segment: Rows
+    time: Array
+
+
+@frozen(eq=False)
+class Joints:
+    """The first joints' motion at P instants: `turn` (3, 3, P) and `shift` (3, P) [m] lead a body from its place with all joints at zero to where it is;
+    `spin` (3, P) [rad/s] is its angular velocity, `drift` (3, P) [m/s] the velocity of its point in the origin of {B}.
+    """
+
+    turn: Array
+    shift: Array
+    spin: Array
+    drift: Array
+
+    def take(self, rows: Rows) -> Joints:
+        """Return some of the instants."""
+        return Joints(self.turn[:, :, rows], self.shift[:, rows], self.spin[:, rows], self.drift[:, rows])
+
+    def joined(self, other: Joints) -> Joints:
+        """Return these instants and those of another."""
+        return Joints(
+            np.concatenate([self.turn, other.turn], axis=2),
+            np.concatenate([self.shift, other.shift], axis=1),
+            np.concatenate([self.spin, other.spin], axis=1),
+            np.concatenate([self.drift, other.drift], axis=1),
+        )
+
+    def point(self, own: Array) -> Array:
+        """Return where a point (3,) is, (3, P) [m]."""
+        placed: Array = np.tensordot(self.turn, own, axes=(1, 0)) + self.shift
+        return placed
+
+    def lowest(self, item: Item, directions: Array) -> Array:
+        """Compute the smallest d . p over the points p of an item, for one unit direction an instant (3, P): (P,) [m]."""
+        own = (self.turn * directions[:, None, :]).sum(axis=0)
+        low = (item.points @ own).min(axis=0) + (directions * self.shift).sum(axis=0) - item.radius
+        if item.disc:
+            low -= item.disc * np.sqrt(np.maximum(0.0, 1.0 - (item.axis @ own) ** 2))
+        return np.asarray(low)
+
+    def speed(self, item: Item) -> Array:
+        """Return a bound (P,) [m/s] of the speeds of an item's points, exact but for round bodies."""
+        fastest = np.zeros(self.shift.shape[1])
+        for own in item.points:
+            x, y, z = self.point(own)
+            fastest = np.maximum(
+                fastest,
+                (self.drift[0] + self.spin[1] * z - self.spin[2] * y) ** 2
+                + (self.drift[1] + self.spin[2] * x - self.spin[0] * z) ** 2
+                + (self.drift[2] + self.spin[0] * y - self.spin[1] * x) ** 2,
+            )
+        return np.asarray(np.sqrt(fastest) + (item.disc + item.radius) * np.sqrt((self.spin**2).sum(axis=0)))
+
+
+class Motions:
+    """The segments of some motions, with the arm at their ends, computed once for all items."""
+
+    def __init__(self, chain: Chain, cubics: Cubics, spans: NDArray[np.int64]) -> None:
+        self.chain, self.cubics, self.spans = chain, cubics, spans
+        self.starts = np.cumsum(cubics.h) - cubics.h
+
+    @cached_property
+    def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
+        """Compute the arm at all begins, and at those ends that aren't the next begin; with the rows of the ends."""
+        before, after = self.cubics.at(np.zeros(len(self.cubics.h))), self.cubics.at(self.cubics.h)
+        count = len(self.cubics.h)
+        same = [
+            (np.abs(other[:-1] - one[1:]) <= SAME).all(axis=1)
+            for one, other in zip(before, after, strict=True)
+        ]
+        own = np.append(np.flatnonzero(~(same[0] & same[1])), count - 1)
+        stops = np.arange(1, count + 1)
+        stops[own] = count + np.arange(len(own))
+        q, rate = (np.concatenate([one, other[own]]) for one, other in zip(before, after, strict=True))
+        return motions(self.chain, q, rate), stops
+
+    def ends(self, joint: int) -> tuple[Joints, Joints]:
+        """Return what the first `joint` joints do at the begins and at the ends of all segments."""
+        found, stops = self._ends
+        arm = _of(found, joint)
+        return arm.take(np.arange(len(stops))), arm.take(stops)
+
+    def at(self, joint: int, segment: Rows, time: Array) -> Joints:
+        """Return what the first `joint` joints do at times (P,) after the starts of segments (P,)."""
+        return _of(motions(self.chain, *self.cubics.take(segment).at(time)), joint)
+
+
+def _of(found: tuple[Array, Array, Array], joint: int) -> Joints:
+    placed, spin, drift = found
+    return Joints(placed[joint, :, :3], placed[joint, :, 3], spin[joint], drift[joint])
+
+
+def fastest_in(motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> Fastest:
+    """Bound the speed of an item in a slow zone on each motion.
+
+    Args:
+        motions_: segments, and which of them are those of each motion.
+        region: the zone's.
+        margin: how far outside of the region the zone begins [m].
+        item: a convex body or a point that the joints move.
+    """
+    return _Search(motions_, region, margin, item).found()
+
+
+class _Search:
+    """One item on all motions."""
+
+    def __init__(self, motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> None:
+        self.all, self.region, self.margin, self.item = motions_, region, margin, item
+        self.first, self.second, self.third = _derivatives(motions_.chain, motions_.cubics, item)
+        count = len(motions_.spans)
+        self.motion = np.repeat(np.arange(count), np.diff(motions_.spans, axis=1)[:, 0])
+        self.best, self.time = np.zeros(count), np.zeros(count)
+        self.segment = np.full(count, -1, dtype=np.int64)
+
+    def found(self) -> Fastest:
+        """Halve pieces until all are settled."""
+        segment = np.arange(len(self.all.cubics.h))
+        begin, end = np.zeros(len(segment)), self.all.cubics.h
+        arms = self.all.ends(self.item.joint)
+        while len(segment):
+            go_on()
+            rows = np.flatnonzero(~self._is_far(segment, begin, end, arms))
+            segment, begin, end = segment[rows], begin[rows], end[rows]
+            arms = arms[0].take(rows), arms[1].take(rows)
+            # a comparison with what isn't a number is false: such a piece is never settled by it
+            bound = np.maximum(arms[0].speed(self.item), arms[1].speed(self.item))
+            bound = bound + self.third[segment] * (end - begin) ** 2 / 8.0
+            rows = np.flatnonzero(~(bound <= self._known(segment)))
+            segment, begin, end, bound = segment[rows], begin[rows], end[rows], bound[rows]
+            arms = arms[0].take(rows), arms[1].take(rows)
+            half = (begin + end) / 2.0
+            middle = self.all.at(self.item.joint, segment, half)
+            out, inside = self._where(segment, end - begin, half, (arms[0], middle, arms[1]))
+            self._learn(segment[inside], half[inside], middle.take(np.flatnonzero(inside)).speed(self.item))
+            short = ~out & ~(self.first[segment] * (end - begin) > NEAR)
+            self._learn(segment[short], half[short], bound[short])
+            rows = np.flatnonzero(~out & ~short & ~(bound <= self._known(segment)))
+            segment = np.concatenate([segment[rows], segment[rows]])
+            begin, end = np.concatenate([begin[rows], half[rows]]), np.concatenate([half[rows], end[rows]])
+            inner = middle.take(rows)
+            arms = arms[0].take(rows).joined(inner), inner.joined(arms[1].take(rows))
+        return Fastest(np.where(self.segment >= 0, self.best * (1.0 + SHARP), 0.0), self.segment, self.time)
+
+    def _known(self, segment: Rows) -> Array:
+        """Return the speeds up to which pieces needn't be looked at."""
+        known: Array = self.best[self.motion[segment]] * (1.0 + SHARP)
+        return known
+
+    def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
+        """Return True for pieces that are outside by a ball around the item, or by the ways of joints."""
+        region, long = self.region, end - begin
+        if isinstance(region, JointWindow):
+            cubics = self.all.cubics.take(segment)
+            before, after = cubics.at(begin)[0], cubics.at(end)[0]
+            most = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j))
+            sag = most * (long**2 / 8.0)[:, None] + NEAR_JOINT
+            below = np.maximum(before, after) + sag < region.lower
+            return np.asarray((below | (np.minimum(before, after) - sag > region.upper)).any(axis=1))
+        gaps = np.zeros(len(segment))
+        for arm in arms:
+            center = arm.point(self.item.middle)
+            toward = directions_to(region, center)
+            gaps += (toward * center).sum(axis=0) - extent(region, toward)
+        far: Flags = (gaps - self.first[segment] * long) / 2.0 - self.item.bound > self.margin
+        return far
+
+    def _where(
+        self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
+    ) -> tuple[Flags, Flags]:
+        """Return which pieces are outside all along, and which are inside in their middles."""
+        region = self.region
+        if isinstance(region, JointWindow):
+            q = self.all.cubics.take(segment).at(half)[0]
+            within = (q >= region.lower - NEAR_JOINT) & (q <= region.upper + NEAR_JOINT)
+            return np.zeros(len(segment), dtype=np.bool_), np.asarray(within.all(axis=1))
+        toward = directions_to(region, arms[1].point(self.item.middle))
+        out, seen = self._beyond(region, segment, long, arms, toward)
+        if self.item.of_coal is not None and not isinstance(region, HalfSpace):
+            # a body beside a region: the direction from its middle may show no gap where another does
+            rows = np.flatnonzero(~out)
+            toward = self._proposed(region, arms[1].take(rows))
+            few = arms[0].take(rows), arms[1].take(rows), arms[2].take(rows)
+            out[rows], closer = self._beyond(region, segment[rows], long[rows], few, toward)
+            seen[rows] = np.maximum(seen[rows], closer)
+        return out, np.logical_not(seen > self.margin + NEAR / 2.0)
+
+    def _beyond(
+        self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
+    ) -> tuple[Flags, Array]:
+        """Return which pieces lie beyond planes with the normals `toward` (3, P), and the gaps in their middles (P,) [m]."""
+        low = [arm.lowest(self.item, toward) for arm in arms]
+        reach = extent(region, toward)
+        seen = low[1] - reach
+        chords = (
+            np.minimum(np.minimum(low[0], low[2]), low[1]) - reach - self.second[segment] * long**2 / 32.0
+        )
+        least = np.maximum(chords, seen - self.first[segment] * long / 2.0)
+        return least > self.margin, seen
+
+    def _proposed(self, region: Region, arm: Joints) -> Array:
+        """Return normals (3, P) by coal; whether they show a gap is proved here."""
+        normal = np.empty((arm.shift.shape[1], 3))
+        distance_outside(region, self.item, Posed(arm.turn, arm.shift, arm.spin, arm.drift), normal)
+        size = np.sqrt((normal**2).sum(axis=1))
+        lost = ~(np.abs(size - 1.0) < 1e-9)
+        normal[lost] = [0.0, 0.0, 1.0]
+        return np.ascontiguousarray(normal.T)
+
+    def _learn(self, segment: Rows, time: Array, speed: Array) -> None:
+        """Keep the largest speed of each motion, and where the item has it."""
+        motion = self.motion[segment]
+        most = self.best.copy()
+        np.maximum.at(most, motion, speed)
+        new = np.flatnonzero(~(speed < most[motion]) & ~(most[motion] <= self.best[motion]))
+        self.segment[motion[new]] = segment[new]
+        self.time[motion[new]] = self.all.starts[segment[new]] + time[new]
+        self.best = most
+
+
+def _derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array, Array]:
+    """Bound |p'|, |p''| and |p'''| of all points p of an item on N segments, (N,) each [m/s, m/s^2, m/s^3].
+
+    A point is the sum of steps from axis to axis, each of a fixed length and turned by the joints before it: its derivatives are at most its length times W, W^2 + A and W^3 + 3 W A + J,
+    with the sums of these joints' largest rates. A step along a joint that slides has a length of its own that changes; Leibniz's rule gives its derivatives.
+    """
+    lines = axes_of(chain)
+    peaks = (
+        cubics.velocity_peaks(),
+        np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j)),
+        np.abs(cubics.j),
+    )
+    far = np.abs(cubics.x) + peaks[0] * cubics.h[:, None]
+    lengths = np.zeros(item.joint)
+    here, rest = item.middle, item.bound
+    for joint in range(item.joint - 1, -1, -1):
+        if lines.turn[joint]:
+            axis, on_axis = lines.axes[joint], lines.points[joint]
+            foot = here - np.cross(axis, np.cross(here - on_axis, axis))
+            lengths[joint] = rest + float(np.sqrt(((here - foot) ** 2).sum()))
+            here, rest = foot, 0.0
+    w, a, j = (np.zeros(len(cubics.h)) for _ in range(3))
+    first, second, third = (np.zeros(len(cubics.h)) for _ in range(3))
+    for joint in range(item.joint):
+        turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+        if slide:
+            s, v, u, p = (slide * one[:, joint] for one in (far, *peaks))
+            first = first + w * s + v
+            second = second + (w**2 + a) * s + 2.0 * w * v + u
+            third = third + (w**3 + 3.0 * w * a + j) * s + 3.0 * (w**2 + a) * v + 3.0 * w * u + p
+        w, a, j = (before + turn * one[:, joint] for before, one in zip((w, a, j), peaks, strict=True))
+        first = first + lengths[joint] * w
+        second = second + lengths[joint] * (w**2 + a)
+        third = third + lengths[joint] * (w**3 + 3.0 * w * a + j)
+    return first, second, third

@@ -1,0 +1,262 @@
+"""Clearances a second time: what `yarclang.collision.proof` reports of convex bodies is proved again, by placements, supports, and bounds of the judge's own.
+
+For each pair on each piece of a motion the second body is seen from the first. Three bounds settle a piece of the duration d: spheres around both, less the way of the joints between them;
+a plane's gap in the middle, less that way; and the plane's gaps at both ends and in the middle, less A d^2 / 32. What none settles is halved. If bodies are nearer at a place than was reported, the
+proof that reported it is wrong.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bodies.fastest import Joints
+from yarclang.certify.kinematics.arm import KINEMATICS, axes_of
+from yarclang.collision.course import Course
+from yarclang.collision.proof import KNOWN, Clearances
+from yarclang.collision.scene import Rows, Scene
+from yarclang.collision.zones.watched import Item, room_of
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Chain
+
+STEP = 0.08
+"""Pieces begin with joints that move by this much [rad or m]."""
+EQUAL = 5e-6
+"""Distance [m] by which both ways may disagree: coal's distances are off by less than a tenth of it."""
+SHORT = 2e-4
+"""Pieces on which nothing moves by more than this [m] aren't halved: the distance in the middle counts."""
+
+
+@frozen
+class Nearer:
+    """A place that refutes a clearance: which motion and pair, when [s] after the first segment's start, the distance there and the one that was reported [m]."""
+
+    motion: int
+    pair: int
+    time: float
+    distance: float
+    reported: float
+
+
+def refuted(
+    scene: Scene, course: Course, spans: NDArray[np.int64], found: Clearances, own: list[Rows] | None
+) -> list[Nearer]:
+    """Prove clearances again and return the places that refute them, at most one for each motion and pair.
+
+    Args:
+        scene: bodies and pairs; pairs that may touch, and meshes that aren't their hulls, are left out.
+        course: segments of all motions.
+        spans: (G, 2) the segments of each motion.
+        found: what is reported; motions with meetings are left out, as they are refused.
+        own: the pairs of each motion; None for all.
+    """
+    pairs, count = scene.pairs, len(spans)
+    if own is None:
+        reported = np.repeat(pairs.margin[None], count, axis=0)
+    else:
+        reported = np.full((count, len(pairs.first)), -np.inf)
+        for motion, rows in enumerate(own):
+            reported[motion, rows] = pairs.margin[rows]
+    decided, kind = np.nonzero((found.nearest[:, :2] >= 0) & (found.least[:, :2] < KNOWN))
+    deciding = decided, found.nearest[decided, kind]
+    reported[deciding] = np.maximum(reported[deciding], found.least[decided, kind])
+    reported[[one.motion for one in found.meetings]] = -np.inf
+    hollow = scene.boxes.hollow[pairs.first] | scene.boxes.hollow[pairs.second]
+    reported[:, pairs.touching | hollow] = -np.inf
+    return _Second(scene, course, reported).found(spans)
+
+
+class _Second:
+    def __init__(self, scene: Scene, course: Course, reported: Array) -> None:
+        self.scene, self.course, self.reported = scene, course, reported
+        asked = np.flatnonzero((reported > -np.inf).any(axis=0))
+        one, other = scene.pairs.first, scene.pairs.second
+        # what fewer joints move comes first, in whatever order the pairs are
+        joint = np.array([body.joint for body in scene.bodies])
+        turned = joint[one] > joint[other]
+        self.first, self.second = np.where(turned, other, one), np.where(turned, one, other)
+        bodies = np.unique(np.concatenate([one[asked], other[asked]])).tolist()
+        self.items = {body: room_of(scene.bodies[body]) for body in bodies}
+        far = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
+        self.lengths, self.reach = np.zeros((2, len(one), scene.chain.size))
+        for pair in asked.tolist():
+            base, item = int(joint[self.first[pair]]), self.items[int(self.second[pair])]
+            self.lengths[pair], self.reach[pair] = _steps(scene.chain, base, item, far)
+        self.refuting: dict[tuple[int, int], Nearer] = {}
+
+    def found(self, spans: NDArray[np.int64]) -> list[Nearer]:
+        """Halve pieces until all pairs are settled."""
+        course = self.course
+        begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
+        way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
+        count = np.maximum(1, np.ceil(way / STEP)).astype(np.int64)
+        motion = np.repeat(np.arange(len(spans)), count)
+        number = np.arange(len(motion)) - np.repeat(np.cumsum(count) - count, count)
+        long = ((end - begin) / count)[motion]
+        begin = begin[motion] + number * long
+        end = begin + long
+        at, pair = np.nonzero(self.reported[motion] > -np.inf)
+        while len(at):
+            go_on()
+            left = self._left(motion, begin, end, at, pair)
+            at, pair = at[left], pair[left]
+            kept, at = np.unique(at, return_inverse=True)
+            half = (begin[kept] + end[kept]) / 2.0
+            begin, end = np.concatenate([begin[kept], half]), np.concatenate([half, end[kept]])
+            motion = np.concatenate([motion[kept], motion[kept]])
+            at, pair = np.concatenate([at, at + len(kept)]), np.concatenate([pair, pair])
+        return list(self.refuting.values())
+
+    def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
+        """Return which pairs on pieces aren't settled."""
+        chain, course = self.scene.chain, self.course
+        half = (begin + end) / 2.0
+        gone = [course.gone(time) for time in (begin, half, end)]
+        moves = np.maximum(gone[1] - gone[0], gone[2] - gone[1])
+        way = np.einsum("rn,rn->r", self.reach[pair], moves[at])
+        middle = KINEMATICS.placements(chain, course.at(half))
+        count = len(self.scene.bodies)
+        centers, bound = np.zeros((count, 3, len(half))), np.zeros(count)
+        for body, item in self.items.items():
+            turn, shift = middle[item.joint, :, :3], middle[item.joint, :, 3]
+            centers[body], bound[body] = np.tensordot(turn, item.middle, axes=(1, 0)) + shift, item.bound
+        first, second = self.first[pair], self.second[pair]
+        apart = np.sqrt(((centers[second, :, at] - centers[first, :, at]) ** 2).sum(axis=1))
+        least = self.reported[motion[at], pair]
+        # a comparison with what isn't a number is false: such a piece is never settled by it
+        near = np.flatnonzero(~(apart - bound[first] - bound[second] - way >= least))
+        if not len(near):
+            return near
+        close, place_of = np.unique(at[near], return_inverse=True)
+        place_at = np.zeros(len(begin), dtype=np.int64)
+        place_at[at[near]] = place_of
+        begin, half, end = begin[close], half[close], end[close]
+        ends = [KINEMATICS.placements(chain, course.at(time)) for time in (begin, end)]
+        middle, peaks = middle[:, :, :, close], course.peaks(begin, end)
+        left: list[Rows] = []
+        for one in np.unique(pair[near]).tolist():
+            rows = near[pair[near] == one]
+            pieces = place_at[at[rows]]
+            joints = self.items[int(self.first[one])].joint, self.items[int(self.second[one])].joint
+            arms = [_seen(placed, *joints, pieces) for placed in (ends[0], middle, ends[1])]
+            sag = self._bend(one, *(peak[pieces] for peak in peaks)) * (end - begin)[pieces] ** 2 / 32.0
+            settled, distance = self._settled(one, arms, way[rows], sag, least[rows])
+            wrong = distance < least[rows] - EQUAL
+            for row in np.flatnonzero(wrong).tolist():
+                key = int(motion[at[rows[row]]]), one
+                place = Nearer(*key, float(half[pieces[row]]), float(distance[row]), float(least[rows[row]]))
+                self.refuting.setdefault(key, place)
+            left.append(rows[~settled & ~wrong & ~(way[rows] <= SHORT)])
+        return np.sort(np.concatenate(left))
+
+    def _bend(self, pair: int, speed: Array, strength: Array) -> Array:
+        """Bound |p''| of the second body's points, seen from the first body, (P,) [m/s^2]."""
+        lines = axes_of(self.scene.chain)
+        w, a, bend = (np.zeros(len(speed)) for _ in range(3))
+        for joint in range(self.items[int(self.first[pair])].joint, self.items[int(self.second[pair])].joint):
+            turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+            if slide:
+                bend = bend + slide * (2.0 * w * speed[:, joint] + strength[:, joint])
+            w, a = w + turn * speed[:, joint], a + turn * strength[:, joint]
+            bend = bend + self.lengths[pair, joint] * (w**2 + a)
+        return bend
+
+    def _settled(
+        self, pair: int, arms: list[Joints], way: Array, sag: Array, least: Array
+    ) -> tuple[NDArray[np.bool_], Array]:
+        """Return where planes prove a pair apart, and upper bounds of its distances in the middles, infinite where they weren't needed."""
+        one, other = self.items[int(self.first[pair])], self.items[int(self.second[pair])]
+        toward = arms[1].point(other.middle) - one.middle[:, None]
+        toward /= np.maximum(np.sqrt((toward**2).sum(axis=0)), 1e-12)
+        settled = self._is_apart(one, other, arms, toward, way, sag, least)
+        distance = np.full(len(way), np.inf)
+        rows = np.flatnonzero(~settled)
+        if len(rows):
+            few = [arm.take(rows) for arm in arms]
+            toward, distance[rows] = _nearest(one, other, few[1])
+            settled[rows] = self._is_apart(one, other, few, toward, way[rows], sag[rows], least[rows])
+        return settled, distance
+
+    def _is_apart(
+        self, one: Item, other: Item, arms: list[Joints], toward: Array, way: Array, sag: Array, least: Array
+    ) -> NDArray[np.bool_]:
+        still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
+        reach = -still.lowest(one, -toward)
+        begin, middle, end = (arm.lowest(other, toward) - reach for arm in arms)
+        proved = np.maximum(np.minimum(np.minimum(begin, end), middle) - sag, middle - way)
+        return np.asarray(proved >= least - EQUAL)
+
+
+def _seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
+    """Return how what `other` joints move stands to what `one` joint moves, on some pieces."""
+    base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
+    turn = np.einsum("kip,kjp->ijp", base[:, :3], arm[:, :3])
+    shift = np.einsum("kip,kp->ip", base[:, :3], arm[:, 3] - base[:, 3])
+    nothing = np.zeros_like(shift)
+    return Joints(turn, shift, nothing, nothing)
+
+
+def _nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
+    """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not above zero where they overlap."""
+    import coal
+
+    assert one.base_from_body is not None  # points have no pairs
+    assert other.base_from_body is not None
+    request, answer = coal.DistanceRequest(), coal.DistanceResult()
+    here = coal.Transform3s(one.base_from_body[:3, :3], one.base_from_body[:3, 3])
+    there = coal.Transform3s()
+    turns = arm.turn.transpose(2, 0, 1) @ other.base_from_body[:3, :3]
+    shifts = arm.point(other.base_from_body[:3, 3]).T
+    toward, distance = np.empty((3, len(turns))), np.empty(len(turns))
+    for row, (turn, shift) in enumerate(zip(turns, shifts, strict=True)):
+        answer.clear()
+        there.setTransform(turn, shift)
+        distance[row] = coal.distance(one.of_coal, here, other.of_coal, there, request, answer)
+        toward[:, row] = answer.normal
+    size = np.sqrt((toward**2).sum(axis=0))
+    toward[:, ~(np.abs(size - 1.0) < 1e-9)] = np.array([[0.0], [0.0], [1.0]])
+    return toward, distance
+
+
+def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Array]:
+    """Compute what bounds how a body moves, seen from what the first `base` joints move.
+
+    Args:
+        chain: n joints.
+        base: joints that don't count.
+        item: the body.
+        far: (n,) the largest |q| [rad or m].
+
+    Returns:
+        The lengths (n,) of the steps from axis to axis, slides included, and how far (n,) its points move at most per unit of each joint [m].
+    """
+    lines, ways = axes_of(chain), _ways(chain, item)
+    lengths, reach = np.zeros(chain.size), np.zeros(chain.size)
+    rest, total = 0.0, 0.0
+    for joint in range(item.joint - 1, base - 1, -1):
+        slide = abs(float(lines.slide[joint]))
+        rest += slide * float(far[joint])
+        if lines.turn[joint]:
+            lengths[joint] = rest + ways[joint]
+            total += lengths[joint]
+            rest = 0.0
+        reach[joint] = total * float(lines.turn[joint]) + slide
+    return lengths, reach
+
+
+@lru_cache(maxsize=512)
+def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
+    """Return the ways (n,) from axis to axis, the last one to the item's farthest point, with all joints at zero [m]; remembered by identity."""
+    lines = axes_of(chain)
+    found = [0.0] * chain.size
+    here, rest = item.middle, item.bound
+    for joint in range(item.joint - 1, -1, -1):
+        if lines.turn[joint]:
+            axis, on_axis = lines.axes[joint], lines.points[joint]
+            foot = on_axis + axis * float(axis @ (here - on_axis))
+            found[joint] = rest + float(np.sqrt(((here - foot) ** 2).sum()))
+            here, rest = foot, 0.0
+    return tuple(found)

@@ -174,3 +174,56 @@ def test_a_mesh_that_could_never_collide_is_refused(name, content, fault, tmp_pa
 
 def test_a_normal_that_is_no_number_harms_nothing(tmp_path):
     assert read(tmp_path, "a.stl", BINARY[:84] + NAN + BINARY[88:])
+
+
+DAE_CORNERS = (
+    b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry><mesh>'
+    b'<source id="p"><float_array id="pa" count="9">%b 0 0 1 0 0 0 1 0</float_array></source>'
+    b'<source id="n"><float_array id="na" count="3">%b 0 1</float_array></source>'
+    b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+    b"</mesh></geometry></library_geometries></COLLADA>"
+)
+
+
+@pytest.mark.parametrize("word", [b"NaN", b"nan", b"INF", b"-inf"])
+def test_a_dae_with_a_corner_that_is_no_number_is_refused(word, tmp_path):
+    with pytest.raises(NoMeshError, match="has a corner that is no finite number"):
+        read(tmp_path, "a.dae", DAE_CORNERS % (word, b"0"))
+    assert read(tmp_path, "a.dae", DAE_CORNERS % (b"0", word))  # a normal
+
+
+@pytest.mark.parametrize(
+    "face", [b"1 2 4", b"0 1 2", b"-4 1 2", b"1/1 2/1 99999/1", b"1 2 " + b"9" * 5000, b"1 2 \\\n4"]
+)
+def test_an_obj_with_a_face_of_corners_that_are_not_there_is_refused(face, tmp_path):
+    with pytest.raises(NoMeshError, match=r"has a face with the corner -?\d+, but 3 corners$"):
+        read(tmp_path, "a.obj", OBJ + b"f " + face + b"\n")
+
+
+@pytest.mark.parametrize("face", [b"-3 -2 -1", b"1// 2// 3//", b"1 2 \\\r\n3", b"1 2 3 # 7"])
+def test_an_obj_with_faces_of_its_corners_is_read(face, tmp_path):
+    assert read(tmp_path, "a.obj", OBJ + b"f " + face + b"\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "why"),
+    [
+        ("a.stl", b"", "something else: it is empty$"),
+        ("a.stl", BINARY[:-1], r"a binary STL of 1 triangles has 134 bytes, this one has 133\)$"),
+        ("a.dae", DAE[:-12], r"\(XML, line 2: "),
+    ],
+)
+def test_a_file_that_was_cut_off_is_named_as_such(name, content, why, tmp_path):
+    with pytest.raises(NoMeshError, match=why):
+        read(tmp_path, name, content)
+
+
+def test_a_face_of_something_else_is_not_shown(tmp_path):
+    with pytest.raises(NoMeshError, match=r"has a face with the corner that is no integer, but 3 corners$"):
+        read(tmp_path, "a.obj", OBJ + b"f 1 2 \x1b[31m\n")
+
+
+def test_a_doctype_is_refused_before_its_entities_are_read(tmp_path):
+    bomb = b'<!DOCTYPE a [<!ENTITY b "bbbbbbbbbb"><!ENTITY c "&b;&b;&b;&b;">]><COLLADA>&c;</COLLADA>'
+    with pytest.raises(NoMeshError, match=r"something else \(XML with a DOCTYPE\)$"):
+        read(tmp_path, "a.dae", bomb)

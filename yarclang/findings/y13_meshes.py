@@ -11,7 +11,7 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "a file that the URDF calls a mesh isn't one",
         "Collision meshes are copied into the robot's folder, which people pass on. A URDF from elsewhere could name any file of this computer; so the whole content must be "
-        "that of an STL, OBJ, DAE or PLY file, as its name ends, of at most 100 MB.",
+        "that of an STL, OBJ, DAE or PLY file, as its name ends, of at most 100 MB. Corners must be finite numbers, and the faces of an OBJ file must use its corners.",
         '<mesh filename="/etc/passwd"/>',
         '<mesh filename="meshes/link1.stl"/>',
     ),

@@ -15,6 +15,7 @@ from pathlib import Path
 from urllib.parse import urlparse
 from xml.parsers import expat
 
+from yarclang.robot.new.mesh_faults import dae_has_odd_corners, obj_fault
 from yarclang.robot.new.packages import PACKAGE, Packages
 from yarclang.toml.bodies import MESHES
 
@@ -73,7 +74,7 @@ def read_mesh(path: Path) -> bytes:
     if len(content) > LARGEST:
         raise NoMeshError(f"has more than {LARGEST:,} bytes")
     if not _LOOKS[kind](content):
-        raise NoMeshError(f"ends in {path.suffix}, but its content is something else")
+        raise NoMeshError(f"ends in {path.suffix}, but its content is something else{_damage(kind, content)}")
     if fault := _fault(kind, content):
         raise NoMeshError(fault)
     return content
@@ -89,11 +90,34 @@ def _fault(kind: str, content: bytes) -> str:
         if not len(corners):
             return "has no triangle"
         return "" if np.isfinite(corners).all() else "has a corner that is no finite number"
+    if kind == ".dae":
+        return "has a corner that is no finite number" if dae_has_odd_corners(content) else ""
     word = {".stl": b"vertex", ".obj": b"v"}.get(kind)
     if word is None:
         return ""
     found = re.search(rb"^[ \t]*" + word + rb"[ \t][^\n]*(?:nan|inf)", content, re.IGNORECASE | re.MULTILINE)
-    return "has a corner that is no finite number" if found else ""
+    if found:
+        return "has a corner that is no finite number"
+    return obj_fault(content) if kind == ".obj" else ""
+
+
+def _damage(kind: str, content: bytes) -> str:
+    """Return the end of a sentence that names how a file was cut off; empty if its content shows nothing of that."""
+    if not content:
+        return ": it is empty"
+    if kind == ".stl" and len(content) >= 84 and not content.startswith(b"solid"):
+        count = int.from_bytes(content[80:84], "little")
+        return f" (a binary STL of {count:,} triangles has {84 + 50 * count:,} bytes, this one has {len(content):,})"
+    if kind == ".dae" and b"<COLLADA" in content[:_LONGEST_HEADER]:
+        parser = expat.ParserCreate()
+        parser.StartDoctypeDeclHandler = _refuse
+        try:
+            parser.Parse(content, True)
+        except ValueError:
+            return " (XML with a DOCTYPE)"
+        except expat.ExpatError as error:
+            return f" (XML, line {error.lineno}: {expat.ErrorString(error.code)})"
+    return ""
 
 
 class Surroundings:
@@ -168,6 +192,10 @@ def _is_obj(content: bytes) -> bool:
     return {b"v", b"f"} <= words
 
 
+def _refuse(*_: object) -> None:
+    raise ValueError("a DOCTYPE")
+
+
 def _is_dae(content: bytes) -> bool:
     """Return True for XML without a DOCTYPE whose root is COLLADA, with a mesh in it."""
     tags: set[str] = set()
@@ -178,12 +206,9 @@ def _is_dae(content: bytes) -> bool:
             roots.append(tag.rpartition(" ")[2])
         tags.add(tag.rpartition(" ")[2])
 
-    def refuse(*_: object) -> None:
-        raise ValueError("a DOCTYPE")
-
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.StartElementHandler = begin
-    parser.StartDoctypeDeclHandler = refuse
+    parser.StartDoctypeDeclHandler = _refuse
     try:
         parser.Parse(content, True)
     except (expat.ExpatError, ValueError):

@@ -21,6 +21,9 @@ from yarclang.motion.trials import Trial, Trials
 STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
 """The shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
 
+_BY_ITS_WAY = 1.08
+"""If the middle third of a way asks for so many times the limits, no other ramps are tried: none of them makes it slower there."""
+
 _AT_ONCE = 40
 """How many laws are tried together, where the first few don't keep the limits: solving many takes hardly longer than a few."""
 
@@ -60,22 +63,30 @@ class Between:
     middle: int | None
     segment: float
 
-    def part(self, cruise: float, phase: float) -> tuple[Part | None, float]:
-        """The motion, None where its own limits don't allow it; and how far behind a knot its last ramp begins.
+    def part(self, cruise: float, phase: float) -> tuple[Part | float, float]:
+        """The motion, or how many times slower it had to be where its own limits don't allow it (at least 1: it isn't known); and how far behind a knot its last ramp begins.
 
         Args:
             cruise: in how many segments the whole way would go at full speed.
             phase: that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
         """
-        laws = self._laws(cruise, phase)
+        laws, asked = self._laws(cruise, phase), np.inf
         for count in chain([len(STEEPNESS)], repeat(_AT_ONCE)):
             tried = list(islice(laws, count))
             if not tried:
                 break
-            for law, trial in zip(tried, self._tried(tried), strict=True):
-                if self._is_kept(law, trial):
+            trials = self._tried(tried)
+            middle_asks = self._asked_by(
+                trials[0].points[trials[0].segments // 3 : 2 * trials[0].segments // 3 + 3]
+            )
+            for law, trial in zip(tried, trials, strict=True):
+                more = self._asked(law, trial)
+                if more <= 1.0 and self._keeps_zones(law, trial):
                     return Part(self.link.path, trial), law.behind
-        return None, 0.0
+                asked = min(asked, more)
+            if middle_asks > _BY_ITS_WAY:
+                return middle_asks, 0.0
+        return max(1.0, asked) if np.isfinite(asked) else 1.0, 0.0
 
     def _laws(self, cruise: float, phase: float) -> Iterator[_Timed]:
         """The laws to try, the likeliest first."""
@@ -123,10 +134,22 @@ class Between:
         trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
         return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
 
-    def _is_kept(self, law: _Timed, trial: Trial) -> bool:
-        """Whether a trial keeps the limits outside of its overlaps."""
-        own = trial.points[max(law.into - 1, 0) : trial.segments + 3 - max(law.out - 1, 0)]
-        return len(own) < 4 or self.link.own_bounds.are_kept(own, self.segment * (1.0 + 1e-12))
+    def _asked(self, law: _Timed, trial: Trial) -> float:
+        """Return how many times slower a trial had to be to keep the limits outside of its overlaps; at most 1 if it does."""
+        return self._asked_by(self._own(law, trial))
+
+    def _asked_by(self, points: Array) -> float:
+        if len(points) < 4:
+            return 0.0
+        demands = replace(self.link.own_bounds, zones=None).demands(points)
+        return max((one.segment for one in demands), default=0.0) / (self.segment * (1.0 + 1e-12))
+
+    def _keeps_zones(self, law: _Timed, trial: Trial) -> bool:
+        own, bounds = self._own(law, trial), self.link.own_bounds
+        return bounds.zones is None or len(own) < 4 or bounds.are_kept(own, self.segment * (1.0 + 1e-12))
+
+    def _own(self, law: _Timed, trial: Trial) -> Array:
+        return trial.points[max(law.into - 1, 0) : trial.segments + 3 - max(law.out - 1, 0)]
 
 
 def _has_room(segments: int, first: Ramp, cruise: float) -> bool:

@@ -27,6 +27,9 @@ from yarclang.robot.model import Chain
 _SLOWER = 1.08
 """By how much a motion that asks too much is slowed down."""
 
+_CAUTIOUS = 0.9
+"""Which share of what a motion asks too much it is slowed down by at once: slower, its ramps and corners are others."""
+
 _MOST_ROUNDS = 40
 """How often a chain is slowed down before it is given up."""
 
@@ -120,14 +123,19 @@ class _Maker:
                 place + side: _SLOWER for place, turn in enumerate(turns) if turn is None for side in (0, 1)
             }
             taken = [turn for turn in turns if turn is not None]
-            parts: list[Part | None] = []
+            parts: list[Part] = []
             if not slow:
-                parts = self._parts(cruises, taken)
-                slow = {place: _SLOWER for place, part in enumerate(parts) if part is None}
+                tried = self._parts(cruises, taken)
+                slow = {
+                    place: max(_SLOWER, _CAUTIOUS * asked)
+                    for place, asked in enumerate(tried)
+                    if isinstance(asked, float)
+                }
+                parts = [part for part in tried if isinstance(part, Part)]
             if not slow:
                 slow = self._slow_corners(parts, taken)
             if not slow:
-                return self._finished([part for part in parts if part is not None], taken, cruises)
+                return self._finished(parts, taken, cruises)
             # what is given can't be slowed down, but what it flows into may be
             free = [place for place in slow if self._is_free(place)]
             if not free:
@@ -165,13 +173,11 @@ class _Maker:
             self._keep_together(cruises)
         return cruises
 
-    def _slow_corners(self, parts: list[Part | None], turns: list[Turn]) -> dict[int, float]:
+    def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
         """The motions on both sides of the corners that ask too much, and how much slower they should be."""
         slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
             first, second = parts[place], parts[place + 1]
-            assert first is not None
-            assert second is not None
             if not self.corners.serves(first, second, place, turn.overlap):
                 more = _SLOWER
             else:
@@ -259,9 +265,9 @@ class _Maker:
         steep = min(STEEPNESS, key=asked.__getitem__)
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
-    def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | None]:
-        """The motions one after the other; None for those that their own limits don't allow."""
-        parts: list[Part | None] = []
+    def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
+        """The motions one after the other; for those that their own limits don't allow, how many times slower they had to be."""
+        parts: list[Part | float] = []
         phase = 0.0
         for place, cruise in enumerate(cruises):
             before = turns[place - 1] if place else None

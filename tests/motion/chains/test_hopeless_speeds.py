@@ -1,0 +1,29 @@
+"""Speeds that a chain can't keep by far: how much is tried before a slower one is found."""
+
+from programs import compiled
+
+from yarclang.motion.chains.between import Between
+
+WEAVE = """USE WEAVE
+DEFAULT {TCP} (mm,deg,s) {B}
+FRAME {SEAM} 0 1174.4 1176 0 0 0 {B}
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [MIN]
+P0020 CALL WEAVE.SINE {TCP} {SEAM} 12 1 2 4
+"""
+
+
+def test_few_laws_are_tried_where_the_way_itself_asks_too_much(monkeypatch):
+    """Four waves a second of 2 mm to each side: the limits leave a fifteenth of that. It took two minutes and 17,000 laws."""
+    laws = []
+    tried = Between._tried
+
+    def counted(self, some):
+        laws.append(len(some))
+        return tried(self, some)
+
+    monkeypatch.setattr(Between, "_tried", counted)
+    _, found = compiled(WEAVE, "INDUSTRIAL6")
+    told = [one for one in found if one.code == "Y0610"]
+    assert told
+    assert "the limits leave no room to keep this speed" in told[0].message
+    assert 0 < sum(laws) < 2000

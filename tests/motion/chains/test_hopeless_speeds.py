@@ -3,6 +3,7 @@
 from programs import compiled
 
 from yarclang.motion.chains.between import Between
+from yarclang.pipeline.modules import library_folder, loader
 
 WEAVE = """USE WEAVE
 DEFAULT {TCP} (mm,deg,s) {B}
@@ -22,7 +23,7 @@ def test_few_laws_are_tried_where_the_way_itself_asks_too_much(monkeypatch):
         return tried(self, some)
 
     monkeypatch.setattr(Between, "_tried", counted)
-    _, found = compiled(WEAVE, "INDUSTRIAL6")
+    _, found = compiled(WEAVE, "INDUSTRIAL6", load=loader(library_folder()))
     told = [one for one in found if one.code == "Y0610"]
     assert told
     assert "the limits leave no room to keep this speed" in told[0].message

@@ -6,7 +6,8 @@ from conftest import EXAMPLES
 
 from tests.runtime.virtual import World
 from yarclang.backend_pmac.settings import settings_text
-from yarclang.hir import WaitInput
+from yarclang.decisions import inputs_of
+from yarclang.hir import WaitInput, WaitUntil, When
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.stages import compile_module
@@ -53,7 +54,9 @@ def cell_of(name, compiled, robot):
     sensed = {one.input for one in cell.sensors} if cell is not None else set()
     file = EXAMPLES / f"{name.removesuffix('.yarc')}.inputs.toml"
     waits = any(
-        isinstance(step, WaitInput) and step.input.variable not in sensed for step in compiled.program.steps
+        (isinstance(step, WaitInput) and step.input.variable not in sensed)
+        or (isinstance(step, WaitUntil | When) and inputs_of(step.condition))
+        for step in compiled.program.steps
     )
     assert file.exists() == waits, file
     if not waits:
@@ -96,7 +99,7 @@ def test_an_example_runs_to_its_end(name):
 
 
 def test_there_are_such_examples():
-    assert len(NAMES) == 12
+    assert len(NAMES) == 16
 
 
 def test_the_called_jobs_are_those_of_their_numbers():
@@ -107,3 +110,23 @@ def test_the_called_jobs_are_those_of_their_numbers():
     answers = [(one.variable, one.value) for one in told if one.variable in ("M80", "M81") and one.value]
     assert answers == [("M80", 1.0), ("M81", 1.0)]
     assert dict(ended.registers) == {"TRIES": 1, "LOADED": 1}
+
+
+@pytest.mark.parametrize(
+    ("name", "registers"),
+    [
+        ("17_tray_of_trays.yarc", {"TRAYS": 0, "PLACE": 2}),
+        ("18_tending_with_retry.yarc", {"BAD": 1, "TRIES": 0}),
+        ("19_two_sided_handshake.yarc", {"LATES": 2, "NOW": 7}),
+        ("20_tool_change.yarc", {"ON_FLANGE": 0, "TRIES": 0}),
+    ],
+)
+def test_what_is_counted_is_what_was_done(name, registers):
+    world, ended = carried_out(name)
+    held = dict(ended.registers)
+    assert {key: held[key] for key in registers} == registers
+    if name.startswith("17"):
+        assert world.kept == {"PLACE": 2}
+    if name.startswith("20"):  # the lock was tried twice
+        told = [one.value for one in world.told if isinstance(one, OutputSet) and one.variable == "M1"]
+        assert told == [1.0, 0.0, 1.0, 0.0]

@@ -68,6 +68,13 @@ def test_another_kind_of_barrier_is_refused(made, number, new):
     assert errors(made, forged), line
 
 
+@pytest.mark.parametrize("number", [0, 2, 3, 4, 5, 6, 9, 10, 11])
+def test_a_barrier_of_a_loop_has_no_name(made, number):
+    line = barriers(made.text)[number]
+    assert line.endswith(" -")
+    assert errors(made, made.text.replace(line, f"{line[:-1]}DOOR"))
+
+
 @pytest.mark.parametrize("number", range(12))
 def test_a_barrier_that_the_map_leaves_out_is_refused(made, number):
     forged = made.text.replace(barriers(made.text)[number] + "\n", "")

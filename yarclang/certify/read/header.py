@@ -49,6 +49,7 @@ _BARRIER = re.compile(
     r"; barrier ([0-9]{1,9}) (wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) ([0-9]{1,9}) "
     r"(\S{1,4000}) (-|[0-9]{1,9}(?:\.[0-9]{1,13})?(?:e[+-][0-9]{1,2})?) (.+)"
 )
+_NAMELESS = ("else", "end", "stop", "loop", "next", "exit", "endloop")
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
 _INTEGER = r"(0|-?[1-9][0-9]{0,9})"
 _REGISTER = re.compile(
@@ -187,6 +188,8 @@ def _read_barrier(lines: Lines) -> Barred:
     decided, again, target = _decided(lines, kind, condition)
     if timeout != "-" and (kind not in ("wait", "when") or condition.startswith(AGAIN)):
         lines.refuse(f"names a time that no '{kind}' has: {shown(lines.peek())}")
+    if name != "-" and kind in _NAMELESS:
+        lines.refuse(f"gives a name to a barrier that has none: {shown(lines.peek())}")
     lines.skip()
     seconds = None if timeout == "-" else float(timeout)
     name = "" if name == "-" else name

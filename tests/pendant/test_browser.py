@@ -25,12 +25,23 @@ PAGES = (
 )
 
 
+ASKING = """ROBOT INDUSTRIAL6
+START 0 0 0 0 -30 0 (deg)
+REGISTER N 1..9
+P0010 HOLD "how many boxes?" N
+P0020 SAY "{N} boxes"
+P0030 MOVEJ 1 0 0 0 -30 0 [1] (deg,s)
+P0040 MOVEJ 0 0 0 0 -30 0 [1] (deg,s)
+"""
+
+
 @pytest.fixture(scope="module")
 def place(tmp_path_factory):
     """A pendant, and a browser where anna, who controls the robot, is logged in."""
     browser_or_skip()
     folder = tmp_path_factory.mktemp("pendant")
     (folder / "bend.yarc").write_text(PROGRAM)
+    (folder / "ask.yarc").write_text(ASKING)
     (folder / "<img src=x onerror=alert(1)>.yarc").write_text(PROGRAM)
     with serving(folder) as (url, token, process), opened_browser(folder / "profile") as browser:
         found = Place(url, token, process, browser)
@@ -406,6 +417,45 @@ def test_a_program_is_run_and_stopped(place):
     until(lambda: shown(browser, "#bar .state") == "Idle")
     until(lambda: "stopped on its path" in shown(browser, ".chosen"))
     assert place.rests()
+
+
+def test_a_question_is_answered_beside_resume(place):
+    """The button waits for a number that the question allows; the field is there only as long as it is asked for."""
+    browser = place.browser
+    goes_to(browser, "run")
+    place.control()
+    until(
+        lambda: browser.execute_script(
+            "const it = [...document.querySelectorAll('.programs button')].find((one) => one.textContent === 'ask.yarc'); it?.click(); return Boolean(it)"
+        )
+    )
+    until(lambda: "Proved" in shown(browser, ".chosen"))
+    field = "document.querySelector('.actions input[type=number]')"
+    resume = "[...document.querySelectorAll('.actions button')].find((one) => one.textContent === 'Resume')"
+    assert browser.execute_script(f"return {field}.hidden")
+    click(browser, ".actions button.main")
+    click_if(browser, ".ask button.main")
+    until(lambda: browser.execute_script(f"return !{field}.hidden"))
+    assert "how many boxes?" in shown(browser, ".controls .doing")
+    assert browser.execute_script(f"return [{field}.min, {field}.max, {field}.placeholder]") == [
+        "1",
+        "9",
+        "1 to 9",
+    ]
+
+    def typed(text):
+        browser.execute_script(
+            f"const it = {field}; it.value = arguments[0]; it.dispatchEvent(new Event('input', {{ bubbles: true }}))",
+            text,
+        )
+        return browser.execute_script(f"return {resume}.disabled")
+
+    for wrong in ("", "0", "12", "2.5", "-3"):
+        assert typed(wrong), wrong
+    assert not typed("4")
+    browser.execute_script(f"{resume}.click()")
+    until(lambda: shown(browser, "#bar .state") == "Idle")
+    assert browser.execute_script(f"return {field}.hidden")
 
 
 def click_if(browser, where):

@@ -1,0 +1,93 @@
+"""What is asked of the controller at a barrier: inputs, each once, groups until they hold still; and the values that are computed from them. No I/O."""
+
+from __future__ import annotations
+
+from yarclang.decisions import (
+    DecisionError,
+    Value,
+    bits_of,
+    evaluated,
+    inputs_of,
+    is_group,
+    registers_of,
+    shown_variable,
+)
+from yarclang.runtime.actions import Script, Trouble, Wait
+from yarclang.runtime.job import Barrier
+from yarclang.runtime.pmac.held import Held, title
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.signals import state_text
+
+LOOK = 0.02
+"""Time between two looks at an input [s]."""
+
+_UNSTEADY = 1.0
+"""How long a group may change from look to look [s]."""
+
+
+def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
+    """Read the inputs of a value, each once; a group until it holds still."""
+    found: dict[str, float] = {}
+    for one in inputs_of(value):
+        if is_group(one.variable):
+            found[one.variable] = yield from _read_group(operation, barrier, one.variable)
+        else:
+            (found[one.variable],) = yield from operation.numbers(one.variable, 1)
+    return found
+
+
+def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
+    """Read the bits of a group as one number.
+
+    They are asked for in one question, and yet a PLC may change them in between, or not all of them in the same of its cycles: a number
+    counts when a second look, `LOOK` later, finds the same one. Orders stay in their queue meanwhile: a HOLD is for the motion behind.
+    """
+    bits, since = bits_of(group), operation.now
+    before: tuple[float, ...] | None = None
+    while True:
+        read = yield from operation.numbers("".join(bits), len(bits))
+        for bit, value in zip(bits, read, strict=True):
+            if value not in (0.0, 1.0):
+                raise Trouble(
+                    f"{title(barrier)}: {bit} of the group {shown_variable(group)} reads {value:.15g}, and a bit is 0 or 1",
+                    f"let {bit} point to one bit, or declare it as an input of its own",
+                    "Y1650",
+                )
+        if read == before:
+            return float(sum(int(value) << place for place, value in enumerate(read)))
+        if operation.now - since > _UNSTEADY:
+            raise Trouble(
+                f"{title(barrier)}: the group {shown_variable(group)} changes all the time: no two looks in {_UNSTEADY:g} s were equal",
+                "let the other side keep the number until the robot has gone on",
+                "Y1651",
+            )
+        before = read
+        yield Wait(operation.now + LOOK)
+
+
+def said_of(variable: str, value: float) -> str:
+    """Return what an input reads, as people read it."""
+    return f"{value:.0f}" if is_group(variable) else state_text(value)
+
+
+def known_of(condition: Value, held: Held) -> str:
+    """Return what the registers and inputs of a condition were."""
+    known = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
+    known += [
+        f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"
+        for one in inputs_of(condition)
+    ]
+    return ", ".join(known)
+
+
+def value_of(barrier: Barrier, value: Value, held: Held) -> float:
+    """Compute a value from what was read last.
+
+    Raises:
+        Trouble: there is no such number.
+    """
+    try:
+        return evaluated(value, held.registers, held.inputs)
+    except DecisionError as error:
+        remedy = "look at the inputs and at what the program counts, then start it anew"
+        raise Trouble(f"{title(barrier)}: {error}", remedy, "Y1630") from None

@@ -1,0 +1,70 @@
+"""Registers and outputs that take a computed value while the robot stands. No I/O."""
+
+from __future__ import annotations
+
+from yarclang.decisions import (
+    Register,
+    Value,
+    bits_of,
+    largest_of,
+)
+from yarclang.runtime.actions import Keep, Script, Trouble
+from yarclang.runtime.job import Barrier, Job
+from yarclang.runtime.pmac.asked import read_inputs, value_of
+from yarclang.runtime.pmac.held import COUNTED, Held, title
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.signals import OutputSet
+
+
+def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
+    """Give a register or an output its value, or end the run if that is out of range."""
+    assert barrier.decided is not None  # as above
+    if barrier.output:
+        yield from _set_output(operation, barrier, barrier.decided, held)
+        return
+    register = next(one for one in job.registers if one.name == barrier.register)
+    held.inputs = yield from read_inputs(operation, barrier, barrier.decided)
+    value = value_of(barrier, barrier.decided, held)
+    if not value.is_integer() or not register.low <= value <= register.high:
+        raise Trouble(
+            f"{title(barrier)} would make {register.name} {value:.15g}, and it is an integer from {register.low} to {register.high}",
+            "look at the inputs and at what the program counts, then start it anew",
+            "Y1630",
+        )
+    yield from keep(barrier, register, int(value))
+    held.registers[register.name] = int(value)
+    if barrier.word not in COUNTED:
+        operation.remark(f"{title(barrier)}: {register.name} is {int(value)}")
+
+
+def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
+    """Keep the value of a KEPT register: what isn't on the disk hasn't happened, and the robot stands until it is."""
+    if not register.kept:
+        return
+    why = yield Keep(register.name, value)
+    if why is not None:
+        what = f"{title(barrier)} can't keep {register.name} = {value}: {why}"
+        raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
+
+
+def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held) -> Script[None]:
+    """Give an output its value, or all bits of a group theirs, the lowest first."""
+    held.inputs = yield from read_inputs(operation, barrier, value)
+    number, bits = value_of(barrier, value, held), bits_of(barrier.output)
+    name = barrier.name.partition(" = ")[0]
+    if len(bits) > 1 and not (number.is_integer() and 0 <= number <= largest_of(barrier.output)):
+        raise Trouble(
+            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers from 0 to {largest_of(barrier.output)}",
+            "look at the inputs and at what the program counts, then start it anew",
+            "Y1630",
+        )
+    for place, bit in enumerate(bits):
+        one = number if len(bits) == 1 else float(int(number) >> place & 1)
+        yield from operation.ask(f"{bit}={_digits(one)}")
+        operation.notices.append(OutputSet(operation.now, operation.outputs.get(bit, bit), bit, one))
+    operation.remark(f"{title(barrier)}: {name} is {_digits(number)}")
+
+
+def _digits(number: float) -> str:
+    """Return a number as the controller reads it."""
+    return f"{number + 0.0:.9f}".rstrip("0").rstrip(".")

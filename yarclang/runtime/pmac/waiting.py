@@ -1,0 +1,153 @@
+"""Barriers at which the robot stands until an input, a condition, the time or the operator lets it go on; and the orders that are heard meanwhile. No I/O."""
+
+from __future__ import annotations
+
+from yarclang.decisions import (
+    Register,
+    Value,
+    in_words,
+    simple,
+)
+from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.job import Barrier, Job
+from yarclang.runtime.notices import Abort, Fail, Hold, Override, Question, Resume, Stop
+from yarclang.runtime.pmac.asked import LOOK, read_inputs, value_of
+from yarclang.runtime.pmac.assigning import keep
+from yarclang.runtime.pmac.held import Held, title
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.outputs import Outputs
+from yarclang.runtime.signals import WaitBegan, WaitEnded, state_text
+from yarclang.runtime.state import Event
+
+
+def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
+    """Until the input is as it shall be, or its time is over."""
+    since = operation.now
+    (value,) = yield from operation.numbers(barrier.variable, 1)
+    place = barrier.label or f"line {barrier.source_line}"
+    operation.notices.append(
+        WaitBegan(operation.now, place, barrier.name, barrier.variable, barrier.value, value)
+    )
+    if value == barrier.value:
+        _tell_end(operation, barrier, value, 0.0)
+        return
+    operation.go(Event.HOLD, f"{title(barrier)} waits for {barrier.name} to be {state_text(barrier.value)}")
+    while value != barrier.value:
+        if barrier.timeout is not None and operation.now - since > barrier.timeout:
+            _tell_end(operation, barrier, value, operation.now - since)
+            raise Trouble(
+                f"{title(barrier)} has waited {barrier.timeout:g} s for {barrier.name} ({barrier.variable}) to be "
+                f"{state_text(barrier.value)}: it is {state_text(value)}",
+                "look at the input, then go on with --from",
+                "Y1604",
+            )
+        yield Wait(operation.now + LOOK)
+        yield from obey(operation)
+        (value,) = yield from operation.numbers(barrier.variable, 1)
+    _tell_end(operation, barrier, value, operation.now - since)
+    operation.go(Event.END)
+
+
+def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
+    """Until a condition holds, or its time is over: False then. At each look all inputs are read, each once."""
+    since, place = operation.now, barrier.label or f"line {barrier.source_line}"
+    name = awaited(barrier, condition)
+    held.inputs = yield from read_inputs(operation, barrier, condition)
+    holds = value_of(barrier, condition, held)
+    operation.notices.append(WaitBegan(since, place, name, "", 1.0, holds))
+    waits = not holds
+    if waits:
+        operation.go(Event.HOLD, f"{title(barrier)} waits until {name}")
+    while not holds:
+        waited = operation.now - since
+        if barrier.timeout is not None and waited > barrier.timeout:
+            operation.notices.append(WaitEnded(operation.now, place, name, "", 0.0, waited, met=False))
+            if barrier.kind == "when":
+                operation.go(Event.END)
+            return False
+        yield Wait(operation.now + LOOK)
+        yield from obey(operation)
+        held.inputs = yield from read_inputs(operation, barrier, condition)
+        holds = value_of(barrier, condition, held)
+    operation.notices.append(WaitEnded(operation.now, place, name, "", 1.0, operation.now - since, met=True))
+    if waits:
+        operation.go(Event.END)
+    return True
+
+
+def awaited(barrier: Barrier, condition: Value) -> str:
+    """Return what is waited for, with the names of the program where the text has them."""
+    compared = simple(condition)
+    if barrier.kind == "when" and compared is not None and barrier.name:
+        return f"{barrier.name} is {state_text(compared[1])}"
+    return barrier.name or in_words(condition)
+
+
+def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:
+    """Tell that a WAIT is over."""
+    place = barrier.label or f"line {barrier.source_line}"
+    met = value == barrier.value
+    operation.notices.append(
+        WaitEnded(operation.now, place, barrier.name, barrier.variable, value, waited, met)
+    )
+
+
+def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
+    """Until somebody says that it goes on, with an answer if there is a question; outputs are safe meanwhile."""
+    outputs = Outputs(job)
+    yield from outputs.remember(operation)
+    yield from outputs.secure(operation)
+    text = f": {barrier.name}" if barrier.name else ""
+    register = next((one for one in job.registers if one.name == barrier.register), None)
+    if register is None:
+        operation.go(Event.HOLD, f"{title(barrier)} holds{text}; Enter or `yarc resume` goes on")
+        while not (yield from obey(operation)):
+            yield Wait(operation.now + LOOK)
+    else:
+        yield from _ask(operation, barrier, register, held)
+    yield from outputs.restore(operation, 0)
+    operation.go(Event.END, "the operator goes on")
+
+
+def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
+    """Until somebody answers with a number that the register can hold."""
+    asks = Question(barrier.name, register.name, register.low, register.high)
+    wanted = f"a number from {register.low} to {register.high}"
+    how = f"{wanted} and Enter, or `yarc resume --answer N`, goes on"
+    operation.go(Event.HOLD, f"{title(barrier)} asks: {barrier.name or register.name}; {how}", asks=asks)
+    answers: list[int | None] = []
+    while True:
+        if (yield from obey(operation, answers)):
+            answer = answers[-1]
+            if answer is not None and register.low <= answer <= register.high:
+                break
+            said = "no answer" if answer is None else f"the answer {answer}"
+            operation.remark(f"{title(barrier)}: {said}, and it asks for {wanted}", warning=True)
+        yield Wait(operation.now + LOOK)
+    yield from keep(barrier, register, answer)
+    held.registers[register.name] = answer
+    operation.remark(f"{title(barrier)}: {register.name} is {answer}")
+
+
+def obey(operation: Operation, answers: list[int | None] | None = None) -> Script[bool]:
+    """What people order while the robot stands at a barrier; whether it may go on. What they answer is added to `answers`."""
+    resumed = False
+    while operation.orders:
+        match operation.orders.popleft():
+            case Stop():
+                raise Stopped(abort=False)
+            case Abort():
+                raise Stopped(abort=True)
+            case Fail(what=what, remedy=remedy):
+                raise Trouble(what, remedy, code="")  # no command's fault
+            case Resume(answer=answer):
+                resumed = True
+                if answers is not None:
+                    answers.append(answer)
+            case Override(percent=percent):
+                operation.override = percent / 100.0
+                operation.remark(f"override {percent:g} %")
+            case Hold():
+                pass
+    return resumed
+    yield  # a script, though it asks nothing

@@ -184,6 +184,8 @@ class _Maker(NameMaker):
             yield from self.known(Output, "output")
             if self.cursor.head == "SET":
                 yield from self.known(Register, "register")
+        elif slot is Slot.REGISTER:
+            yield from self.known(Register, "register")
         elif slot is Slot.STATE:
             for name in sorted(STATES):
                 yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)

@@ -259,6 +259,7 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
     Slot.OUTPUT: ("signal", "Output", "signal"),
     Slot.STATE: ("value", "Value", "choice"),
     Slot.TEXT: ("text", "Text", "text"),
+    Slot.REGISTER: ("register", "Register that gets an answer (none: it just goes on)", "choice"),
 }
 """Name, label and kind of the field of each kind of value."""
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import ActionSpec, CommandSpec, Values
+from yarclang.decisions import Register
 from yarclang.hir import Output
 from yarclang.pipeline.modules import library_folder, modules_in
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
@@ -55,6 +56,7 @@ class Known:
         tools: names of frames that the robot moves, likewise.
         joints: names of joint positions.
         poses: names of poses.
+        registers: names of registers.
         subs: documentation by the modules' names; "" is the program itself.
     """
 
@@ -64,6 +66,7 @@ class Known:
     tools: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
     poses: tuple[str, ...] = ()
+    registers: tuple[str, ...] = ()
     subs: Mapping[str, ModuleText] | None = None
 
 
@@ -86,6 +89,7 @@ def known(around: Around) -> Known:
         tuple(name for name, one in frames.items() if one is not None and one.on_flange),
         tuple(scope.names(JointPosition)),
         tuple(scope.names(Pose)),
+        tuple(scope.names(Register)),
         texts,
     )
 
@@ -110,7 +114,12 @@ def _of_action(spec: ActionSpec, names: Known) -> Form:
     slots, is_optional = spec.fullest.slots, _may_be_empty(spec)
     fields = []
     for slot, field in zip(slots, fields_of(slots), strict=True):
-        choices = {Slot.INPUT: names.inputs, Slot.OUTPUT: names.outputs}.get(slot, field.choices)
+        known_ones = {
+            Slot.INPUT: names.inputs,
+            Slot.OUTPUT: names.outputs,
+            Slot.REGISTER: ("", *names.registers),
+        }
+        choices = known_ones.get(slot, field.choices)
         proposed = "look, then resume" if slot is Slot.TEXT else "" if is_optional else _first(choices)
         fields.append(replace(field, value=proposed, choices=choices))
     if spec.takes_time:
@@ -324,6 +333,8 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
     for slot, name in zip(slots, names, strict=True):
         if slot is Slot.STATE and _may_be_empty(spec):
             values.append(given[name] or "ON")
+        elif slot is Slot.REGISTER and not given[name]:
+            slots = slots[:-1]  # it is the last one
         else:
             _need(form, given, name)
             values.append(f'"{given[name]}"' if slot is Slot.TEXT else given[name])

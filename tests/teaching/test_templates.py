@@ -117,5 +117,17 @@ def test_new_signals_stand_with_the_declarations():
     text = after(after(text, "SET", signal="LAMP", value="ON"), "WAIT", signal="BEAM", value="ON", time="2")
     lines = text.splitlines()
     assert lines.index("OUTPUT LAMP M7 OFF") + 1 == lines.index("INPUT BEAM M17")
-    assert lines[-2].endswith('HOLD "how many?" BOXES')
-    assert lines[-1].endswith('HOLD "go?"')
+    assert lines[-2:] == ["P0020 SET LAMP ON", "P0030 WAIT BEAM ON [2]"]
+    _, found = checked(text, load=named(text).request.load)
+    assert [one.message for one in found if one.is_error] == []
+
+
+def test_the_form_of_hold_has_a_register_for_an_answer():
+    text = HEAD.replace("OUTPUT", "REGISTER BOXES 0..9\nOUTPUT", 1)
+    assert "REGISTER BOXES" in text
+    form = next(one for one in forms(known(named(text))) if one.command == "HOLD")
+    assert [(one.name, one.choices) for one in form.fields] == [("text", ()), ("register", ("", "BOXES"))]
+    asked = after(text, "HOLD", text="how many?", register="BOXES")
+    told = after(asked, "HOLD", text="go?", register="").splitlines()
+    assert told[-2].endswith('HOLD "how many?" BOXES')
+    assert told[-1].endswith('HOLD "go?"')

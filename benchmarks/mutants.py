@@ -104,7 +104,7 @@ class Mutation:
 
     @property
     def key(self) -> str:
-        """How results and REASONS call it: without the line, which changes with every edit above it."""
+        """Return how results and REASONS call it: without the line, which changes with every edit above it."""
         return f"{self.file} {self.kind}: {self.was[:60]} -> {self.becomes[:60]} ({self.which})"
 
 

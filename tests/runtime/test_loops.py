@@ -2,6 +2,7 @@
 
 import time
 
+import numpy as np
 import pytest
 
 from tests.runtime.test_decisions import numbered
@@ -194,12 +195,17 @@ def test_the_steps_that_were_taken(robot):
     assert taken(program.steps, 0, 9, ()) == [0, 1]
 
 
-def test_a_lost_connection_in_a_later_pass_ends_the_run(robot):
-    made, ended = performed(
-        robot, "LOOP", f"P900 {OUT}", f"P901 {HOME}", "UNTIL DOOR ON", orders=[(7.0, Stop())]
-    )
+def test_a_stop_in_a_later_pass_rests_on_its_path(robot):
+    lines = ("LOOP", f"P900 {OUT}", "SET N = N + 1", f"P901 {HOME}", "UNTIL DOOR ON")
+    made, ended = performed(robot, *lines, orders=[(7.2, Stop())])
     assert not ended.well
-    assert State.STOP in [one.state for one in made.told if hasattr(one, "state")]
+    assert dict(ended.registers)["N"] >= 2
+    assert ended.command.startswith("P090")
+    assert State.STOP in [one.state for one in made.told if isinstance(one, Changed)]
+    assert np.degrees(ended.joints)[0] == pytest.approx(joints(made, robot)[0], abs=1e-2)
+    # one way leads there, along the first joint
+    assert -1e-3 <= joints(made, robot)[0] <= 20.0 + 1e-3
+    assert np.abs(joints(made, robot)[1:]).max() < 1e-3
 
 
 def test_a_wait_that_is_given_up_goes_the_way_of_its_else(robot):

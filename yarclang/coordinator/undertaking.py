@@ -105,9 +105,15 @@ class Undertaking:
         loaded, coordinator, session = self.loaded, self._coordinator, self._session
         where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
         source = loaded.plan.program.source.name if loaded.plan is not None else loaded.name
+        if source == "<stdin>":
+            session.keeper = None
+            if names := ", ".join(one.name for one in loaded.program.registers if one.kept):
+                told = f"a program from standard input keeps no registers: {names} begins anew"
+                session.operation.remark(told, warning=True)
+            return
         kept = KeptRegisters(f"{coordinator.robot.name} {where}", program_of(source))
-        self._registers, told = kept.first(loaded.program.registers)
-        for one in told:
+        self._registers, strange = kept.first(loaded.program.registers)
+        for one in strange:
             session.operation.remark(one, warning=True)
         session.keeper = kept.keep
 

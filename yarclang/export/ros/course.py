@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import bisect
 from collections.abc import Mapping
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,27 +14,11 @@ from numpy.typing import NDArray
 from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Put, Run, Stood
 from yarclang.frozen import frozen
+from yarclang.pipeline.executed import Kind
 from yarclang.pipeline.line_map import LineMap
 from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
-
-Kind = Literal[
-    "dwell",
-    "set",
-    "wait",
-    "hold",
-    "when",
-    "else",
-    "end",
-    "stop",
-    "abort",
-    "say",
-    "loop",
-    "next",
-    "exit",
-    "endloop",
-]
 
 
 @frozen

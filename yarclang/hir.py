@@ -143,11 +143,12 @@ class Reading:
     """A number that is a distance or an angle, as the motions that it belongs to say.
 
     `length` [m] is how it reads as a distance, `angle` [rad] as an angle; None where the command has no such unit. Of a
-    speed, each is per s.
+    speed, each is per s. `or_less` says that less will do: of a blend (`BLEND <=10`) as much as there is room for.
     """
 
     length: float | None
     angle: float | None
+    or_less: bool = False
 
 
 @frozen
@@ -157,12 +158,14 @@ class Timing:
     `share` is how much of the limits of velocity, acceleration and jerk the shortest may use (`[50%]`), `ramp`
     how much of those of acceleration and jerk any motion may use (`ACC 30%`). `speed` is the cruise speed of the
     moving frame (`[V 250]`): of its origin, or, where that stands still, its angular speed. The duration is None then.
+    `ceiling` [m/s] is what the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`), as fast as the motion could be.
     """
 
     duration: float | None
     share: float = 1.0
     ramp: float = 1.0
     speed: Reading | None = None
+    ceiling: float | None = None
 
 
 Goal = JointGoal | JointDelta | PoseGoal | PoseDelta

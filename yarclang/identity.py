@@ -52,7 +52,13 @@ def key_of(step: Motion) -> bytes:
         tuple(map(_key_of_goal, step.goals)),
         tuple([None if one is None else one.tobytes() for one in step.besides]),
         step.profile,
-        (timing.duration, timing.share, timing.ramp, None if speed is None else _key_of_reading(speed)),
+        (
+            timing.duration,
+            timing.share,
+            timing.ramp,
+            None if speed is None else _key_of_reading(speed),
+            timing.ceiling,
+        ),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
@@ -67,7 +73,7 @@ def _key_of_link(link: FrameLink | None) -> Hashable:
 
 
 def _key_of_reading(reading: Reading) -> Hashable:
-    return reading.length, reading.angle
+    return reading.length, reading.angle, reading.or_less
 
 
 def _key_of_goal(goal: Goal) -> Hashable:

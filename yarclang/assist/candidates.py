@@ -99,7 +99,12 @@ class NameMaker:
             yield replace(one, text=f"{one.label}[${{1:0}}]")
 
     def functions(self) -> Iterator[Candidate]:
-        """What expressions may have besides."""
+        """What expressions may have besides: functions of the program, of its modules, and of the language."""
+        for symbol in self.symbols():
+            if symbol.kind == "function":
+                yield replace(self._symbol(symbol), text=f"{symbol.name}(${{1}})")
+        for one in self._of_modules("function"):
+            yield replace(one, text=f"{one.label}(${{1}})")
         for name in FUNCTIONS:
             entry = OTHERS[name]
             yield self.make(name, "function", entry.summary, entry_text(name, entry), f"{name}(${{1}})", 1)

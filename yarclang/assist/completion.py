@@ -166,7 +166,8 @@ class _Maker(NameMaker):
                 text = declaration_snippet(entry.example)
                 yield self.make(name, "option", entry.summary, entry_text(name, entry), text, 1)
         if spec.is_motion and not spec.is_timed and not cursor.has("[") and cursor.values:
-            for text, entry in (("[MIN]", TIMES["MIN"]), ("[V ${1:250}]", TIMES["V"])):
+            speeds = ("[V ${1:250}]", TIMES["V"]), ("[V<=${1:250}]", TIMES["V<="])
+            for text, entry in (("[MIN]", TIMES["MIN"]), *speeds):
                 if text != "[V ${1:250}]" or spec.moves_frame:
                     yield self.make(
                         plain_text(text), "time", entry.summary, entry_text(entry.example, entry), text, 2
@@ -211,7 +212,7 @@ class _Maker(NameMaker):
         for name, entry in TIMES.items():
             if name == "V" and found is not None and not found[0].moves_frame:
                 continue
-            text = name if name == "MIN" else "V ${1:250}"
+            text = {"MIN": "MIN", "V": "V ${1:250}"}.get(name, "V<=${1:250}")
             yield self.make(name, "time", entry.summary, entry_text(name, entry), text + closing)
 
     def _units(self) -> Iterator[Candidate]:

@@ -16,13 +16,15 @@ from yarclang.hir import Array, FrameLink, Gap, Output
 from yarclang.report.inspection.inspected import chain_of
 from yarclang.report.module_text import SubText, describe_module
 from yarclang.report.pose_text import pose_text
-from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Pose, Scope, Table
+from yarclang.semantics.names.scope import Formula, Frame, Input, JointPosition, Named, Pose, Scope, Table
 from yarclang.semantics.values.amounts import Amount
+from yarclang.syntax.print import print_expression
 
 _CALLED = {
     "frame": "a frame",
     "number": "a number",
     "table": "a table",
+    "function": "a function",
     "joints": "a joint position",
     "register": "a register",
     "pose": "a pose",
@@ -121,6 +123,9 @@ def _value(view: View, meaning: Named | None) -> list[str]:
             return [f"- has {size} number{'s' * (size > 1)}, with the indices 0 to {size - 1}"]
         case Table(sizes=(rows, columns)):
             return [f"- has {rows} rows of {columns} numbers: the row's index first, both from 0"]
+        case Formula(parameters=parameters, body=body):
+            given = ", ".join(name + (f" ({unit.name})" if unit else "") for name, unit in parameters)
+            return [f"- of {given}: `{print_expression(body)}`"]
         case JointPosition(q=q) if view.robot is not None:
             lines = [f"- {joints_text(view.robot, q)}"]
             if "TCP" in view.robot.flange_from_frame:

@@ -16,6 +16,7 @@ Kind = Literal[
     "frame",
     "number",
     "table",
+    "function",
     "joints",
     "pose",
     "register",

@@ -7,9 +7,10 @@ in blocks that are never carried out.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from yarclang.semantics.control.conditional import known_behind
 from yarclang.semantics.files import values_of
 from yarclang.source import Span
 from yarclang.syntax.ast import (
@@ -26,12 +27,13 @@ from yarclang.syntax.expressions import Expression, Name, parts_of
 from yarclang.syntax.words import CONSTANTS, STATES
 
 Kind = Literal[
-    "frame", "number", "table", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
+    "frame", "number", "table", "function", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
 ]
 
 _BY_WORD: dict[str, Kind] = {
     "LET": "number",
     "TABLE": "table",
+    "FUNC": "function",
     "REGISTER": "register",
     "JOINTS": "joints",
     "POSE": "pose",
@@ -115,6 +117,8 @@ def names_of(nodes: tuple[Node, ...]) -> Names:
 class _Reader:
     def __init__(self) -> None:
         self.names = Names()
+        self._behind: dict[tuple[str, bool], int] = {}
+        """The names that the IF around leaves behind, and the last line in which each is known."""
 
     def nodes(self, nodes: tuple[Node, ...], last: int, inside: str) -> None:
         for node in nodes:
@@ -134,8 +138,12 @@ class _Reader:
                 self._repeat(head, end, inside)
             case _:
                 self._speak_of_all(head)
+        # a name of both ways of an IF is one name: the first line declares it, the second one speaks of it
+        left = known_behind(block) if head.name.name == "IF" else ()
+        before, self._behind = self._behind, {one: self._behind.get(one, last) for one in left}
         self.nodes(block.body, turn, inside)
         self.nodes(block.otherwise or (), end, inside)
+        self._behind = before
 
     def _sub(self, head: Statement, end: int, last: int) -> str:
         values = values_of(head)
@@ -169,6 +177,13 @@ class _Reader:
             own = statement.moving
         elif statement.index is None and word in _BY_WORD and isinstance(first, Word):
             own = first
+        if word == "FUNC":
+            line = statement.line
+            for value in values[1:]:
+                if isinstance(value, Parameter):
+                    named = value.word
+                    span = statement.span(named.place)
+                    self.names.add(Symbol("parameter", named.name, False, span, statement, line - 1, line))
         self._speak_of_all(statement, own)
         if isinstance(own, FrameName):
             self._declare_frame(own, statement, last, inside, "frame")
@@ -180,15 +195,26 @@ class _Reader:
     def _declare(
         self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
     ) -> None:
-        line = statement.line + statement.rows - 1
-        self.names.add(Symbol(kind, name, False, span, statement, line, last, inside))
+        self._add(Symbol(kind, name, False, span, statement, statement.line + statement.rows - 1, last, inside))
+
+    def _add(self, symbol: Symbol) -> None:
+        """Add a declaration; where the other way of an IF has declared the name, the line speaks of that."""
+        key = (symbol.name, symbol.is_frame)
+        if key not in self._behind:
+            self.names.add(symbol)
+            return
+        known = self.names.meant(*key, symbol.first + 1)
+        if known is not None:
+            self.names.uses.append(Use(symbol.name, symbol.is_frame, symbol.span, "", known))
+        else:
+            self.names.add(replace(symbol, last=self._behind[key]))
 
     def _declare_frame(
         self, frame: FrameName, statement: Statement, last: int, inside: str, kind: Kind
     ) -> None:
         span = _inner(statement, frame)
         line = statement.line + statement.rows - 1
-        self.names.add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
+        self._add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
 
     # uses
 

@@ -35,6 +35,7 @@ _OF_SYMBOL: dict[str, Tint] = {
     "frame": "frame",
     "number": "variable",
     "table": "variable",
+    "function": "function",
     "joints": "joints",
     "register": "variable",
     "pose": "pose",

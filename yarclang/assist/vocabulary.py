@@ -70,6 +70,7 @@ TIMES: Mapping[str, Entry] = MappingProxyType(
     {
         "MIN": Entry("the shortest time that profile and limits allow", "[MIN]"),
         "V": Entry("the speed of the moving frame in length units per time unit", "[V 250]"),
+        "V<=": Entry("as fast as the limits allow, and the moving frame never faster than this", "[V<=250]"),
     }
 )
 """Words of a motion time."""

@@ -96,10 +96,12 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 
 
 def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
-    """The speed that a motion keeps, or that of the slowest zone that it may have to keep [m/s]; infinite where there is none."""
+    """The speed that a motion keeps, or its ceiling or that of the slowest zone that it may have to keep [m/s]; infinite where there is none."""
     step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
     slow = min((zone.speed for zone in cell.zones if zone.speed), default=np.inf) if cell else np.inf
+    if isinstance(step, Motion) and step.timing.ceiling is not None:
+        slow = min(slow, step.timing.ceiling)
     return (
         slow
         if speed is None or speed.length is None

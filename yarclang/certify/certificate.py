@@ -199,12 +199,16 @@ class Clearance:
 
 @frozen
 class ZoneSpeed:
-    """How fast something goes at most while it is in a slow zone [m/s], a proved bound: `part` in `zone`, where `limit` is allowed."""
+    """How fast something goes at most while it is in a slow zone [m/s], a proved bound: `part` in `zone`, where `limit` is allowed.
+
+    With `of_motion` it is no zone's speed but that which the motion says of itself (`[V<=250]`); `zone` is empty.
+    """
 
     largest: float
     limit: float
     part: str
     zone: str
+    of_motion: bool = False
 
     @property
     def share(self) -> float:

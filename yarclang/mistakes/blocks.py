@@ -48,7 +48,7 @@ def end(line: Line) -> Guess | None:
 def condition(line: Line) -> Guess | None:
     """Answer THEN, and operators of other languages."""
     word = line.word.upper()
-    if word in ("IF", "WHEN", "REPEAT", "LET", "SET", "WHILE", "UNTIL", "WAIT"):
+    if word in ("IF", "WHEN", "REPEAT", "LET", "FUNC", "SET", "WHILE", "UNTIL", "WAIT"):
         # of a text with != all behind the ! is a comment
         if (found := _SIGNS.search(line.text, line.behind)) and '"' not in line.text[: found.start()]:
             meant = _OPERATORS[found[0]]

@@ -33,7 +33,7 @@ from yarclang.motion.routes import Router
 from yarclang.motion.singular import nearest_singularity
 from yarclang.motion.timed import Broken, Missed, TooShort, fit_timed, shortest_stretch
 from yarclang.motion.together import Tried, TriedAhead
-from yarclang.motion.zones import SlowZones, moving_of, slow_zones
+from yarclang.motion.zones import BELOW_CEILING, SlowZones, moving_of, slow_zones
 from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 
@@ -238,7 +238,10 @@ class _Planner:
         full: float | None = None
         grid = self.settings.grid
         fitted: Curve | TooFast | NotHeld | TooLong | NoLaw | CruiseBroken
-        if timing.speed is not None and isinstance(path, CartesianPath):
+        cruise = self._below_ceiling(step, path, bounds, tolerance)
+        if cruise is not None:
+            full, fitted = cruise
+        elif timing.speed is not None and isinstance(path, CartesianPath):
             full = full_time(path, timing.speed)
             if full is None:
                 findings.add(*messages.speed_without_unit(path.extent[1], step.origin))
@@ -275,6 +278,16 @@ class _Planner:
                 findings.add(*messages.not_held(fitted, grid.smallest, step.origin))
         return None
 
+    def _below_ceiling(
+        self, step: Motion, path: Path, bounds: Bounds, tolerance: Tolerance
+    ) -> tuple[float, Curve] | None:
+        """Return a cruise just below a motion's ceiling, and how long all of the way takes at that speed [s]; None where that isn't what limits it."""
+        full = _full_below(step, path)
+        if full is None or not load_profile(step.profile).has_cruise:
+            return None
+        fitted = at_speed(path, full, bounds, self.settings.grid, tolerance)
+        return (full, fitted) if isinstance(fitted, Curve) else None
+
     def _timed(
         self, step: TimedMove, path: TimedPath, bounds: Bounds, tolerance: Tolerance, findings: Collector
     ) -> Link | None:
@@ -309,9 +322,11 @@ class _Planner:
             if speed is None:
                 return None
             full = way / speed
+        else:
+            full = _full_below(step, path)
         bounds, tolerance = self.asked(step)
         frame = moving_of(self.robot, step)
-        key = (cell, frame.name, frame.flange_from_moving.tobytes())
+        key = (cell, frame.name, frame.flange_from_moving.tobytes(), timing.ceiling)
         if key not in self._slow:
             self._slow[key] = slow_zones(self.robot, cell, step)
         if self._slow[key] is not None:
@@ -394,6 +409,15 @@ class _Planner:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
             findings.add(*time_off_the_grid(link.duration, piece.curve, step.origin))
+
+
+def _full_below(step: Motion, path: Path) -> float | None:
+    """Return how long a way takes just below a motion's ceiling [s]; None where the ceiling isn't one of the way that is led."""
+    ceiling = step.timing.ceiling
+    if ceiling is None or not isinstance(path, CartesianPath):
+        return None
+    way, turns = path.extent
+    return None if turns else way / (BELOW_CEILING * ceiling)
 
 
 ENOUGH_LINKED = 12

@@ -89,6 +89,8 @@ class TriedAhead:
         if not isinstance(path, CartesianPath):
             return None
         profile, timing = load_profile(step.profile), step.timing
+        if timing.ceiling is not None:
+            return None  # which is asked for besides the limits
         full = None if timing.speed is None else full_time(path, timing.speed)
         if timing.speed is not None:
             if full is None or not profile.has_cruise:

@@ -9,6 +9,7 @@ import numpy as np
 from yarclang.cell.model import Cell
 from yarclang.collision.course import Course
 from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.zones.ceiling import ceiling_watch, is_ceiling
 from yarclang.collision.zones.moved import Whole
 from yarclang.collision.zones.speed import fastest_inside, may_enter
 from yarclang.collision.zones.watched import Moving, tool_frame
@@ -20,6 +21,9 @@ from yarclang.transforms import constant
 
 HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
+
+BELOW_CEILING = 1.0 - 2.0 * HEADROOM
+"""A cruise goes at this share of a motion's ceiling."""
 
 _SHARP = 1e-3
 """Speeds are told to within this share of them: so much slower than allowed a motion may be."""
@@ -122,6 +126,18 @@ class SlowZones:
         points = way(np.linspace(0.0, 1.0, _PLACES + 1))
         return max((segment for segment, _, _ in self.asked(points, 0.0)), default=0.0) * _PLACES
 
+    @property
+    def ceiling(self) -> float:
+        """The speed [m/s] that the frame of a motion may have anywhere, infinite where it may have any."""
+        return min((one.zone.speed or 0.0 for one in self.watches if is_ceiling(one)), default=np.inf)
+
+    def without_ceiling(self) -> SlowZones | None:
+        """Return the zones of the cell alone."""
+        rest = tuple(one for one in self.watches if not is_ceiling(one))
+        if len(rest) == len(self.watches):
+            return self
+        return SlowZones(self.scene, rest) if rest else None
+
     def together(self, other: SlowZones | None) -> SlowZones:
         """What is watched where two motions overlap."""
         if other is None or other is self:
@@ -134,14 +150,18 @@ class SlowZones:
 
 
 def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
-    """The slow zones that a motion has to keep; None where there are none."""
-    if cell is None or not any(zone.rule == "slow" for zone in cell.zones):
+    """The slow zones that a motion has to keep, its own ceiling among them; None where there are none."""
+    has_zones = cell is not None and any(zone.rule == "slow" for zone in cell.zones)
+    ceiling = motion.timing.ceiling
+    if not has_zones and ceiling is None:
         return None
     made = scene_of(robot, cell)
     if made.value is None:
         return None  # a mesh can't be read: nothing is emitted
-    watches = watches_of(robot, cell, moving_of(robot, motion))
-    return SlowZones(made.value, tuple(one for one in watches if one.zone.rule == "slow"))
+    moving = moving_of(robot, motion)
+    watches = watches_of(robot, cell, moving) if cell is not None else ()
+    own = () if ceiling is None else (ceiling_watch(robot, moving, ceiling),)
+    return SlowZones(made.value, (*(one for one in watches if one.zone.rule == "slow"), *own))
 
 
 def moving_of(robot: Robot, motion: Motion) -> Moving:

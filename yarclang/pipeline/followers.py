@@ -21,7 +21,7 @@ from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 _MISPLACED = "Y0116"
 """The finding of a line that doesn't belong into a block."""
 
-_GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "TABLE", "JOINTS", "POSE")
+_GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "FUNC", "TABLE", "JOINTS", "POSE")
 
 _WITHOUT_HEAD = "{[("
 """What begins with one of these and can't be read was meant to be a DEFAULT."""

@@ -19,7 +19,8 @@ def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
         if clearance is not None
     ]
     if command.zone_speed is not None:
-        found.append(("speed in slow zones", _speed_text(command.zone_speed)))
+        name = "speed below its ceiling" if command.zone_speed.of_motion else "speed in slow zones"
+        found.append((name, _speed_text(command.zone_speed)))
     return tuple(found)
 
 
@@ -40,4 +41,5 @@ def whole_tenths(distance: float) -> str:
 
 
 def _speed_text(speed: ZoneSpeed) -> str:
-    return f"{speed.part} at most {up(most(speed.largest, MM), 1)} mm/s in {speed.zone}, where {speed.limit / MM:g} mm/s are allowed"
+    where = "" if speed.of_motion else f" in {speed.zone}"
+    return f"{speed.part} at most {up(most(speed.largest, MM), 1)} mm/s{where}, where {speed.limit / MM:g} mm/s are allowed"

@@ -163,7 +163,8 @@ class _Measure:
             yield _Found(command, what, share, share, _of_tolerance, (value, limit, unit, called))
         yield from self._distances(command)
         if (speed := command.zone_speed) is not None:
-            yield _Found(command, "speed in zone", speed.share, speed.share, _in_zone, (speed,))
+            what = "speed ceiling" if speed.of_motion else "speed in zone"
+            yield _Found(command, what, speed.share, speed.share, _in_zone, (speed,))
 
     def _distances(self, command: CommandCertificate) -> Iterator[_Found]:
         for what, near, margins in (
@@ -197,8 +198,9 @@ def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
 
 
 def _in_zone(speed: ZoneSpeed) -> str:
-    """Return `FINGERS 90 of 100 mm/s in WORKER`."""
-    return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s in {speed.zone}"
+    """Return `FINGERS 90 of 100 mm/s in WORKER`; of a motion's own ceiling without a zone."""
+    where = "" if speed.of_motion else f" in {speed.zone}"
+    return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s{where}"
 
 
 def _distance(near: Clearance, margin: float) -> str:

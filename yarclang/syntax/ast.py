@@ -111,7 +111,7 @@ class WayPoint:
 
 @frozen
 class Time:
-    """What stands in square brackets."""
+    """What stands in square brackets; the `<=` of `[V<=500]` is an item."""
 
     items: tuple[Number | Word | Percent | Other | Computed | ComputedPercent, ...]
     place: Place
@@ -127,10 +127,11 @@ class Units:
 
 @frozen
 class Option:
-    """An option behind the base frame, and its argument."""
+    """An option behind the base frame, and its argument; `at_most` says that less will do (`BLEND <=10`)."""
 
     word: Word
     argument: Number | Word | Percent | Other | Computed | ComputedPercent | None
+    at_most: bool = False
 
 
 @frozen

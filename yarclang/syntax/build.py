@@ -76,11 +76,12 @@ def statement(text: str, tree: Any) -> Statement:
         elif kind == "base":
             base = FrameName(str(children[0]), place_of(children[0]))
         elif kind == "option":
-            options.append(_option(*_items(rows, children)))
-        else:  # call, sub, let, condition, waits, lone
-            if kind in {"let", "condition", "waits"}:
+            at_most = len(children) > 1 and getattr(children[1], "type", None) == "AT_MOST"
+            options.append(_option(_items(rows, children), at_most=at_most))
+        else:  # call, sub, let, func, condition, waits, lone
+            if kind in {"let", "func", "condition", "waits"}:
                 expression = _sound(children[-1])
-                children = children[: 2 if kind == "let" else 1]
+                children = children[: {"let": 2, "func": -1}.get(kind, 1)]
             name, *values = _items(rows, children)
             if values:
                 waypoints = (WayPoint(tuple(values)),)
@@ -153,6 +154,7 @@ _LEAVES: dict[str | None, Any] = {
             "CALL",
             "SUB",
             "LET",
+            "FUNC",
             "SETS",
             "IF",
             "WHENS",
@@ -165,6 +167,7 @@ _LEAVES: dict[str | None, Any] = {
     "STRING": Text,
     "FRAME": FrameName,
     "OTHER": Other,
+    "AT_MOST": Other,
 }
 
 
@@ -255,11 +258,18 @@ def _check_comment(comment: Comment) -> None:
         raise FaultError(fault)
 
 
-def _option(word: Word, *values: Any) -> Option:
+def _option(items: list[Any], *, at_most: bool) -> Option:
+    """An option of its word, `<=` if less will do, and its argument."""
+    word, *values = items
+    if at_most:
+        sign, *values = values
+        if not values:
+            message = f"{word.name} <= takes a value"
+            raise FaultError(Fault("Y0101", message, f"for example {word.name} <=10", sign.place))
     if len(values) > 1:
         message = f"{word.name} takes one value; `{values[1].text}` is one too many"
         raise FaultError(Fault("Y0101", message, "take it away", values[1].place))
-    return Option(word, values[0] if values else None)
+    return Option(word, values[0] if values else None, at_most)
 
 
 def comments_of(text: str) -> tuple[Comment, ...]:

@@ -21,10 +21,11 @@ _FOREIGN = {
 """What is said of words of other robot languages behind a command."""
 
 _LET = "write LET PITCH = 60 (mm)"
+_FUNC = "write FUNC MID(A, B) = (A + B) / 2"
 _SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit behind its name"
 _CALL = "arguments stand behind the name with blanks between: CALL DRILL {HOLE} 20 1.5"
 
-_BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "SETS", "IF", "WHENS", "WAITS", "LONE"}
+_BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "FUNC", "SETS", "IF", "WHENS", "WAITS", "LONE"}
 _RUN = re.compile(r'[^\s;\[\](){}!"]*')
 _CUT_FRAME = re.compile(r'([^{}!"]*+[!"])[^{}]*+\}')
 
@@ -40,6 +41,8 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
         return no_operator(text, token, place, stack)
     if before == "LET":
         return _no_name(token, place)
+    if "FUNC" in kinds and "ASSIGN" not in kinds:
+        return Fault("Y0101", f"{called(token)} can't stand {_place_in_function(kinds)}", _FUNC, place)
     if "ASSIGN" in expected:
         return _no_equals(text, token, place, stack)
     if before == "LONE":
@@ -99,6 +102,13 @@ def _no_name(token: Any, place: Place) -> Fault:
         message = f"{str(token).upper()} is a word of the language and can't be declared"
         return Fault("Y0101", message, "choose another name", place)
     return Fault("Y0101", "behind LET stands the name that is declared", _LET, place)
+
+
+def _place_in_function(kinds: Sequence[str]) -> str:
+    """Return where in the head of a FUNC something stands that doesn't belong there."""
+    if "RPAR" in kinds and "LPAR" in kinds:
+        return "behind the parameters of a FUNC: its `=` is missing"
+    return "between the brackets with the parameters of a FUNC" if "LPAR" in kinds else "where the name of a FUNC and its parameters stand"
 
 
 def _no_equals(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:

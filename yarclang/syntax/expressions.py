@@ -82,7 +82,16 @@ class Element:
     place: Place
 
 
-Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | Element
+@frozen
+class Applied:
+    """A FUNC of the program or of a module, and what it is given: `MID(A, B)`."""
+
+    function: Name
+    arguments: tuple[Expression, ...]
+    place: Place
+
+
+Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | Element | Applied
 
 
 def is_too_deep(expression: Expression) -> bool:
@@ -110,5 +119,7 @@ def parts_of(expression: Expression) -> tuple[Expression, ...]:
             return expression.arguments
         case Element():
             return expression.table, *expression.indices
+        case Applied():
+            return expression.function, *expression.arguments
         case _:
             return ()

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-from yarclang.subjects import Subject, unknown
 from yarclang.syntax.expressions import (
+    Applied,
     Binary,
     BinaryOperator,
     Bracket,
@@ -19,7 +19,6 @@ from yarclang.syntax.expressions import (
 from yarclang.syntax.faults import Fault, FaultError
 from yarclang.syntax.leaves import Number, Place, Quantity, Word, from_to, place_of
 from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
-from yarclang.units import UNITS
 
 
 class Nodes:
@@ -58,13 +57,15 @@ class Nodes:
         operator = cast("BinaryOperator", str(sign).upper())
         return Binary(operator, left, right, from_to(left.place, right.place))
 
-    def function(self, children: list[Any]) -> Function:
-        """A function and its arguments, as many as it takes."""
+    def function(self, children: list[Any]) -> Function | Applied:
+        """A function and its arguments: one of the language, as many as it takes; or one of the program."""
         token, _, *arguments, closing = children
         word = Word(str(token), place_of(token))
         place = from_to(word.place, place_of(closing))
         values = tuple(one for one in arguments if getattr(one, "type", None) != "COMMA")
         _check_function(word, values, place)
+        if word.name not in FUNCTIONS:
+            return Applied(Name(word.text, word.place), values, place)
         return Function(word, values, place)
 
     def element(self, children: list[Any]) -> Element:
@@ -91,17 +92,13 @@ def named(text: str, place: Place) -> Name:
 
 def _check_function(word: Word, arguments: tuple[Expression, ...], place: Place) -> None:
     if word.name not in FUNCTIONS:
-        subject: Subject | None = None
         if word.name in CONSTANTS:
             message, help_ = f"{word.name} is a number and takes no argument", "take the brackets away"
-        elif all(isinstance(one, Name) and one.text.lower() in UNITS for one in arguments) and arguments:
-            message = f"only a number has a unit behind it; {word.text} has that of its declaration"
-            help_ = "take the bracket away, or write the number: 60 (mm)"
+        elif not arguments:
+            message, help_ = f"{word.text}() is given nothing", f"a function takes one argument or more; a number is ${word.text}"
         else:
-            subject = unknown(word.text, FUNCTIONS)
-            message = f"no function is named {word.text}"
-            help_ = subject.question or f"the functions are {' '.join(FUNCTIONS)}"
-        raise FaultError(Fault("Y0109", message, help_, word.place, subject=subject))
+            return
+        raise FaultError(Fault("Y0109", message, help_, word.place))
     least, most = FUNCTIONS[word.name]
     given = len(arguments)
     if given < least or (most is not None and given > most):

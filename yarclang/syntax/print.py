@@ -26,7 +26,7 @@ from yarclang.syntax.ast import (
     Word,
 )
 from yarclang.syntax.blocks import DEEPEST_BLOCK
-from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
+from yarclang.syntax.expressions import Applied, Binary, Bracket, Element, Expression, Function, Name, Unary
 from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 _INDENT = "  "
@@ -100,7 +100,8 @@ def _rows_of(statement: Statement) -> list[_Row]:
     if statement.moving:
         parts.append(_item(statement.moving))
     if statement.waypoints:
-        parts.append(_waypoints(statement.waypoints))
+        is_function = statement.name.name == "FUNC" and statement.expression is not None
+        parts.append((_head_of_function if is_function else _waypoints)(statement.waypoints))
     if statement.expression:
         parts += ["="] * bool(statement.waypoints)  # the name of LET or SET stands before it
         parts.append(print_expression(statement.expression))
@@ -139,6 +140,8 @@ def print_expression(expression: Expression) -> str:
             return f"{expression.name}({', '.join(map(print_expression, expression.arguments))})"
         case Element(table=table, indices=indices):
             return f"{table.name}[{', '.join(map(print_expression, indices))}]"
+        case Applied(function=function, arguments=arguments):
+            return f"{function.name}({', '.join(map(print_expression, arguments))})"
         case Name():
             return expression.name
         case _:
@@ -152,6 +155,12 @@ def _waypoints(waypoints: tuple[WayPoint, ...]) -> str:
     )
 
 
+def _head_of_function(waypoints: tuple[WayPoint, ...]) -> str:
+    """What stands between FUNC and its equals sign: a name, and parameters in brackets."""
+    ((name, *parameters),) = (waypoint.values for waypoint in waypoints)
+    return f"{_item(name)}({', '.join(map(_item, parameters))})"
+
+
 def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
     """A way-point with its time; what is said of the last one's velocity stands behind the motion time."""
     parts = [_item(value) for value in waypoint.values]
@@ -163,7 +172,8 @@ def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
 
 
 def _time(time: Time) -> str:
-    return f"[{' '.join(_item(item) for item in time.items)}]"
+    said = " ".join(_item(item) for item in time.items)
+    return f"[{said.replace(' <= ', '<=')}]"
 
 
 def _rates(waypoint: WayPoint) -> list[str]:
@@ -176,7 +186,8 @@ def _rates(waypoint: WayPoint) -> list[str]:
 
 
 def _option(option: Option) -> list[str]:
-    return [option.word.name, *([_item(option.argument)] if option.argument is not None else [])]
+    sign = "<=" * option.at_most
+    return [option.word.name, *([sign + _item(option.argument)] if option.argument is not None else [])]
 
 
 _Item = Number | Word | Percent | Text | Other | Computed | ComputedPercent | FrameName | Quantity | Parameter

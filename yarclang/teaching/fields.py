@@ -315,23 +315,26 @@ def _inner(statement: Statement) -> str:
 
 
 def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
-    """Yield time, share of the limits and speed: one of them stands in the square brackets."""
+    """Yield time, share of the limits, speed and largest speed: one of them stands in the square brackets."""
     if statement.time is None:
         yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
         yield _absent("percent", "Speed, share of the limits", "percent", "%", "time", "[@%]")
         if has_speed:
             yield _absent("speed", "Speed", "number", speed, "time", "[V @]")
+        yield _absent("ceiling", "Speed, at most", "number", speed, "time", "[V<=@]")
         return
     text, place = _inner(statement), statement.time.place
-    is_speed = text[:1].upper() == "V"
+    ceiling = text.partition("<=")[2].strip() if text[:1].upper() == "V" else ""
+    is_speed = text[:1].upper() == "V" and not ceiling
     is_share = text.endswith("%")
-    plain = "" if is_speed or is_share else text
+    plain = "" if is_speed or is_share or ceiling else text
     yield Placed(Field("time", "Time", "number", plain, unit, ("MIN",)), "time", place, "[@]")
     share = text.rstrip("% ") if is_share else ""
     yield Placed(Field("percent", "Speed, share of the limits", "percent", share, "%"), "time", place, "[@%]")
     if has_speed:
         value = text[1:].strip() if is_speed else ""
         yield Placed(Field("speed", "Speed", "number", value, speed), "time", place, "[V @]")
+    yield Placed(Field("ceiling", "Speed, at most", "number", ceiling, speed), "time", place, "[V<=@]")
 
 
 def _options(

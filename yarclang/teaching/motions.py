@@ -177,13 +177,12 @@ class _Maker:
 
     def _time(self, taught: Taught) -> str:
         given = self._holds.time
-        if taught.motion == "MOVEJ" and taught.time[:1].upper() == "V":
-            raise Trouble(
-                "MOVEJ leads no frame, and has no speed", "give a time, or a share of the limits", "time"
-            )
+        if taught.motion == "MOVEJ" and _is_speed(taught.time):
+            help_ = "give a time, a share of the limits, or V<= and a speed that isn't exceeded"
+            raise Trouble("MOVEJ leads no frame, and has no speed", help_, "time")
         if taught.time:
             return f"[{taught.time}]"
-        if not given or (taught.motion == "MOVEJ" and given[:1].upper() == "V"):
+        if not given or (taught.motion == "MOVEJ" and _is_speed(given)):
             return f"[{_TIME}]"
         return ""
 
@@ -216,3 +215,8 @@ class _Maker:
         delta[:3, 3] = axes.T @ (stands[:3, 3] - stood[:3, 3])
         delta[:3, :3] = axes.T @ stands[:3, :3] @ stood[:3, :3].T @ axes
         return " ".join(pose_numbers(delta, units)), base
+
+
+def _is_speed(time: str) -> bool:
+    """Return True if a motion time is a speed that is kept, and none that only isn't exceeded."""
+    return time[:1].upper() == "V" and "<=" not in time

@@ -194,6 +194,8 @@ def motion_facts(
             facts.append(("stretched", f"{step.stretch:.6g} times as long"))
     if isinstance(step, Motion) and step.timing.duration is None:
         share = f"{100.0 * step.timing.share:.0f} % of the limits" if step.timing.share < 1.0 else "shortest"
+        if step.timing.ceiling is not None:
+            share = f"no more than {step.timing.ceiling / MM:.6g} mm/s"
         facts.append(("asked for", "a speed" if step.timing.speed is not None else share))
     limits, points, h = robot.limits, curve.points, curve.segment
     for name, order, limit in (("speed", 1, limits.velocity), ("acceleration", 2, limits.acceleration)):

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.cell.model import JointWindow
+from yarclang.certify.bodies.ceilings import find_ceilings
 from yarclang.certify.bodies.fastest import Motions, fastest_in
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
@@ -46,7 +47,7 @@ NO_ZONES = InZones(None, None)
 def find_zones(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, InZones], list[Diagnostic]]:
-    """What was proved of every command by its step, and a finding for each zone that it breaks.
+    """What was proved of every command by its step, and a finding for each zone, or ceiling of its own, that it breaks.
 
     Args:
         layout: the text's segments.
@@ -54,18 +55,30 @@ def find_zones(
         robot: its links and kinematics.
         handled: the cell as it is during each command.
     """
-    if program.cell is None or not program.cell.zones:
-        return {}, []
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
+    moving_places = [place for place in layout.places if place.size]
+    if any(place.motion.timing.ceiling is not None for place in moving_places):
+        moved = {place.step: _moving(place.motion, robot) for place in moving_places}
+        ceilings, too_fast = find_ceilings(layout, robot, moved)
+        told = {step: InZones(None, speed) for step, speed in ceilings.items()}
+        findings += grouped(too_fast)
+    if program.cell is None or not program.cell.zones:
+        return told, findings
+    in_zones: dict[int, InZones] = {}
     for cell, places in moving_chunks(layout, handled):
         made = scene_of(robot, cell)
         if made.value is None or cell is None:
-            return {}, []  # that bodies can't be read is told with the collisions
+            return told, findings  # that bodies can't be read is told with the collisions
         for moving, run in _runs(places, robot):
             judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
-            told |= judge.judged()
+            in_zones |= judge.judged()
             findings += judge.findings
+    for step, zones in in_zones.items():
+        own, speed = told.get(step, NO_ZONES).speed, zones.speed
+        if own is not None and (speed is None or own.share > speed.share):
+            speed = own
+        told[step] = InZones(zones.clearance, speed)
     return told, list(grouped(findings))
 
 

@@ -69,8 +69,7 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
     bodies = bodies_of(scene)
     match part:
         case "tcp" | "tool":
-            placed = robot.chain.base_from_flange @ moving.flange_from_moving
-            yield _point(f"{{{moving.name}}}", robot.size, placed[:3, 3])
+            yield point_of(robot, moving)
             if part == "tool":
                 yield from (item for body, item in bodies if not body.is_link and not body.of_cell)
         case "elbow":
@@ -81,6 +80,12 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
             yield from (item for body, item in bodies if body.is_link and body.joint)
         case _:
             yield from (item for body, item in bodies if body.is_link and body.name == part)
+
+
+def point_of(robot: Robot, moving: Moving) -> Item:
+    """Return the origin of a frame that is moved as an item."""
+    placed = robot.chain.base_from_flange @ moving.flange_from_moving
+    return _point(f"{{{moving.name}}}", robot.size, placed[:3, 3])
 
 
 def _elbow(chain: Chain) -> tuple[int, Array] | None:

@@ -36,7 +36,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         yield remark_at(
             step.origin,
             message,
-            f"give it about {needed:.2g} s, or, of a motion of the tool, [V {LARGEST / MM:.0f}] with mm and s",
+            f"give it about {needed:.2g} s, or [V<={LARGEST / MM:.0f}] with mm and s",
         )
 
 

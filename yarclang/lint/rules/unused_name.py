@@ -16,6 +16,7 @@ _KINDS = {
     "JOINTS": "joint position",
     "POSE": "pose",
     "LET": "number",
+    "FUNC": "function",
     "TABLE": "table",
     "REGISTER": "register",
     "SUB": "SUB",

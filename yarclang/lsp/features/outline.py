@@ -20,6 +20,7 @@ _KINDS = {
     "frame": types.SymbolKind.Class,
     "number": types.SymbolKind.Constant,
     "table": types.SymbolKind.Array,
+    "function": types.SymbolKind.Function,
     "joints": types.SymbolKind.EnumMember,
     "register": types.SymbolKind.Variable,
     "pose": types.SymbolKind.EnumMember,

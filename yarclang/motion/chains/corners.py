@@ -178,6 +178,8 @@ def _between_joints(
         for way in ways
     ]
     if min(halves) < 1.0 - _ROUNDING:
+        if blend.or_less:
+            return _Room(0.0, None, reach * min(halves))
         findings.add(
             *messages.blend_too_large(min(halves) * blend.angle, "angle", halves[0] > halves[1], step)
         )
@@ -195,7 +197,7 @@ def _of_frame(
     *,
     is_long: bool,
 ) -> _Room | None:
-    """The moving frame stays within a distance of the corner; in a long chain, of no more than the half of a short piece."""
+    """The moving frame stays within a distance of the corner; in a long chain, and where less will do, of no more than the half of a short piece."""
     if blend.length is None:
         findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))
         return None
@@ -206,7 +208,7 @@ def _of_frame(
         return _tangent(step, ways, frame, findings)
     halves = [math.inf if way is None else _frame_way(robot, way, frame) / 2.0 for way in ways]
     far = [half for half in halves if half > _NO_WAY]
-    if far and is_long:
+    if far and (is_long or blend.or_less):
         return _Room(min(blend.length, *far), frame)
     if far and min(far) < blend.length * (1.0 - _ROUNDING):
         findings.add(*messages.blend_too_large(min(far), "length", halves[0] > halves[1], step))

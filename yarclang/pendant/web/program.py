@@ -160,6 +160,8 @@ def _time(text: str) -> str:
     text = text.strip()
     if text.endswith("%"):
         return f"{checked('percent', 'percent', text)}%"
+    if text[:1].upper() == "V" and "<=" in text:
+        return f"V<={checked('ceiling', 'number', text.partition('<=')[2])}"
     if text[:1].upper() == "V":
         return f"V {checked('speed', 'number', text[1:])}"
     return checked("time", "number", text)

@@ -321,6 +321,8 @@ def _asked(timing: Timing) -> str:
     if timing.speed is not None:
         length, angle = timing.speed.length, timing.speed.angle
         return f"[V {length / MM:g} mm/s]" if length is not None else f"[V {(angle or 0.0) / DEG:g} deg/s]"
+    if timing.ceiling is not None:
+        return f"[V<={timing.ceiling / MM:g} mm/s]"
     return "[MIN]" if timing.share == 1.0 else f"[{timing.share * 100:g}%]"
 
 

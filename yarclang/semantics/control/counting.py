@@ -13,6 +13,7 @@ from yarclang.diagnostics import Collector, FindingError
 from yarclang.frozen import frozen
 from yarclang.progress import tell
 from yarclang.semantics.control.arguments import names_in
+from yarclang.semantics.control.conditional import KnownBehind
 from yarclang.semantics.control.parameters import bind_some, names_of_parameters
 from yarclang.semantics.control.repeats import AT_MOST, MOST_COMMANDS, MOST_ROUNDS, counted, repeats
 from yarclang.semantics.files import File, Sub, values_of
@@ -100,6 +101,7 @@ class Counter:
         self._inside: list[Sub] = []
         self._reading = 0
         self._faults = 0
+        self._behind = KnownBehind()
 
     def count(self, node: Node, file: File, scope: Scope, depth: int) -> Count:
         """Count the commands of a block or a CALL.
@@ -181,7 +183,12 @@ class Counter:
         except EvaluationError:
             return self._fault()
         chosen = block.body if holds else block.otherwise
-        return self._nodes(chosen, file, Scope(scope), depth + 1, needed) if chosen else _NOTHING
+        if not chosen:
+            return _NOTHING
+        inner = Scope(scope)
+        tally = self._nodes(chosen, file, inner, depth + 1, needed)
+        scope.take_over(inner, self._behind.of(block))
+        return tally
 
     def _repeat(self, block: Block, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
         head = block.head

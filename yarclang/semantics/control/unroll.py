@@ -24,6 +24,7 @@ from yarclang.semantics.actions import (
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.arguments import name_arguments, said_of_time
 from yarclang.semantics.control.calling import Calls
+from yarclang.semantics.control.conditional import KnownBehind
 from yarclang.semantics.control.counting import (
     DEEPEST,
     Count,
@@ -107,6 +108,7 @@ class _Unroller:
         self._names = CommandNames(context.profiles)
         self._declaring = Declaring(context, self._names, self._steps)
         self._calls = Calls()
+        self._behind = KnownBehind()
         self._counter = Counter(context.enough)
         self._extent = Extent(self._declaring.collectors, enough)
         self._shown_once: set[Sub] = set()
@@ -221,7 +223,9 @@ class _Unroller:
             self._steps.append(Gap())
             return
         chosen = block.body if holds else (block.otherwise or ())
-        self._nodes(chosen, file, Scope(scope), place)
+        inner = Scope(scope)
+        self._nodes(chosen, file, inner, place)
+        scope.take_over(inner, self._behind.of(block))
 
     def _repeat(self, block: Block, file: File, scope: Scope, place: Place) -> None:
         head = block.head

@@ -11,6 +11,7 @@ from yarclang.robot.model import Robot
 from yarclang.semantics.context import Context, Defaults
 from yarclang.semantics.control.parameters import check_parameters
 from yarclang.semantics.declared.cells import Cells
+from yarclang.semantics.declared.functions import declare_function
 from yarclang.semantics.declared.meanings import (
     declare_frame,
     declare_joints,
@@ -111,6 +112,8 @@ class Declaring:
                 declare_pose(statement, scope, file.defaults, self._robot, findings)
             case "LET":
                 declare_number(statement, scope, self._robot, findings)
+            case "FUNC":
+                declare_function(statement, scope, self._robot, findings)
             case "TABLE":
                 declare_table(statement, scope, self._robot, findings)
             case "INPUT" | "OUTPUT":

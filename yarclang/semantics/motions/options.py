@@ -23,6 +23,8 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         if word in seen:
             line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
         seen.add(word)
+        if word != "BLEND":
+            refuse_at_most(line, option)
         if word == "ACC":
             timing = replace(
                 timing, ramp=acceleration_share(option, line.statement, line.scope, line.findings)
@@ -40,6 +42,13 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
     return timing, tolerance, blend
 
 
+def refuse_at_most(line: Line, option: Option) -> None:
+    """Add a finding where an option says `<=` that can't be less than it says."""
+    if option.at_most:
+        message = f"only BLEND takes `<=`; {option.word.name} is what it says"
+        line.findings.add("Y0412", message, line.statement.span(option.word.place), "take `<=` away")
+
+
 def _blend(line: Line, option: Option) -> Reading | None:
     """BLEND 5: how far from its end the path may be left, read as a length [m] and as an angle [rad]."""
     span = line.statement.span((option.argument or option.word).place)
@@ -48,6 +57,10 @@ def _blend(line: Line, option: Option) -> Reading | None:
         return None
     found = amount(option.argument, line.scope, line.statement, line.findings)
     if found is None:
+        return None
+    if option.at_most and found.value == 0.0:
+        message = f"BLEND <={found} leaves nothing to choose"
+        line.findings.add("Y0412", message, span, "write BLEND 0, or a distance above 0")
         return None
     if found.value < 0.0:
         line.findings.add("Y0412", f"BLEND {found}: a distance from the corner is 0 or more", span)
@@ -59,19 +72,21 @@ def _blend(line: Line, option: Option) -> Reading | None:
         )
         if length is None and angle is None:
             line.findings.add("Y0307", f"{found} is neither a length nor an angle", span)
-        return Reading(length, angle)
+        return Reading(length, angle, option.at_most)
     units = line.units or {}
     metre, radian = (units[kind].factor if kind in units else None for kind in _OF_BLENDS)
-    return _reading(found.value + 0.0, metre, radian)
+    return _reading(found.value + 0.0, metre, radian, option.at_most)
 
 
 _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 
 @lru_cache(maxsize=64)
-def _reading(value: float, length: float | None, angle: float | None) -> Reading:
-    """Return a number in units of so many m and rad: one value for all lines that have it."""
-    return Reading(None if length is None else value * length, None if angle is None else value * angle)
+def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:  # noqa: FBT001
+    """Return a number in units of so many m and rad, `or_less`: one value for all lines that have it."""
+    return Reading(
+        None if length is None else value * length, None if angle is None else value * angle, or_less
+    )
 
 
 def _tolerance(line: Line, option: Option) -> float | None:

@@ -12,6 +12,7 @@ from yarclang.diagnostics import Result, has_errors
 from yarclang.hir import Array, JointGoal, Timetable
 from yarclang.semantics.motions.goals import goals_of
 from yarclang.semantics.motions.line import Line
+from yarclang.semantics.motions.options import refuse_at_most
 from yarclang.semantics.motions.trajectory_file import TrajectoryFile
 from yarclang.semantics.values.amounts import AmountError
 from yarclang.semantics.values.evaluate import LARGEST_NUMBER
@@ -88,6 +89,7 @@ def _options(line: Line) -> tuple[Array, float]:
         if word in seen:
             line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
         seen.add(word)
+        refuse_at_most(line, option)
         if word == "STRETCH":
             stretch = _stretch(line, option)
         elif word == "TOL":

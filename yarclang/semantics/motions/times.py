@@ -14,10 +14,10 @@ from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.semantics.values.units import amount, number_fault
 from yarclang.source import Span
 from yarclang.subjects import LeftOut
-from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Percent, Statement, Time, Word
+from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Other, Percent, Statement, Time, Word
 from yarclang.units import Kind, Unit
 
-_HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving frame, [V 250]"
+_HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving frame, [V 250] or [V<=250]"
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
@@ -42,7 +42,9 @@ def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool
     match time.items:
         case (Word(name="V"), Computed()):
             return True
-        case (Word(name="V"), Number() as number):
+        case (Word(name="V"), Other(text="<="), Computed()):
+            return True
+        case (Word(name="V"), Number() as number) | (Word(name="V"), Other(text="<="), Number() as number):
             if (fault := number_fault(number)) is not None:
                 findings.add(fault[0], fault[1], span)
                 return False
@@ -92,12 +94,15 @@ def resolve_time(
     line = statement if own else (defaults.statement or statement)
     where = scope if own else defaults.scope
     match time.items[0]:
+        case Word(name="V") if len(time.items) == 3:
+            chosen = units if own or statement.units is None else {**units, **defaults.units}
+            return _below(_speed(time, line, statement, own, chosen, where, findings), statement, time, own, findings)
         case Word(name="V"):
             if not has_speed:
                 said = "the motion time is a speed" if own else "DEFAULT's motion time is a speed"
                 message = f"{said}, which only motions of a frame take: MOVEL and its kin, DMOVE"
                 span = statement.span(time.place) if own else statement.head_span
-                findings.add("Y0407", message, span, "write [20], [MIN] or [50%]")
+                findings.add("Y0407", message, span, "write [20], [MIN], [50%] or [V<=250]")
                 return Timing(None)
             chosen = units if own or statement.units is None else {**units, **defaults.units}
             return _at(_speed(time, line, statement, own, chosen, where, findings))
@@ -121,6 +126,16 @@ def _at(speed: Reading | None) -> Timing:
     return Timing(None, speed=speed)
 
 
+def _below(
+    speed: Reading | None, statement: Statement, time: Time, own: bool, findings: Collector
+) -> Timing:
+    """Return what a speed says that isn't exceeded."""
+    if speed is not None and speed.length is None:
+        span = statement.span(time.place) if own else statement.head_span
+        findings.add_error(missing_unit("length", "the speed"), span)
+    return Timing(None, ceiling=None if speed is None else speed.length)
+
+
 def _speed(
     time: Time,
     line: Statement,
@@ -131,7 +146,7 @@ def _speed(
     findings: Collector,
 ) -> Reading | None:
     """A speed in m/s and in rad/s; None with a finding."""
-    item = time.items[1]
+    item = time.items[-1]
     span = statement.span(item.place) if own else statement.head_span
     if isinstance(item, Number):  # nearly always
         value = item.value

@@ -6,7 +6,7 @@ names of their own.
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterator
+from collections.abc import Hashable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,8 @@ from yarclang.hir import Array, FrameLink, Output, Signal
 from yarclang.robot.model import Robot
 from yarclang.semantics.values.amounts import Amount
 from yarclang.source import SourceFile, Span
+from yarclang.syntax.expressions import Expression
+from yarclang.units import Unit
 
 BASE = "B"
 FLANGE = "FLANGE"
@@ -79,6 +81,27 @@ class Table:
 
 
 @frozen(eq=False)
+class Formula:
+    """A FUNC.
+
+    Attributes:
+        parameters: their names in upper case, each with the unit to which what is given is converted.
+        body: the expression behind the equals sign.
+        scope: the names that it sees besides its parameters.
+        weight: how many operations one use comes to, those of the functions in it among them.
+        depth: how deep they stand inside each other.
+        meaning: all that decides over its values, by value.
+    """
+
+    parameters: tuple[tuple[str, Unit | None], ...]
+    body: Expression
+    scope: Scope
+    weight: int
+    depth: int
+    meaning: Hashable
+
+
+@frozen(eq=False)
 class Routine:
     """A SUB: `sub` is what semantics/declared/declaring.py makes of it."""
 
@@ -105,11 +128,12 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | Table | JointPosition | Pose | Register | Input | Output | Routine | Library
+Named = Amount | Table | Formula | JointPosition | Pose | Register | Input | Output | Routine | Library
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     Table: "a table",
+    Formula: "a function",
     JointPosition: "a joint position",
     Register: "a register",
     Pose: "a pose",
@@ -197,6 +221,17 @@ class Scope:
         """Give a frame's name a meaning from here on."""
         self.seen.clear()
         self._frames[name] = frame
+
+    def take_over(self, inner: Scope, names: Iterable[tuple[str, bool]]) -> None:
+        """Give names the meaning that they have in a block, as far as they are declared in it; each with whether it is a frame's."""
+        self.seen.clear()
+        for name, is_frame in names:
+            if is_frame and name in inner._frames:
+                self._frames[name] = inner._frames[name]
+            elif not is_frame and name in inner._names:
+                self._names[name] = inner._names[name]
+                if name in inner._places:
+                    self._places[name] = inner._places[name]
 
     def names(self, *kinds: type) -> list[str]:
         """All names of some kinds that are known here."""

@@ -26,7 +26,7 @@ from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.values.amounts import Amount
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.subjects import unknown
-from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary, parts_of
+from yarclang.syntax.expressions import Applied, Binary, Bracket, Element, Expression, Function, Name, Unary, parts_of
 
 _EXAMPLE = "write a comparison: N = 1, DOOR = ON"
 _STATES = {"ON": 1.0, "OFF": 0.0}
@@ -97,6 +97,8 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
         case Element():
             message = f"which number of {expression.table.text} it is isn't decided when the program runs"
             raise EvaluationError(expression.place, "Y0430", message, "CASE chooses among ways")
+        case Applied(function=function):
+            _refuse(expression, f"{function.text} isn't computed when the program runs")
         case Function():
             _refuse(expression, f"{expression.name} isn't computed when the program runs")
     raise AssertionError(expression)  # numbers decide nothing
@@ -130,6 +132,8 @@ def _decides(expression: Expression, scope: Scope) -> bool:
     """Return True if an expression names something that is known only when the program runs, ON, OFF, or nothing at all."""
     if isinstance(expression, Name):
         return expression.name in _STATES or not isinstance(scope.name(expression.name), Amount)
+    if isinstance(expression, Applied):
+        return any(_decides(one, scope) for one in expression.arguments)
     if isinstance(expression, Element):
         return any(_decides(one, scope) for one in expression.indices)
     return any(_decides(one, scope) for one in parts_of(expression))

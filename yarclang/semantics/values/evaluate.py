@@ -6,11 +6,12 @@ import math
 
 from yarclang.decisions import Register
 from yarclang.diagnostics import FindingError
-from yarclang.semantics.names.scope import KINDS, Input, Scope, Table
+from yarclang.semantics.names.scope import KINDS, Formula, Input, Scope, Table
 from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
 from yarclang.subjects import Subject, unknown
-from yarclang.syntax.expressions import Binary, Bracket, Element, Expression, Function, Name, Unary
+from yarclang.syntax.expressions import Applied, Binary, Bracket, Element, Expression, Function, Name, Unary
 from yarclang.syntax.leaves import Number, Place, Quantity
+from yarclang.syntax.words import FUNCTIONS
 from yarclang.units import UNITS
 
 LARGEST_NUMBER = 1e9
@@ -53,6 +54,8 @@ def evaluate(expression: Expression, scope: Scope) -> Amount:
             return named(expression, scope)
         case Element():
             return _element(expression, scope)
+        case Applied():
+            return _applied(expression, scope)
         case Bracket(inner=inner):
             return evaluate(inner, scope)
         case Unary(operator=operator, operand=operand):
@@ -99,6 +102,8 @@ def named(name: Name, scope: Scope) -> Amount:
         if isinstance(found, Table):
             first = f"{name.text}[{', '.join('0' * len(found.sizes))}]"
             help_ = f"{first} is its first number; outside of expressions it is written $({first})"
+        if isinstance(found, Formula):
+            help_ = f"write {name.text}({', '.join(one for one, _ in found.parameters)})"
         raise EvaluationError(
             name.place, "Y0209", f"{name.text} is {KINDS[type(found)]}, not a number", help_
         )
@@ -108,11 +113,11 @@ def named(name: Name, scope: Scope) -> Amount:
     raise EvaluationError(name.place, "Y0210", f"no number is named {name.text}", help_, subject)
 
 
-def _element(element: Element, scope: Scope) -> Amount:
-    """The number of a table that an element names.
+def table_of(element: Element, scope: Scope) -> Table:
+    """Return the table of an element.
 
     Raises:
-        EvaluationError: there is no such table, or it has no such number.
+        EvaluationError: there is none of its name, or it has another number of indices.
     """
     name, found = element.table, scope.name(element.table.name)
     if not isinstance(found, Table):
@@ -128,12 +133,64 @@ def _element(element: Element, scope: Scope) -> Amount:
         wanted, example = ("one index", "I") if len(sizes) == 1 else ("two indices", "I, J")
         message = f"{name.text} takes {wanted}, {given} {'is' if given == 1 else 'are'} given"
         raise EvaluationError(element.place, "Y0457", message, f"write {name.text}[{example}]")
+    return found
+
+
+def _element(element: Element, scope: Scope) -> Amount:
+    """The number of a table that an element names.
+
+    Raises:
+        EvaluationError: there is no such table, or it has no such number.
+    """
+    name, found = element.table, table_of(element, scope)
+    sizes = found.sizes
     counted = ("value",) if len(sizes) == 1 else ("row", "column")
     whole = tuple(
         _index(index, evaluate(index, scope), size, name, what)
         for index, size, what in zip(element.indices, sizes, counted, strict=True)
     )
     return found.at(whole)
+
+
+def formula_of(applied: Applied, scope: Scope) -> Formula:
+    """Return the FUNC that is given something.
+
+    Raises:
+        EvaluationError: there is none of this name, or it takes another number of arguments.
+    """
+    name, found, given = applied.function, scope.name(applied.function.name), len(applied.arguments)
+    if not isinstance(found, Formula):
+        if all(isinstance(one, Name) and one.text.lower() in UNITS for one in applied.arguments):
+            message = f"only a number has a unit behind it; {name.text} has that of its declaration"
+            help_ = "take the bracket away, or write the number: 60 (mm)"
+            raise EvaluationError(name.place, "Y0109", message, help_)
+        subject = unknown(name.text, [*FUNCTIONS, *sorted(set(scope.names(Formula)))])
+        is_ = "" if found is None else f": {name.text} is {KINDS[type(found)]}"
+        help_ = subject.question or f"the functions are {' '.join(FUNCTIONS)}, and those of FUNC above it"
+        raise EvaluationError(name.place, "Y0109", f"no function is named {name.text}{is_}", help_, subject)
+    if given != (wanted := len(found.parameters)):
+        message = f"{name.text} takes {wanted} argument{'s' * (wanted > 1)}, {given} {'is' if given == 1 else 'are'} given"
+        help_ = f"write {name.text}({', '.join(one for one, _ in found.parameters)})"
+        raise EvaluationError(applied.place, "Y0110", message, help_)
+    return found
+
+
+def _applied(applied: Applied, scope: Scope) -> Amount:
+    formula = formula_of(applied, scope)
+    inner = Scope(formula.scope)
+    for (name, unit), argument in zip(formula.parameters, applied.arguments, strict=True):
+        value = evaluate(argument, scope)
+        try:
+            inner.declare(name, value if unit is None else Amount(value.in_unit(unit), unit))
+        except AmountError as error:
+            message = f"{name} of {applied.function.text}: {error.message}"
+            raise EvaluationError(argument.place, error.code, message, error.help) from None
+    try:
+        return evaluate(formula.body, inner)
+    except EvaluationError as error:
+        # its place is one in the line of FUNC
+        message = f"in {applied.function.text}: {error.message}"
+        raise EvaluationError(applied.place, error.code, message, error.help, error.subject) from None
 
 
 def _index(index: Expression, amount: Amount, size: int, name: Name, what: str) -> int:

@@ -13,7 +13,7 @@ from yarclang.motion.cartesian import CartesianPath
 from yarclang.motion.chains.flowing.turns import angle_between, matrices
 from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
 from yarclang.motion.chains.links import Link
-from yarclang.motion.zones import SlowZones
+from yarclang.motion.zones import BELOW_CEILING, SlowZones
 from yarclang.robot.kinematics.inverse import follow
 
 _AT_ONCE = 2048
@@ -102,15 +102,17 @@ class Limits:
         bounds = [link.own_bounds for link in links]
         full = np.array([np.inf if link.full is None else link.full for link in links])
         zones = None
+        ceilings = np.array([np.inf if one.zones is None else one.zones.ceiling for one in bounds])
         for one in dict.fromkeys(bound.zones for bound in bounds):
-            zones = one if zones is None else zones.together(one)
+            own = None if one is None else one.without_ceiling()
+            zones = own if zones is None else zones.together(own)
         return Limits(
             np.array([one.velocity for one in bounds]),
             np.array([one.acceleration for one in bounds]),
             np.array([one.jerk for one in bounds]),
             np.array([one.motor_velocity for one in bounds]),
             bounds[0].counts,
-            np.where(np.isfinite(full), way.lengths / full, np.inf),
+            np.minimum(np.where(np.isfinite(full), way.lengths / full, np.inf), BELOW_CEILING * ceilings),
             np.array([SHARE_OF_TOLERANCE * link.tolerance.position for link in links]),
             np.array([SHARE_OF_TOLERANCE * link.tolerance.angle for link in links]),
             np.array([link.corner.radius if link.corner is not None else 0.0 for link in links[:-1]]),

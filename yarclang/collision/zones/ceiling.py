@@ -1,0 +1,28 @@
+"""The speed that a motion's frame never exceeds (`[V<=250]`), as a slow zone that is everywhere."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.cell.model import HalfSpace, Zone
+from yarclang.collision.zones.watched import Moving, point_of
+from yarclang.collision.zones.workspace import Watch
+from yarclang.robot.model import Robot
+from yarclang.transforms import constant
+from yarclang.units import MM
+
+_FAR = 1e6
+"""Farther than any arm reaches [m]."""
+
+EVERYWHERE = HalfSpace(constant(np.array([0.0, 0.0, 1.0])), -_FAR)
+
+
+def ceiling_watch(robot: Robot, moving: Moving, speed: float) -> Watch:
+    """Return the watch that keeps the origin of a frame below a speed [m/s]."""
+    zone = Zone(f"[V<={speed / MM:.10g} mm/s]", "slow", EVERYWHERE, speed, ("tcp",))
+    return Watch(zone, point_of(robot, moving))
+
+
+def is_ceiling(watch: Watch) -> bool:
+    """Return True if a watch is that of a motion's ceiling, and of no zone of the cell."""
+    return watch.zone.region is EVERYWHERE

@@ -1,0 +1,55 @@
+"""The names that an IF leaves behind: those that both of its ways declare."""
+
+from __future__ import annotations
+
+from yarclang.semantics.files import values_of
+from yarclang.syntax.ast import Block, Node, Word
+
+_NAMES = frozenset({"LET", "POSE", "JOINTS"})
+_FRAMES = frozenset({"FRAME", "FRAME_QUAT"})
+
+
+class KnownBehind:
+    """The names that blocks of IF leave behind, each looked up once: an IF may be carried out in many rounds."""
+
+    def __init__(self) -> None:
+        self._found: dict[int, tuple[Block, frozenset[tuple[str, bool]]]] = {}
+
+    def of(self, block: Block) -> frozenset[tuple[str, bool]]:
+        """Return what `known_behind` does."""
+        found = self._found.get(id(block))
+        if found is None:
+            found = self._found[id(block)] = block, known_behind(block)  # which keeps the block, and so its identity
+        return found[1]
+
+
+def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
+    """Return the names that both ways of an IF declare: whichever is taken, they have a meaning behind its END.
+
+    Args:
+        block: an IF, with an ELSE or without.
+
+    Returns:
+        Names in upper case, and whether each is that of a frame; none where there is no ELSE.
+    """
+    if block.otherwise is None:
+        return frozenset()
+    return _declared(block.body) & _declared(block.otherwise)
+
+
+def _declared(nodes: tuple[Node, ...]) -> frozenset[tuple[str, bool]]:
+    """Return the names that some lines declare whatever happens: by a line of their own, or in both ways of an IF."""
+    found: set[tuple[str, bool]] = set()
+    for node in nodes:
+        if isinstance(node, Block):
+            if node.head.name.name == "IF":
+                found |= known_behind(node)
+            continue
+        word = node.name.name
+        if node.index is not None:
+            continue
+        if word in _FRAMES and node.moving is not None:
+            found.add((node.moving.name, True))
+        elif word in _NAMES and (values := values_of(node)) and isinstance(values[0], Word):
+            found.add((values[0].name, False))
+    return frozenset(found)

@@ -1,0 +1,10 @@
+"""FUNC."""
+
+from yarclang.words.spec import WordSpec
+
+WORD = WordSpec(
+    name="FUNC",
+    summary="a name for an expression of what it is given",
+    example="FUNC MID(A, B) = (A + B) / 2",
+    declares="name",
+)

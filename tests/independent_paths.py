@@ -49,7 +49,11 @@ class Said:
 
     @property
     def speed(self):
-        return float(self.time[2:-1]) if self.time.startswith("[V") else None
+        return float(self.time[2:-1]) if self.time.startswith("[V ") else None
+
+    @property
+    def ceiling(self):
+        return float(self.time[4:-1]) if self.time.startswith("[V<=") else None
 
     @property
     def share(self):

@@ -81,6 +81,8 @@ def drawn(arm, random, most=5):
         of_frame = kind in ("line", "delta", "arc", "pose_spline")
         if of_frame and profile in ("", "_LSPB", "_SCURVE") and random.random() < 0.25:
             time = str(random.choice(SPEEDS))
+        elif time == "[MIN]" and step % 3 == 1:
+            time = f"[V<={40 + 30 * (step % 4)}]"
         common = {"profile": profile[1:] or "LSPB", "time": time}
         if kind in ("joints", "joint_delta"):
             size = random.choice([0.05, 0.3, 0.8])
@@ -132,7 +134,7 @@ def drawn(arm, random, most=5):
             options += f" ACC {one.acc * 100:g}%"
         if random.random() < 0.55:
             one.blend = float(random.choice([0.3, 1, 3, 8, 20]))
-            options += f" BLEND {one.blend:g}"
+            options += f" BLEND {'<=' * (step % 3 == 0)}{one.blend:g}"
         base = " {TCP}" if kind == "delta" else ""
         lines.append(f"P{(step + 1) * 10:04d} {words} {time}{base}{options}")
         said[step] = one
@@ -251,6 +253,8 @@ def features(program):
         kind = f"{one.kind}{' of a pose' if to_pose else ''}{' by an increment' if one.relative else ''}"
         if one.speed is not None:
             time = "speed"
+        elif one.ceiling is not None:
+            time = "ceiling"
         elif one.seconds is not None:
             time = "seconds"
         else:
@@ -341,6 +345,10 @@ def faults(arm, said, text, chosen, told):
         if one.speed is not None:
             reaches = "Y0610" not in told.get(step, ()) and flows_in is None and flows_on is None
             found += [f"{label}: {fault}" for fault in _off_speed(arm, one, done, in_ball | beside, reaches)]
+        if one.ceiling is not None:
+            fastest = _fastest(arm, done, in_ball | beside)
+            if fastest > one.ceiling * 1.002:
+                found.append(f"{label}: goes at {fastest:.4f} mm/s and never above {one.ceiling:g}")
         corner, flows_in, ball_before, before = ends[-1], flows_on, ball, way
     return found
 
@@ -405,14 +413,19 @@ def _ball(arm, one, following, corner):
 
 def _off_speed(arm, one, done, in_ball, reaches):
     """A cruise that isn't at its speed."""
-    points, _ = arm.poses(done.sample())
-    times = np.linspace(0.0, done.duration, len(points))
-    speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)
-    fastest = speeds[~(in_ball[1:] | in_ball[:-1])].max(initial=0.0)
+    fastest = _fastest(arm, done, in_ball)
     if fastest > one.speed * 1.002:
         yield f"goes at {fastest:.4f} mm/s"
     if reaches and fastest < one.speed * 0.998:
         yield f"reaches only {fastest:.4f} mm/s"
+
+
+def _fastest(arm, done, in_ball):
+    """The largest speed [mm/s] of {TCP} outside of blends."""
+    points, _ = arm.poses(done.sample())
+    times = np.linspace(0.0, done.duration, len(points))
+    speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(times)
+    return speeds[~(in_ball[1:] | in_ball[:-1])].max(initial=0.0)
 
 
 def told_by_step(diagnostics):

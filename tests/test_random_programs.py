@@ -42,7 +42,7 @@ BLOCK = 40
 FLOORS = dict.fromkeys(
     [
         "joints", "joints of a pose", "joints by an increment", "joint_spline", "line", "line by an increment", "arc",
-        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ACC", "BLEND", "SET",
+        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ceiling", "ACC", "BLEND", "SET",
     ],
     0.2,
 ) | {"programs": 0.4, "motions": 0.35, "corners passed in motion": 0.2}  # fmt: skip

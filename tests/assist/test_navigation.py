@@ -100,6 +100,52 @@ def test_rename_changes_all_uses_and_nothing_else():
     )
 
 
+BOTH = """\
+LET N = 3
+IF N > 2
+  IF N > 3
+    LET H = 10
+  ELSE
+    LET H = 11
+  END
+ELSE
+  LET H = 20
+END
+LET K = H + 1
+"""
+
+
+@pytest.mark.parametrize("line", [4, 6, 9, 11])
+def test_a_name_of_both_ways_of_an_if_is_one_name(line):
+    view = looked_at(BOTH)
+    column = BOTH.splitlines()[line - 1].index("H") + 1
+    ((source, made),) = rename(target_at(view, line, column), [view], "UP").items()
+    assert edited(source, [Fix("", tuple(made))]) == BOTH.replace("H", "UP")
+
+
+FUNCTION = """\
+LET K = 2
+FUNC MID(A, B (mm)) = (A + B) / K
+LET X = MID(1, K)
+"""
+
+
+@pytest.mark.parametrize(
+    ("at_", "new", "after"),
+    [
+        ((2, 6), "HALF", FUNCTION.replace("MID", "HALF")),
+        ((3, 9), "HALF", FUNCTION.replace("MID", "HALF")),
+        ((2, 10), "C", FUNCTION.replace("(A, ", "(C, ").replace("(A + ", "(C + ")),
+        ((2, 28), "C", FUNCTION.replace(", B (", ", C (").replace("+ B)", "+ C)")),
+        ((3, 16), "Q", FUNCTION.replace("K", "Q")),
+    ],
+)
+def test_names_of_functions_and_their_parameters(at_, new, after):
+    view = looked_at(FUNCTION)
+    ((source, made),) = rename(target_at(view, *at_), [view], new).items()
+    assert edited(source, [Fix("", tuple(made))]) == after
+
+
 def test_rename_over_files(tmp_path: Path):
     (tmp_path / "tool.yarc").write_text(
         "SUB OUT\n  P0010 MOVEJ HOME\nEND\nSUB TWICE\n  P0010 CALL OUT\nEND\n"

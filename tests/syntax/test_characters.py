@@ -176,12 +176,16 @@ def test_a_fix_leaves_nothing_foreign(text, data):
     for _ in range(data.draw(st.integers(1, 4))):
         at = data.draw(st.integers(0, len(text)))
         text = text[:at] + data.draw(st.sampled_from(FOREIGN)) + text[at:]
-    # a character that isn't seen behind a semicolon makes two statements of one, each with its own finding
-    fixes = [one.fix for one in parsed(text).diagnostics]
-    assume(fixes and None not in fixes)
-    again = edited(SourceFile("a.yarc", text), fixes)
-    assert fault_in(again) is None
-    assert fault_in(edited(SourceFile("a.yarc", again), [])) is None
+    # a character that isn't seen behind a semicolon makes two statements of one, each with its own finding; a quotation mark that is mended
+    # ends a text that stood behind another one, and what was in it is code then
+    rounds = 0
+    while fixes := [one.fix for one in parsed(text).diagnostics if one.fix is not None]:
+        rounds += 1
+        assert rounds <= 4
+        text = edited(SourceFile("a.yarc", text), fixes)
+    assume(rounds)
+    left = fault_in(text)
+    assert left is None or not left.edits
 
 
 @given(st.text(max_size=60))

@@ -1,11 +1,12 @@
 """Expressions are read as Python reads them, where both have them; printed, they say the same."""
 
 import ast
+import keyword
 import re
 from itertools import product
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from syntax.writing import PYTHONIC, bare, expression, parsed
 
@@ -22,6 +23,7 @@ from yarclang.syntax.expressions import (
 )
 from yarclang.syntax.leaves import Number, Word
 from yarclang.syntax.print import print_expression
+from yarclang.syntax.words import OPERATORS
 
 COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
 BINARY = ("OR", "AND", *COMPARISONS, "+", "-", "*", "/", "%", "**")
@@ -132,6 +134,12 @@ def test_signs_follow_each_other_as_in_python(first, second):
 
 @given(expression(primaries=PYTHONIC))
 def test_any_expression_is_read_as_python_reads_it(text):
+    # a name such as `as` is none in Python
+    assume(
+        not any(
+            keyword.iskeyword(word) for word in re.findall(r"[a-z]+", text) if word.upper() not in OPERATORS
+        )
+    )
     assert ours(read(text)) == pythons(text)
 
 
@@ -243,7 +251,7 @@ def test_no_text_makes_the_parser_raise(text):
         ("IF A != B", 6, 8),
         ("IF A > !B", 8, 9),
         ("IF (A != B", 7, 9),
-        ("LET X = 3 + SQR(4)", 13, 16),
+        ("LET X = 3 + PI(4)", 13, 15),
         ("LET X = 2*(ABS(0,5))", 12, 20),
         ("LET X = 1_000", 9, 14),
         ("LET X = (3*(4 + 5)", 9, 10),

@@ -29,7 +29,23 @@ COMMANDS = (
     "END",
     "else",
 )
-WORDS = ("HOME", "X.Y", "_a", "MIN", "V", "ON", "M1", "BLEND", "acc", "TOL", "NEAR")
+WORDS = (
+    "HOME",
+    "X.Y",
+    "_a",
+    "MIN",
+    "V",
+    "ON",
+    "M1",
+    "BLEND",
+    "acc",
+    "TOL",
+    "NEAR",
+    "FUNC",
+    "BLEND<=5",
+    "V<=5",
+    "<=",
+)
 NUMBERS = ("0", "-1.5", "+.5", "5.", "1e-3", "2E+", "3x", "1,5", "50%", "30 %", "$X", "$(1 + 2)")
 BRACKETS = ("{TCP}", "{ B }", "{}", '{A!"}', "[", "]", "[5]", "[MIN]", "[ V 250 ]", "[50%]", "[1 2]", "[]")
 UNITS = ("(mm,deg,s)", "( mm , s )", "()", "(mm deg)", "(5)")
@@ -47,6 +63,8 @@ PLAIN = re.compile(r"^[^$\"]*[^$\"; ] *$")
 @example("MOVEJ 1 BLEND ACC 30 %TOL 1")
 @example("MOVEJ {A} {B} {C}")
 @example("MOVEJ [50%](mm){B}BLEND 5!x")
+@example("MOVEJ [V<=5] BLEND <=5")
+@example("FUNC 1 2")
 @example("ENDE 1 2")
 @example("MOVEJ 1 2 ; HOME;3")
 @example("MOVEJ 1;;2")

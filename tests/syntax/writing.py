@@ -74,7 +74,7 @@ LEVELS = (
 """Operators from weak to strong."""
 
 
-PRIMARIES = ("number", "name", "name", "quantity", "PI", "bracket", "function", "element")
+PRIMARIES = ("number", "name", "name", "quantity", "PI", "bracket", "function", "element", "applied")
 PYTHONIC = ("whole", "word", "word", "PI", "bracket", "function")
 """Those that Python reads as well."""
 
@@ -123,6 +123,9 @@ def primary(draw, depth, primaries):
         given = draw(st.integers(least, most or 4))
         arguments = [draw(expression(0, depth - 1, primaries)) for _ in range(given)]
         return f"{function.lower()}{draw(gap)}({f'{draw(gap)},{draw(gap)}'.join(arguments)})"
+    if kind == "applied" and depth:
+        arguments = [draw(expression(0, depth - 1, primaries)) for _ in range(draw(st.integers(1, 3)))]
+        return f"{draw(name)}{draw(gap)}({f'{draw(gap)},{draw(gap)}'.join(arguments)}{draw(gap)})"
     if kind == "element" and depth:
         indices = [draw(expression(0, depth - 1, primaries)) for _ in range(draw(st.integers(1, 2)))]
         return f"{draw(name)}[{f'{draw(gap)},{draw(gap)}'.join(indices)}{draw(gap)}]"
@@ -141,11 +144,15 @@ time = st.one_of(
     percent,
     computed,
     st.tuples(st.just("V"), st.one_of(number, computed)).map(" ".join),
+    st.tuples(st.sampled_from(["V", "v"]), gap, st.just("<="), gap, st.one_of(number, computed)).map("".join),
 ).map(lambda text: f"[{text}]")
 units = st.lists(unit, min_size=1, max_size=3).map(lambda items: f"({','.join(items)})")
 option = st.one_of(
     st.tuples(st.sampled_from(["BLEND", "tol"]), st.one_of(number, computed)),
     st.tuples(st.sampled_from(["ACC"]), percent),
+    st.tuples(st.sampled_from(["BLEND <=", "blend<=", "BLEND <= "]), st.one_of(number, computed)).map(
+        lambda parts: ("".join(parts),)
+    ),
     st.tuples(st.just("NEAR"), name),
 ).map(" ".join)
 index = st.integers(0, 9999).map(lambda number: f"P{number:04d}")
@@ -224,6 +231,22 @@ values = st.lists(value, min_size=1, max_size=7).map(" ".join)
 let = st.tuples(st.sampled_from(["LET", "let"]), blank, word, gap, expression()).map(
     lambda parts: f"{parts[0]}{parts[1]}{parts[2]}{parts[3]}={parts[3]}{parts[4]}"
 )
+func = st.tuples(
+    st.sampled_from(["FUNC", "func"]),
+    blank,
+    word,
+    gap,
+    st.lists(
+        st.tuples(word, st.one_of(st.just(""), unit.map(lambda one: f" ({one})"))).map("".join),
+        min_size=1,
+        max_size=3,
+    ),
+    expression(),
+).map(
+    lambda parts: (
+        f"{parts[0]}{parts[1]}{parts[2]}{parts[3]}({f'{parts[3]},'.join(parts[4])}{parts[3]})={parts[5]}"
+    )
+)
 text = st.sampled_from(['"narrow plate"', '"! no comment"', '""'])
 command = st.one_of(
     motion(),
@@ -246,6 +269,7 @@ held = st.one_of(
 )
 """What a block may hold besides blocks."""
 declaration = st.one_of(
+    func,
     line("ROBOT", st.one_of(word, st.just('"a/robot.toml"'))),
     line("CELL", '"cell.toml"'),
     line("USE", word),

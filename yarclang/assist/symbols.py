@@ -27,7 +27,18 @@ from yarclang.syntax.expressions import Expression, Name, parts_of
 from yarclang.syntax.words import CONSTANTS, STATES
 
 Kind = Literal[
-    "frame", "number", "table", "function", "joints", "pose", "register", "input", "output", "sub", "module", "parameter"
+    "frame",
+    "number",
+    "table",
+    "function",
+    "joints",
+    "pose",
+    "register",
+    "input",
+    "output",
+    "sub",
+    "module",
+    "parameter",
 ]
 
 _BY_WORD: dict[str, Kind] = {
@@ -195,7 +206,9 @@ class _Reader:
     def _declare(
         self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
     ) -> None:
-        self._add(Symbol(kind, name, False, span, statement, statement.line + statement.rows - 1, last, inside))
+        self._add(
+            Symbol(kind, name, False, span, statement, statement.line + statement.rows - 1, last, inside)
+        )
 
     def _add(self, symbol: Symbol) -> None:
         """Add a declaration; where the other way of an IF has declared the name, the line speaks of that."""

@@ -76,7 +76,7 @@ FINDINGS = (
         "unknown-function",
         "error",
         "no function has this name",
-        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL. Only they and a number can have a "
+        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL, and those that FUNC declares further up. Only they and a number can have a "
         "bracket behind them: a number's holds its unit, and a product is written with a `*`.",
         "P0010 MOVEJ $(SQR(900)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(SQRT(900)) 0 0 0 0 0 [5] (deg,s)",
@@ -86,7 +86,7 @@ FINDINGS = (
         "function-arguments",
         "error",
         "the function takes another number of arguments",
-        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; the others take one. Commas stand between "
+        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of its declaration, the others one. Commas stand between "
         "them, so a decimal comma makes two arguments of one number.",
         "P0010 MOVEJ $(ABS(0,5)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(ABS(0.5)) 0 0 0 0 0 [5] (deg,s)",

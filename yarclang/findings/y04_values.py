@@ -64,7 +64,7 @@ FINDINGS = (
         "bad-time",
         "error",
         "this is no motion time",
-        "A motion time is a positive number with a unit of time, or MIN.",
+        "A motion time is a positive number with a unit of time, MIN, a share of the limits ([50%]), or a speed: [V 250] of motions that lead a frame, [V<=250] of all.",
         "P0010 MOVEJ 0 0 0 0 30 0 [-5] (deg,s)",
         "P0010 MOVEJ 0 0 0 0 30 0 [5] (deg,s)",
     ),

@@ -145,7 +145,7 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the moving frame doesn't keep its programmed speed",
         "With a speed ([V 250]) the moving frame goes at that speed, within 0.1 %, from the end of its first ramp to the beginning of "
-        "its last, and never faster. The bounds that were proved for the emitted motion say otherwise.",
+        "its last, and never faster. With a ceiling ([V<=250]) it is never faster, within 0.1 %. The bounds that were proved for the emitted motion say otherwise.",
     ),
     Finding(
         "Y1169",

@@ -108,7 +108,11 @@ def _place_in_function(kinds: Sequence[str]) -> str:
     """Return where in the head of a FUNC something stands that doesn't belong there."""
     if "RPAR" in kinds and "LPAR" in kinds:
         return "behind the parameters of a FUNC: its `=` is missing"
-    return "between the brackets with the parameters of a FUNC" if "LPAR" in kinds else "where the name of a FUNC and its parameters stand"
+    return (
+        "between the brackets with the parameters of a FUNC"
+        if "LPAR" in kinds
+        else "where the name of a FUNC and its parameters stand"
+    )
 
 
 def _no_equals(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:

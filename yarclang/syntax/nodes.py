@@ -95,7 +95,10 @@ def _check_function(word: Word, arguments: tuple[Expression, ...], place: Place)
         if word.name in CONSTANTS:
             message, help_ = f"{word.name} is a number and takes no argument", "take the brackets away"
         elif not arguments:
-            message, help_ = f"{word.text}() is given nothing", f"a function takes one argument or more; a number is ${word.text}"
+            message, help_ = (
+                f"{word.text}() is given nothing",
+                f"a function takes one argument or more; a number is ${word.text}",
+            )
         else:
             return
         raise FaultError(Fault("Y0109", message, help_, word.place))

@@ -50,7 +50,9 @@ def _form() -> re.Pattern[str]:
     index, frame, numbers, percent, option = (
         said[name] for name in ("INDEX", "FRAME", "NUMBERS", "PERCENT", "OPTION")
     )
-    others = "|".join(said[name] for name in ("CALL", "SUB", "LET", "FUNC", "SETS", "IF", "WHENS", "WAITS", "LONE"))
+    others = "|".join(
+        said[name] for name in ("CALL", "SUB", "LET", "FUNC", "SETS", "IF", "WHENS", "WAITS", "LONE")
+    )
     word = f"(?:(?!{option}){said['WORD']})"
     blank = "[ \t]*+"
     values = rf"(?:(?>{numbers}|{word}){blank})++"

@@ -163,6 +163,7 @@ def _of_motion(spec: CommandSpec, names: Known, joints: tuple[str, ...]) -> Form
         fields.append(Field("time", "Time", "number", "", "s", () if spec.is_timed else ("MIN",)))
         if not spec.is_timed:
             fields.append(Field("percent", "Speed, share of the limits", "percent", "", "%"))
+            fields.append(Field("ceiling", "Speed, at most", "number", "", "mm/s"))
     if spec.moves_frame:
         fields.append(Field("speed", "Speed", "number", "", "mm/s"))
         fields.append(Field("moving", "Moving frame", "frame", "", choices=names.tools))
@@ -293,12 +294,12 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
     if spec.is_timed:
         _need(form, given, "time")
     values, needs_numbers = _waypoints(form, spec, given, around.robot)
-    timed = [name for name in ("time", "percent", "speed") if given.get(name)]
+    timed = [name for name in ("time", "percent", "speed", "ceiling") if given.get(name)]
     if len(timed) > 1:
         raise Trouble(
             f"{timed[0]} and {timed[1]} can't both stand in a line", "leave one of them empty", "field"
         )
-    written = {"time": "[{}]", "percent": "[{}%]", "speed": "[V {}]"}
+    written = {"time": "[{}]", "percent": "[{}%]", "speed": "[V {}]", "ceiling": "[V<={}]"}
     time = written[timed[0]].format(given[timed[0]]) if timed else "" if holds.time else "[50%]"
     kinds: list[Kind] = []
     of_joints = spec.targets[""].of_joints
@@ -309,6 +310,8 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
         kinds = joint_kinds if of_joints else ["length", "angle"]
     if timed and timed[0] != "percent" and given[timed[0]].upper() != "MIN":
         kinds.append("time")
+        if timed[0] == "ceiling" and "length" not in kinds:
+            kinds.insert(0, "length")
     units = units_part({kind: holds.unit(kind) for kind in kinds}, holds)
     named = (given[one.name] for one in form.fields if one.name.endswith("target") and given[one.name])
     goes_to_pose = any(isinstance(around.scope.name(name.upper()), Pose) for name in named)

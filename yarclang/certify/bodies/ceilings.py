@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.cell.model import HalfSpace
 from yarclang.certify.bodies.fastest import Motions, fastest_in
@@ -32,7 +34,7 @@ class _Stretches:
         allowed: (3P,) what the frame may have there [m/s].
     """
 
-    spans: Array
+    spans: NDArray[np.int64]
     allowed: Array
 
 
@@ -84,7 +86,9 @@ def _runs(layout: Layout, moved: dict[int, Moving]) -> Iterator[list[Place]]:
     for place in layout.places:
         if not place.size:
             continue
-        if run and (place.motion.timing.ceiling is None or not _is_same(moved[run[0].step], moved[place.step])):
+        if run and (
+            place.motion.timing.ceiling is None or not _is_same(moved[run[0].step], moved[place.step])
+        ):
             yield run
             run = []
         if place.motion.timing.ceiling is not None:
@@ -120,7 +124,7 @@ def _stretches(places: list[Place], neighbours: dict[int, tuple[float, float]]) 
         head = min(place.size, 0 if place.before is None else place.before // 2 + 1)
         tail = min(place.size - head, 0 if place.behind is None else place.behind // 2 + 1)
         edges = place.first, place.first + head, place.last - tail, place.last
-        spans[3 * row : 3 * row + 3] = list(zip(edges[:-1], edges[1:], strict=True))
+        spans[3 * row : 3 * row + 3] = list(pairwise(edges))
         before, behind = neighbours[place.step]
         allowed[3 * row : 3 * row + 3] = max(own, before), own, max(own, behind)
     return _Stretches(spans, allowed)

@@ -57,7 +57,13 @@ def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion)
     amount = length_text(largest) if kind == "length" else f"{largest / DEG:.4g} deg"
     whose = "the next motion" if by_the_next else "this motion"
     message = f"the blend is more than half of {whose}"
-    return "Y0606", message, origin.span, f"the largest one here is {amount}; BLEND <= takes what there is room for", None
+    return (
+        "Y0606",
+        message,
+        origin.span,
+        f"the largest one here is {amount}; BLEND <= takes what there is room for",
+        None,
+    )
 
 
 def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:

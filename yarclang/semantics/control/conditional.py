@@ -19,7 +19,10 @@ class KnownBehind:
         """Return what `known_behind` does."""
         found = self._found.get(id(block))
         if found is None:
-            found = self._found[id(block)] = block, known_behind(block)  # which keeps the block, and so its identity
+            found = self._found[id(block)] = (
+                block,
+                known_behind(block),
+            )  # which keeps the block, and so its identity
         return found[1]
 
 

@@ -42,7 +42,8 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         if parameter.unit is not None and (unit := UNITS.get(parameter.unit.text.lower())) is None:
             findings.add_error(no_unit(parameter.unit.text), statement.span(parameter.unit.place))
         taken.append((parameter.word.name, unit))
-    weight, depth, used = 1, 1, ()
+    weight, depth = 1, 1
+    used: tuple[Hashable, ...] = ()
     try:
         used = tuple(_used(body, inner, frozenset(name for name, _ in taken)))
         weight, depth = _size(body, outer)

@@ -82,7 +82,7 @@ _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 
 @lru_cache(maxsize=64)
-def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:  # noqa: FBT001
+def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:
     """Return a number in units of so many m and rad, `or_less`: one value for all lines that have it."""
     return Reading(
         None if length is None else value * length, None if angle is None else value * angle, or_less

@@ -14,7 +14,17 @@ from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.semantics.values.units import amount, number_fault
 from yarclang.source import Span
 from yarclang.subjects import LeftOut
-from yarclang.syntax.ast import Computed, ComputedPercent, Number, Option, Other, Percent, Statement, Time, Word
+from yarclang.syntax.ast import (
+    Computed,
+    ComputedPercent,
+    Number,
+    Option,
+    Other,
+    Percent,
+    Statement,
+    Time,
+    Word,
+)
 from yarclang.units import Kind, Unit
 
 _HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving frame, [V 250] or [V<=250]"
@@ -96,7 +106,9 @@ def resolve_time(
     match time.items[0]:
         case Word(name="V") if len(time.items) == 3:
             chosen = units if own or statement.units is None else {**units, **defaults.units}
-            return _below(_speed(time, line, statement, own, chosen, where, findings), statement, time, own, findings)
+            return _below(
+                _speed(time, line, statement, own, chosen, where, findings), statement, time, own, findings
+            )
         case Word(name="V"):
             if not has_speed:
                 said = "the motion time is a speed" if own else "DEFAULT's motion time is a speed"
@@ -126,9 +138,7 @@ def _at(speed: Reading | None) -> Timing:
     return Timing(None, speed=speed)
 
 
-def _below(
-    speed: Reading | None, statement: Statement, time: Time, own: bool, findings: Collector
-) -> Timing:
+def _below(speed: Reading | None, statement: Statement, time: Time, own: bool, findings: Collector) -> Timing:
     """Return what a speed says that isn't exceeded."""
     if speed is not None and speed.length is None:
         span = statement.span(time.place) if own else statement.head_span

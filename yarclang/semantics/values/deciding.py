@@ -26,7 +26,17 @@ from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.values.amounts import Amount
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.subjects import unknown
-from yarclang.syntax.expressions import Applied, Binary, Bracket, Element, Expression, Function, Name, Unary, parts_of
+from yarclang.syntax.expressions import (
+    Applied,
+    Binary,
+    Bracket,
+    Element,
+    Expression,
+    Function,
+    Name,
+    Unary,
+    parts_of,
+)
 
 _EXAMPLE = "write a comparison: N = 1, DOOR = ON"
 _STATES = {"ON": 1.0, "OFF": 0.0}

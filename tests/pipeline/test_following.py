@@ -39,6 +39,25 @@ def test_a_name_follows_from_the_line_that_did_not_declare_it():
     assert left(broken, found("Y0301", 4, Name("A"), message="something else")) == [("Y0402", 2)]
 
 
+JOINTS = "JOINTS Q 0 0 0 0 200 0 (deg)\nP0010 MOVEJ Q [MIN]\n"
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        JOINTS,
+        f"REPEAT I 2\n{JOINTS}END\n",
+        f"SUB S\n{JOINTS}END\nP0020 CALL S\n",
+        "TABLE Q JOINTS 0 0 0 0 200 0 (deg)\nP0010 MOVEJ $(Q[0]) [MIN]\n",
+        "DEFAULT (deg)\nJOINTS Q 0 0 0 0 200 0\nJOINTS R 0 0 0 0 300 0\nP0010 MOVEJ R [MIN]\n",
+    ],
+)
+def test_an_error_is_never_left_out_but_for_another_one(text):
+    # a position out of limits was taken for what follows from the doubtful name that its own line declares
+    source = SourceFile("test.yarc", text)
+    assert [one.code for one in without_followers(planned(text)[1], source) if one.is_error][:1] == ["Y0502"]
+
+
 def test_the_same_name_is_said_once_whatever_is_said_of_it():
     one, other = found("Y0210", 3, Name("DRILL", "DRILLS")), found("Y0205", 4, Name("DRILL"))
     (said,) = without_followers((one, other), SOURCE)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from functools import lru_cache
 
-from yarclang.diagnostics import Diagnostic, gathered
+from yarclang.diagnostics import Diagnostic, gathered, has_errors
 from yarclang.findings import Follows, Need
 from yarclang.lint.registry import everything
 from yarclang.progress import each
@@ -55,7 +55,10 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     if not causes and not any(_need(one) in ("name", "meaning", *_BY_DEFAULT) for one in found):
         return found
     reasons = _Reasons(found, causes, source)
-    return _said_once([one for one in each(found) if not reasons.explain(one)])
+    kept = [one for one in each(found) if not reasons.explain(one)]
+    if has_errors(found) and not has_errors(kept):
+        return found  # each was taken for what follows from another one
+    return _said_once(kept)
 
 
 def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
@@ -163,7 +166,9 @@ def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozense
     """Whether what a finding says of a motion may come from names that are doubtful; of unrolled code any may."""
     if not doubtful:
         return False
-    said = set(_WORD.findall(code_of(source.line(line)).upper())) if line else set()
+    words = _WORD.findall(code_of(source.line(line)).upper()) if line else []
+    # what a line declares is doubtful because of the line itself
+    said = set(words[:1] + words[2:] if words[:1] and words[0] in _GIVES_NAMES else words)
     return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
 
 

@@ -13,7 +13,17 @@ from yarclang.hir import FrameLink, Gap, Origin, Step
 from yarclang.memory import Memory, recall
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.names.scope import Formula, Frame, JointPosition, Named, Pose, Scope, Table, Where
+from yarclang.semantics.names.scope import (
+    Formula,
+    Frame,
+    JointPosition,
+    Named,
+    Places,
+    Pose,
+    Scope,
+    Table,
+    Where,
+)
 from yarclang.semantics.values.amounts import Amount
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Statement
@@ -149,6 +159,8 @@ def _meaning(found: Named | Frame | None) -> Hashable:
             return found.transform.tobytes(), _meaning_of_link(found.link)
         case Amount():
             return repr(found.value), found.unit  # zero has two signs
+        case Places(rows=rows):
+            return tuple(map(_meaning, rows))
         case Formula(meaning=meaning):
             return meaning
         case Table(rows=rows):

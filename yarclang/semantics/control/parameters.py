@@ -15,6 +15,7 @@ from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import known_frame
 from yarclang.semantics.names.scope import KINDS, Frame, Input, JointPosition, Named, Pose, Scope, Where
 from yarclang.semantics.values.amounts import Amount, AmountError, no_unit
+from yarclang.semantics.values.evaluate import EvaluationError, is_place, place_named
 from yarclang.semantics.values.units import amount
 from yarclang.source import SourceFile
 from yarclang.subjects import unknown
@@ -149,6 +150,17 @@ def _bind_one(
             )
             findings.add("Y0411", message, span, subject.question, subject=subject)
             return False
+        if unit is not None:
+            message = f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}"
+            findings.add("Y0411", message, span, subject=unknown(value.text))
+            return False
+    elif isinstance(value, Computed) and is_place(value.expression, scope):
+        try:
+            meaning = place_named(value.expression, scope)
+        except EvaluationError as error:
+            findings.add_error(error, statement.span(error.place))
+            return False
+        assert meaning is not None
         if unit is not None:
             message = f"{word.text} is a number of {unit.name}, not {KINDS[type(meaning)]}"
             findings.add("Y0411", message, span, subject=unknown(value.text))

@@ -115,7 +115,7 @@ class Declaring:
             case "FUNC":
                 declare_function(statement, scope, self._robot, findings)
             case "TABLE":
-                declare_table(statement, scope, self._robot, findings)
+                declare_table(statement, scope, file.defaults, self._robot, findings)
             case "INPUT" | "OUTPUT":
                 self.outputs += declare_signal(statement, scope, self._robot, self._signals, findings)
             case "REGISTER" if not self._context.index_needed:

@@ -17,7 +17,17 @@ from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import base_axes
-from yarclang.semantics.names.scope import BASE, Frame, Input, JointPosition, Pose, Scope, Table, Where
+from yarclang.semantics.names.scope import (
+    BASE,
+    Frame,
+    Input,
+    JointPosition,
+    Places,
+    Pose,
+    Scope,
+    Table,
+    Where,
+)
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
@@ -187,14 +197,7 @@ def declare_pose(
     numbers = _numbers(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
     base = _base(statement, scope, defaults, findings, may_move=False)
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
-    transform = np.eye(4)
-    if base is not None and numbers is not None:
-        rotation = rotation_of(Values.POSE_RPY, numbers[3:], findings, lambda: statement.whole_span)
-        if rotation is not None:
-            transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
-        transform = base.transform @ transform
-    told = None if numbers is None else constant(numbers)
-    pose = Pose(constant(transform), base.link if base is not None else None, told)
+    pose = _pose_of(statement, numbers, base, findings)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
 
@@ -226,11 +229,17 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
         scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
 
 
-def declare_table(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
+def declare_table(
+    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
+) -> None:
     """TABLE HEIGHTS 10 20 30 (mm), and TABLE SPOTS 0 0; 60 0; 60 40 (mm)."""
-    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     rows = [waypoint.values for waypoint in statement.waypoints]
     word = rows[0][0] if rows else None
+    kind = rows[0][1] if rows and len(rows[0]) > 1 else None
+    if isinstance(word, Word) and isinstance(kind, Word) and kind.name in ("POSE", "JOINTS"):
+        _declare_places(statement, word, kind.name, scope, defaults, robot, findings)
+        return
+    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     if not isinstance(word, Word) or len(rows[0]) == 1:
         help_ = "for example TABLE HEIGHTS 10 20 30 (mm)"
         findings.add("Y0401", "TABLE wants a name and numbers", statement.whole_span, help_)
@@ -241,6 +250,51 @@ def declare_table(statement: Statement, scope: Scope, robot: Robot, findings: Co
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
     numbers = _rows_of(statement, rows, scope, findings)
     scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
+
+
+def _declare_places(
+    statement: Statement,
+    word: Word,
+    kind: str,
+    scope: Scope,
+    defaults: Defaults,
+    robot: Robot,
+    findings: Collector,
+) -> None:
+    """TABLE SPOTS POSE 60 40 150 0 0 0; 120 40 150 0 0 0 (mm,deg) {B}, and TABLE STANDS JOINTS 0 0 0 0 0 0; 0 10 0 0 0 0 (deg)."""
+    of_joints = kind == "JOINTS"
+    refused = ("a moving frame", "a motion time", "options", *(("a base frame",) if of_joints else ()))
+    refuse_parts(statement, refused, findings)
+    if not may_be_declared(statement, word, scope, robot, findings):
+        return
+    values = Values.JOINTS if of_joints else Values.POSE_RPY
+    base = None if of_joints else _base(statement, scope, defaults, findings, may_move=False)
+    rows = [waypoint.values for waypoint in statement.waypoints]
+    rows[0] = rows[0][2:]
+    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    positions, poses = [], []
+    for row in rows:
+        numbers = _numbers(statement, values, tuple(row), scope, defaults, robot, findings)
+        if of_joints:
+            if numbers is not None:
+                check_limits(robot, numbers, findings, statement.span(from_to(row[0].place, row[-1].place)))
+            positions.append(JointPosition(robot.home if numbers is None else constant(numbers)))
+        else:
+            poses.append(_pose_of(statement, numbers, base, findings))
+    where = Where(findings.source, statement.span(word.place))
+    scope.declare(word.name, Places(tuple(positions) if of_joints else tuple(poses)), where)
+
+
+def _pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
+    """A pose of x y z roll pitch yaw (6,) in a frame; the unit pose where one of both isn't known."""
+    transform = np.eye(4)
+    if base is not None and numbers is not None:
+        rotation = rotation_of(Values.POSE_RPY, numbers[3:], findings, lambda: statement.whole_span)
+        if rotation is not None:
+            transform[:3, :3], transform[:3, 3] = rotation, numbers[:3]
+        transform = base.transform @ transform
+    told = None if numbers is None else constant(numbers)
+    return Pose(constant(transform), base.link if base is not None else None, told)
 
 
 def _rows_of(

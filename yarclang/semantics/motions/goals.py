@@ -9,13 +9,14 @@ import numpy as np
 from yarclang.commands.spec import Values
 from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal, Told
 from yarclang.semantics.motions.line import Line
-from yarclang.semantics.motions.moved import named_poses, takes_names
+from yarclang.semantics.motions.moved import meaning_of, named_poses, takes_names
 from yarclang.semantics.names.commands import ResolvedName
 from yarclang.semantics.names.scope import KINDS, Frame, JointPosition, Pose
+from yarclang.semantics.values.evaluate import EvaluationError, place_named
 from yarclang.semantics.values.numbers import numbers_of
 from yarclang.semantics.values.poses import check_limits, rotation_of
 from yarclang.subjects import unknown
-from yarclang.syntax.ast import WayPoint, Word
+from yarclang.syntax.ast import Computed, WayPoint, Word
 from yarclang.syntax.leaves import from_to
 from yarclang.transforms import constant
 
@@ -83,9 +84,9 @@ def _named_goal(
     line: Line, waypoint: WayPoint, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
     """A way-point that is one name: of a pose, or for commands that take joint values, whatever the target, of a joint position."""
-    if (word := _one_word(waypoint)) is None:
+    if (word := _one_word(waypoint)) is None and (place := _of_table(waypoint, line)) is None:
         return None
-    found = line.scope.name(word.name)
+    found = line.scope.name(word.name) if word is not None else place
     if isinstance(found, Pose) and not values.is_delta and not line.name.spec.is_timed:
         if values is Values.POSITION:
             return constant(found.transform[:3, 3])
@@ -96,6 +97,13 @@ def _named_goal(
         if found.told is not None and found.link is not None and moving is not None:
             told = Told(found.told, found.link, moving)
         return PoseGoal(found.transform, frames[0].transform, told=told)
+    if word is None:
+        span = line.statement.span(waypoint.place)
+        if not isinstance(found, JointPosition) or not takes_names(line.name):
+            message = f"{waypoint.values[0].text} is {KINDS[type(found)]}, and {line.name.full} takes none"
+            line.findings.add("Y0209", message, span)
+            return JointGoal(line.robot.home)
+        return JointGoal(found.q)
     if not takes_names(line.name):
         return None
     position = _joint_position(line, word)
@@ -107,6 +115,18 @@ def _one_word(waypoint: WayPoint) -> Word | None:
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
     return None if word.name in {"NAN", "INF", "INFINITY"} else word
+
+
+def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
+    """Return the pose or joint position of a table that stands alone for a way-point; the first one, with a finding, where the index is wrong."""
+    if len(waypoint.values) != 1 or not isinstance(value := waypoint.values[0], Computed):
+        return None
+    try:
+        return place_named(value.expression, line.scope)
+    except EvaluationError as error:
+        line.findings.add_error(error, line.statement.span(error.place))
+        found = meaning_of(value, line.scope)
+        return found if isinstance(found, Pose | JointPosition) else None
 
 
 def _is_strange(line: Line, waypoint: WayPoint, values: Values) -> bool:

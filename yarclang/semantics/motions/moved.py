@@ -9,9 +9,11 @@ from yarclang.hir import FrameLink
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.names.commands import ResolvedName
 from yarclang.semantics.names.frames import base_axes, known_frame, moving_frame
-from yarclang.semantics.names.scope import Frame, Pose
+from yarclang.semantics.names.scope import Frame, Named, Places, Pose, Scope
+from yarclang.semantics.values.evaluate import EvaluationError, place_named
 from yarclang.subjects import LeftOut
-from yarclang.syntax.ast import Statement, Word
+from yarclang.syntax.ast import Computed, Statement, Word
+from yarclang.syntax.expressions import Element
 
 
 @frozen(eq=False)
@@ -34,7 +36,9 @@ def moved_by(line: Line) -> Moved:
     """The frames of a command, with findings where it doesn't say them, or they can't be what they are named for."""
     statement, defaults = line.statement, line.defaults
     poses = named_poses(line)
-    if not poses and (line.values.of_joints or (takes_names(line.name) and _all_named(statement))):
+    if not poses and (
+        line.values.of_joints or (takes_names(line.name) and _all_named(statement, line.scope))
+    ):
         # joint values need no frames; those given change nothing, but have to exist
         for frame in (statement.moving, statement.base):
             if frame is not None:
@@ -51,7 +55,7 @@ def moved_by(line: Line) -> Moved:
         subject = LeftOut("the frame that it moves")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
     may_move = line.name.spec.frames_may_move
-    if poses and (line.values.of_joints or _all_named(statement)):
+    if poses and (line.values.of_joints or _all_named(statement, line.scope)):
         base = _base_of(line, poses)
     elif statement.base is not None:
         base = base_axes(statement, statement.base, line.scope, may_move, line.findings)
@@ -67,20 +71,31 @@ def moved_by(line: Line) -> Moved:
     return Moved((moving, base), moving.link)
 
 
-def named_poses(line: Line) -> tuple[tuple[Word, Pose], ...]:
-    """The way-points of a command that are names of poses; none of increments and timetables, which have no poses."""
+def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
+    """The way-points of a command that are names of poses, or poses of tables; none of increments and timetables, which have no poses."""
     if line.values.is_delta or line.name.spec.is_timed:
         return ()
-    found: list[tuple[Word, Pose]] = []
+    found: list[tuple[Word | Computed, Pose]] = []
     for waypoint in line.statement.waypoints:
-        if len(waypoint.values) == 1 and isinstance(word := waypoint.values[0], Word):
-            meaning = line.scope.name(word.name)
+        if len(waypoint.values) == 1 and isinstance(word := waypoint.values[0], Word | Computed):
+            meaning = meaning_of(word, line.scope)
             if isinstance(meaning, Pose):
                 found.append((word, meaning))
     return tuple(found)
 
 
-def _base_of(line: Line, poses: tuple[tuple[Word, Pose], ...]) -> Frame:
+def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
+    """Return what stands alone for a way-point: what a name means, or a pose or joint position of a table, the first one where the index is wrong."""
+    if isinstance(value, Word):
+        return scope.name(value.name)
+    try:
+        return place_named(value.expression, scope)
+    except EvaluationError:
+        found = scope.name(value.expression.table.name) if isinstance(value.expression, Element) else None
+        return found.rows[0] if isinstance(found, Places) else None
+
+
+def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Frame:
     """The frame in which the first pose is given, of a command whose way-points need none of their own; a finding for one that the line names."""
     word, pose = poses[0]
     if line.statement.base is not None:
@@ -109,8 +124,13 @@ def takes_names(name: ResolvedName) -> bool:
     return name.spec.targets.get("") is Values.JOINTS
 
 
-def _all_named(statement: Statement) -> bool:
-    """Whether every way-point is one word: the name of a joint position."""
+def _all_named(statement: Statement, scope: Scope) -> bool:
+    """Whether every way-point is one word, or an element of a table of places."""
     return bool(statement.waypoints) and all(
-        len(waypoint.values) == 1 and isinstance(waypoint.values[0], Word) for waypoint in statement.waypoints
+        len(waypoint.values) == 1
+        and (
+            isinstance(value := waypoint.values[0], Word)
+            or (isinstance(value, Computed) and meaning_of(value, scope) is not None)
+        )
+        for waypoint in statement.waypoints
     )

@@ -81,6 +81,18 @@ class Table:
 
 
 @frozen(eq=False)
+class Places:
+    """A TABLE of poses or of joint positions, which has one index."""
+
+    rows: tuple[Pose, ...] | tuple[JointPosition, ...]
+
+    @property
+    def sizes(self) -> tuple[int]:
+        """The number of values that the index goes through."""
+        return (len(self.rows),)
+
+
+@frozen(eq=False)
 class Formula:
     """A FUNC.
 
@@ -128,11 +140,14 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
-Named = Amount | Table | Formula | JointPosition | Pose | Register | Input | Output | Routine | Library
+Named = (
+    Amount | Table | Places | Formula | JointPosition | Pose | Register | Input | Output | Routine | Library
+)
 
 KINDS: dict[type, str] = {
     Amount: "a number",
     Table: "a table",
+    Places: "a table of places",
     Formula: "a function",
     JointPosition: "a joint position",
     Register: "a register",

@@ -6,7 +6,7 @@ import math
 
 from yarclang.decisions import Register
 from yarclang.diagnostics import FindingError
-from yarclang.semantics.names.scope import KINDS, Formula, Input, Scope, Table
+from yarclang.semantics.names.scope import KINDS, Formula, Input, JointPosition, Places, Pose, Scope, Table
 from yarclang.semantics.values.amounts import Amount, AmountError, binary, function, no_unit, unary
 from yarclang.subjects import Subject, unknown
 from yarclang.syntax.expressions import Applied, Binary, Bracket, Element, Expression, Function, Name, Unary
@@ -120,6 +120,10 @@ def table_of(element: Element, scope: Scope) -> Table:
         EvaluationError: there is none of its name, or it has another number of indices.
     """
     name, found = element.table, scope.name(element.table.name)
+    if isinstance(found, Places):
+        message = f"{name.text} has poses or joint positions, and no numbers"
+        help_ = f"$({name.text}[0]) stands alone for a way-point"
+        raise EvaluationError(name.place, "Y0209", message, help_)
     if not isinstance(found, Table):
         known = sorted(set(scope.names(Table)))
         if found is not None:
@@ -128,12 +132,36 @@ def table_of(element: Element, scope: Scope) -> Table:
         subject = unknown(name.text, known)
         help_ = subject.question or (f"there are {', '.join(known[:8])}" if known else "declare it by TABLE")
         raise EvaluationError(name.place, "Y0210", f"no table is named {name.text}", help_, subject)
-    sizes, given = found.sizes, len(element.indices)
+    _check_indices(element, found.sizes)
+    return found
+
+
+def _check_indices(element: Element, sizes: tuple[int, ...]) -> None:
+    name, given = element.table, len(element.indices)
     if given != len(sizes):
         wanted, example = ("one index", "I") if len(sizes) == 1 else ("two indices", "I, J")
         message = f"{name.text} takes {wanted}, {given} {'is' if given == 1 else 'are'} given"
         raise EvaluationError(element.place, "Y0457", message, f"write {name.text}[{example}]")
-    return found
+
+
+def is_place(expression: Expression, scope: Scope) -> bool:
+    """Return True if an expression is an element of a table of poses or joint positions, whether there is one or not."""
+    return isinstance(expression, Element) and isinstance(scope.name(expression.table.name), Places)
+
+
+def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | None:
+    """Return the pose or joint position that an element of a table is; None of any other expression.
+
+    Raises:
+        EvaluationError: the table has no such element.
+    """
+    if not isinstance(expression, Element) or not isinstance(
+        found := scope.name(expression.table.name), Places
+    ):
+        return None
+    _check_indices(expression, found.sizes)
+    (index,) = expression.indices
+    return found.rows[_index(index, evaluate(index, scope), len(found.rows), expression.table, "place")]
 
 
 def _element(element: Element, scope: Scope) -> Amount:

@@ -187,6 +187,26 @@ def test_a_command_is_moved_into_a_block_as_its_neighbours_are():
         move(program(text), 2, 4)
 
 
+def test_tables_of_places_and_ceilings_have_fields():
+    text = (
+        "TABLE SPOTS POSE 1 2 3 0 0 0; 4 5 6 0 0 0 (mm,deg) {B}\nTABLE STANDS JOINTS 0 0 0 0 20 0; 10 0 0 0 20 0 (deg)\n"
+        "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=250] (mm,s) BLEND <=5\nP0020 MOVEJ $(STANDS[0]) [V 5]\nFUNC MID(A, B) = (A + B) / 2\n"
+    )
+    found = program(text)
+
+    def line(number, **fields):
+        return applied(text, change(found, number, fields).edits).splitlines()[number - 1]
+
+    assert line(1, **{"1.0": "7"}) == "TABLE SPOTS POSE 1 2 3 0 0 0; 7 5 6 0 0 0 (mm,deg) {B}"
+    assert line(1, base="TABLE") == "TABLE SPOTS POSE 1 2 3 0 0 0; 4 5 6 0 0 0 (mm,deg) {TABLE}"
+    assert line(2, **{"0.4": "30"}) == "TABLE STANDS JOINTS 0 0 0 0 30 0; 10 0 0 0 20 0 (deg)"
+    assert line(3, target="$(SPOTS[0])") == "P0010 MOVEL {TCP} $(SPOTS[0]) [V<=250] (mm,s) BLEND <=5"
+    assert line(3, ceiling="100", blend="2") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=100] (mm,s) BLEND <=2"
+    assert line(3, speed="80") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V 80] (mm,s) BLEND <=5"
+    assert line(3, blend="") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=250] (mm,s)"
+    assert line(5, expression="A*B") == "FUNC MID(A, B) = A*B"
+
+
 def test_fields_are_changed_in_their_places():
     text = "DEFAULT {TCP} [50%] (mm,deg) {B}\nP0010   MOVEL  1.00 2  3 0 0 0   BLEND 5   ! there\nP0020 WAIT DOOR ON\nP0030 MOVEJ A NEAR B\n"
     found = program(text)
@@ -195,7 +215,7 @@ def test_fields_are_changed_in_their_places():
         return applied(text, change(found, number, fields).edits).splitlines()[number - 1]
 
     assert line(2, x="7.5") == "P0010   MOVEL  7.5 2  3 0 0 0   BLEND 5   ! there"
-    assert line(2, speed="100") == "P0010   MOVEL  1.00 2  3 0 0 0 [V 100]   BLEND 5   ! there"
+    assert line(2, speed="100") == "P0010   MOVEL  1.00 2  3 0 0 0 [V 100] (s)   BLEND 5   ! there"
     assert line(2, blend="", comment="") == "P0010   MOVEL  1.00 2  3 0 0 0"
     assert (
         line(2, time="4", base="TABLE", acc="30")
@@ -203,6 +223,7 @@ def test_fields_are_changed_in_their_places():
     )
     assert line(3, time="5") == "P0020 WAIT DOOR ON [5] (s)"
     assert line(4, target="READY", near="") == "P0030 MOVEJ READY"
+    assert line(2, ceiling="100") == "P0010   MOVEL  1.00 2  3 0 0 0 [V<=100] (s)   BLEND 5   ! there"
     for wrong in (
         {"x": "1 2"},
         {"x": ""},

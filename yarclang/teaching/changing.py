@@ -51,7 +51,7 @@ def _add_time_unit(
     program: Program, statement: Statement, placed: Mapping[str, Placed], changed: dict[str, str]
 ) -> None:
     """Give a new time its unit where neither the line nor DEFAULT has one."""
-    text = changed.get("time", "")
+    text = next((changed[name] for name in ("time", "speed", "ceiling") if changed.get(name)), "")
     if not text or text.upper() == "MIN" or "units" in changed or "units" not in placed:
         return
     if "time" in units_of(statement) or "time" in holding(program, statement.line).units:

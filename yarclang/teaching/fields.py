@@ -12,7 +12,7 @@ from yarclang.assist.vocabulary import command_of
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.frozen import frozen
-from yarclang.syntax.ast import FrameName, Option, Statement, Text, Value, Word
+from yarclang.syntax.ast import Computed, FrameName, Option, Statement, Text, Value, Word
 from yarclang.syntax.leaves import Place
 from yarclang.teaching.points import meanings, own_values
 from yarclang.units import UNITS, Kind
@@ -102,11 +102,16 @@ class Reader:
             if is_pose:
                 yield _frame("base", "Base frame", statement.base, "base")
         elif word == "TABLE" and statement.index is None:
+            first = statement.waypoints[0].values if statement.waypoints else ()
+            # behind the name stands POSE or JOINTS, of what isn't numbers
+            kind = first[1].name if len(first) > 1 and isinstance(first[1], Word) else ""
             for row, point in enumerate(statement.waypoints):
-                for column, value in enumerate(point.values[1:] if row == 0 else point.values):
+                for column, value in enumerate(point.values[1 + bool(kind) :] if row == 0 else point.values):
                     name = f"{row}.{column}" if len(statement.waypoints) > 1 else str(column)
                     yield _value(name, f"Number {name}", "number", value)
             yield _units_field(statement)
+            if kind == "POSE":
+                yield _frame("base", "Base frame", statement.base, "base")
         elif word == "DEFAULT":
             yield _frame("moving", "Moving frame", statement.moving, "moving")
             yield from _times(statement, has_speed=True, unit=self._unit("time"), speed="")
@@ -163,7 +168,11 @@ class Reader:
                 yield Placed(Field("file", "File", "text", text.text.strip('"')), "value", text.place, '"@"')
                 continue
             columns = self._columns(meaning, len(values))
-            if len(columns) == len(values):
+            if len(values) == 1 and len(columns) > 1 and isinstance(values[0], Computed):
+                # a pose or joint position of a table
+                target = Field(f"{front}target", f"{front}Target", "number", values[0].text)
+                yield Placed(target, "value", values[0].place)
+            elif len(columns) == len(values):
                 for (label, unit), value in zip(columns, values, strict=True):
                     name = front + label if front else label
                     yield Placed(Field(name, name, "number", value.text, unit), "value", value.place)
@@ -369,6 +378,8 @@ def _option(given: dict[str, Option], word: str, label: str, kind: FieldKind, un
     option = given.get(word)
     if option is None:
         return _absent(word.lower(), label, kind, unit, "option", form)
+    if option.at_most:
+        form = form.replace("@", "<=@")
     argument = option.argument
     text = argument.text if argument is not None else ""
     end = argument.place if argument is not None else option.word.place

@@ -10,8 +10,8 @@ from yarclang.teaching.fields import FieldKind
 
 _NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)?")
-_COMPUTED = re.compile(r"\$(?:[A-Za-z_][A-Za-z0-9_.]*|\([A-Za-z0-9_.+\-*/%<>=(), ]*\))")
-_EXPRESSION = re.compile(r"[A-Za-z0-9_.+\-*/%<>=(), ]+")
+_COMPUTED = re.compile(r"\$(?:[A-Za-z_][A-Za-z0-9_.]*|\([A-Za-z0-9_.+\-*/%<>=(), \[\]]*\))")
+_EXPRESSION = re.compile(r"[A-Za-z0-9_.+\-*/%<>=(), \[\]]+")
 _UNITS = re.compile(r"[A-Za-z]+(?:\s*,\s*[A-Za-z]+){0,2}")
 _ARGUMENT = re.compile(rf"(?:{_NUMBER.pattern})\s*\([A-Za-z]+\)|\{{\s*(?:{_NAME.pattern})\s*\}}")
 _LONGEST = 1000

@@ -204,7 +204,7 @@ def test_tables_of_places_and_ceilings_have_fields():
     assert line(3, ceiling="100", blend="2") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=100] (mm,s) BLEND <=2"
     assert line(3, speed="80") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V 80] (mm,s) BLEND <=5"
     assert line(3, blend="") == "P0010 MOVEL {TCP} $(SPOTS[1]) [V<=250] (mm,s)"
-    assert line(5, expression="A*B") == "FUNC MID(A, B) = A*B"
+    assert line(5, value="A*B") == "FUNC MID(A, B) = A*B"
 
 
 def test_fields_are_changed_in_their_places():

@@ -240,7 +240,7 @@ class Reader:
         assert statement.expression is not None
         place = _whole(self._sketch, statement)
         text = self._sketch.source.line(statement.line + place.row)[place.start - 1 : place.end - 1]
-        name, label = ("value", "Value") if word in ("LET", "SET") else ("condition", "Condition")
+        name, label = ("value", "Value") if word in ("LET", "FUNC", "SET") else ("condition", "Condition")
         return Placed(Field(name, label, "text", text), "value", place)
 
 
@@ -274,14 +274,14 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET, SET, IF, WHEN or WAIT: all of the code after the equals sign or the word, up to a time."""
+    """Return the place of the expression of a LET, FUNC, SET, IF, WHEN or WAIT: all of the code after the equals sign or the word, up to a time."""
     from yarclang.syntax.lines import code_of
 
     code = code_of(sketch.source.line(statement.line)).rstrip()
     if statement.time is not None:
         code = code[: statement.time.place.start - 1].rstrip()
     begin = statement.name.place.end - 1
-    if statement.name.name in ("LET", "SET"):
+    if statement.name.name in ("LET", "FUNC", "SET"):
         begin = code.index("=", begin) + 1
     begin += len(code[begin:]) - len(code[begin:].lstrip())
     return Place(0, begin + 1, len(code) + 1)

@@ -1,5 +1,6 @@
 """Parsing never raises, one fault costs one finding, and printing then parsing gives the same tree."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from syntax.writing import bare, motion, parsed, statement, statements
@@ -90,3 +91,10 @@ def test_places_are_columns_from_one():
 def test_an_endless_line_is_one_finding():
     result = parsed("P1 MOVEJ " + "0 " * LONGEST_LINE)
     assert [one.code for one in result.diagnostics] == ["Y0106"]
+
+
+@pytest.mark.parametrize(
+    "head", ["IF", "LET", "FUNC", "REPEAT", "P0010 MOVEJ", "SUB", "P0010 BLEND", "P0010", "END", "V"]
+)
+def test_at_most_stands_behind_no_head(head):
+    assert parsed(f"{head}<= 1 = 1").diagnostics

@@ -134,6 +134,8 @@ def _items(rows: Rows, children: Any) -> list[Any]:
             found += _numbers(child)
         elif kind == "PERCENT":
             found.append(Percent(str(child), float(str(child).rstrip("% \t")), place_of(child)))
+        elif kind == "CEILING":
+            found += _ceiling(child)
         elif kind in _LEAVES:
             found.append(_LEAVES[kind](str(child), place_of(child)))
         elif kind is None:
@@ -142,6 +144,13 @@ def _items(rows: Rows, children: Any) -> list[Any]:
     if computed:
         _check_blanks(found)
     return found
+
+
+def _ceiling(token: Any) -> list[Word | Other]:
+    """The V and the `<=` of `[V<=250]`."""
+    place = place_of(token)
+    word = Word(str(token)[0], Place(place.row, place.start, place.start + 1))
+    return [word, Other("<=", Place(place.row, place.end - 2, place.end))]
 
 
 _LEAVES: dict[str | None, Any] = {

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from programs import checked
 
 from yarclang.hir import (
     ArcMove,
@@ -20,7 +21,7 @@ from yarclang.hir import (
     Timetable,
     Timing,
 )
-from yarclang.identity import flat, key_of
+from yarclang.identity import fingerprint, flat, key_of
 from yarclang.source import SourceFile, Span
 
 plain = st.one_of(
@@ -124,3 +125,20 @@ def test_every_motion_says_where_it_ends(kind):
         assert step.goals[-1] is step.end
         np.testing.assert_array_equal(step.flange_from_moving, np.eye(4))
     assert step.leads_frame == (kind in (LineMove, ArcMove, PoseSplineMove))
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        ("P0010 MOVEJ 10 0 0 0 0 0 [MIN]", "P0010 MOVEJ 10 0 0 0 0 0 [V<=250]"),
+        ("P0010 MOVEJ 10 0 0 0 0 0 [V<=250]", "P0010 MOVEJ 10 0 0 0 0 0 [V<=251]"),
+        ("P0010 MOVEJ 10 0 0 0 0 0 BLEND 2", "P0010 MOVEJ 10 0 0 0 0 0 BLEND <=2"),
+    ],
+)
+def test_ceilings_and_blends_that_may_be_less_are_part_of_a_program(one, other):
+    head = "DEFAULT {TCP} [MIN] (mm,deg,s) {B}\n"
+    tail = "\nP0020 MOVEJ 0 0 0 0 0 0"
+    marks = [fingerprint(checked(f"{head}{line}{tail}")[0]) for line in (one, other)]
+    keys = [key_of(checked(f"{head}{line}{tail}")[0].steps[0]) for line in (one, other)]
+    assert marks[0] != marks[1]
+    assert keys[0] != keys[1]

@@ -57,7 +57,8 @@ def key_of(step: Motion) -> bytes:
             timing.share,
             timing.ramp,
             None if speed is None else _key_of_reading(speed),
-            timing.ceiling,
+            # only where there is one: what was written before there were any is the same program
+            *(() if timing.ceiling is None else (timing.ceiling,)),
         ),
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
@@ -73,7 +74,7 @@ def _key_of_link(link: FrameLink | None) -> Hashable:
 
 
 def _key_of_reading(reading: Reading) -> Hashable:
-    return reading.length, reading.angle, reading.or_less
+    return reading.length, reading.angle, *((True,) if reading.or_less else ())
 
 
 def _key_of_goal(goal: Goal) -> Hashable:
@@ -162,7 +163,9 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
         head, names = known
         feed(head)
         for name in names:
-            _feed(feed, getattr(value, name))
+            part = getattr(value, name)
+            if name not in _LATER or part is not _LATER[name]:
+                _feed(feed, part)
         feed(b")")
     elif isinstance(value, Origin):
         feed(f"{value.label};".encode())
@@ -175,6 +178,10 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
             _feed(feed, item)
     else:
         feed(f"{value!r};".encode())
+
+
+_LATER: dict[str, object] = {"ceiling": None, "or_less": False}
+"""Fields that came after programs had been written, with the value that says nothing: such a program is what it was."""
 
 
 @cache

@@ -12,6 +12,7 @@ from yarclang.collision.scene import Scene, scene_of
 from yarclang.robot.checklist.item import Item, listed
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
+from yarclang.shapes import Mesh
 
 POSITIONS = 200
 """Joint positions, spread over the limits, at which links are looked at."""
@@ -35,6 +36,10 @@ def body_items(robot: Robot) -> Iterator[Item]:
     scene = made.value
     links = list(dict.fromkeys(one.link for one in robot.shapes))
     yield Item("bodies", "ok", f"{len(robot.shapes)} shapes on {len(links)} links: {listed(links)}")
+    flat = flat_meshes(robot)
+    if flat:
+        remedy = "give the link or tool a <box> or a mesh with the thickness that it has"
+        yield Item("flat meshes", "to do", f"{listed(flat)}: the collision check sees no thickness", remedy)
     touch = _touching(scene, within(robot.chain, robot.limits, POSITIONS))
     always = _always(scene, robot, touch)
     if always:
@@ -51,6 +56,20 @@ def body_items(robot: Robot) -> Iterator[Item]:
     free = float((~touch.any(axis=1)).mean())
     yield Item(
         "self-collision", "ok", f"the robot doesn't touch itself in {free:.0%} of {POSITIONS} positions"
+    )
+
+
+def flat_meshes(robot: Robot) -> tuple[str, ...]:
+    """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none where a mesh can't be read."""
+    scene = scene_of(robot, None).value
+    named = [(one.link, one.shape) for one in robot.shapes]
+    named += [(tool.name, part.shape) for tool in robot.tools if tool.mounted for part in tool.shapes]
+    if scene is None:
+        return ()
+    return tuple(
+        f"the mesh {shape.path.name} of {name} is flat"
+        for (name, shape), body in zip(named, scene.bodies, strict=True)
+        if isinstance(shape, Mesh) and body.geometry.is_hollow
     )
 
 

@@ -202,7 +202,8 @@ def _write(folder: Path, made: NewRobot) -> None:
     """Write the folder, and say what is in it and what isn't."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
-    from yarclang.collision.checklist import touching_pairs
+    from yarclang.collision.checklist import flat_meshes, touching_pairs
+    from yarclang.collision.scene import scene_of
     from yarclang.robot.description import load_robot
     from yarclang.robot.new.writing import collision_table, guesses
 
@@ -217,8 +218,9 @@ def _write(folder: Path, made: NewRobot) -> None:
             raise SystemExit(1)
         written.append(path)
     loaded = load_robot(str(folder))
-    if loaded.value is None:
-        show_findings(loaded.diagnostics)
+    unreadable = scene_of(loaded.value, None).diagnostics if loaded.value is not None else ()
+    if loaded.value is None or unreadable:
+        show_findings((*loaded.diagnostics, *unreadable))
         _undo(folder, written)
         click.echo(f"no robot comes of this; {folder} isn't written", err=True)
         raise SystemExit(1)
@@ -231,7 +233,8 @@ def _write(folder: Path, made: NewRobot) -> None:
     chain = made.sketch.chain
     joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
     click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
-    for note in _notes(made):
+    flat = flat_meshes(loaded.value) if loaded.value is not None else ()
+    for note in (*_notes(made), *(f"{one}: the collision check sees no thickness" for one in flat)):
         click.echo(f"  note: {note}", err=True)
     show_findings(loaded.diagnostics)
     click.echo(

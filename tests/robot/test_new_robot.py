@@ -202,6 +202,15 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "the visual mesh no.dae isn't there" in result.output
     assert "gone.stl of quill isn't there" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
+    assert "Y1359" in yarc("robot", "check", tmp_path / "r").output
+    program = tmp_path / "a.yarc"
+    program.write_text(f'ROBOT "{tmp_path / "r"}"\nP0010 DMOVEJ 1 1 1 1 [5] (deg,mm,s)\n')
+    assert "Y1359" not in yarc("check", program).output
+    for command in ("settings", "plot"):
+        assert (
+            "Y1359"
+            not in yarc(command, "--robot", tmp_path / "r", *([program] if command == "plot" else [])).output
+        )
 
 
 def with_visuals(folder: Path, *names: str) -> Path:

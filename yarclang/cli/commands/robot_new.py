@@ -204,6 +204,7 @@ def _write(folder: Path, made: NewRobot) -> None:
     from yarclang.cli.work import write_whole
     from yarclang.collision.checklist import flat_meshes, touching_pairs
     from yarclang.collision.scene import scene_of
+    from yarclang.robot.bare_links import bare_links
     from yarclang.robot.description import load_robot
     from yarclang.robot.new.writing import collision_table, guesses
 
@@ -236,7 +237,8 @@ def _write(folder: Path, made: NewRobot) -> None:
     flat = flat_meshes(loaded.value) if loaded.value is not None else ()
     for note in (*_notes(made), *(f"{one}: the collision check sees no thickness" for one in flat)):
         click.echo(f"  note: {note}", err=True)
-    show_findings(loaded.diagnostics)
+    bare = bare_links(loaded.value) if loaded.value is not None else ()
+    show_findings((*loaded.diagnostics, *bare))
     click.echo(
         f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,

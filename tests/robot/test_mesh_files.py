@@ -28,7 +28,9 @@ PLY_BINARY = (
 )
 DAE = (
     b'<?xml version="1.0" encoding="utf-8"?>\n<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">'
-    b"<library_geometries><geometry><mesh/></geometry></library_geometries></COLLADA>"
+    b'<library_geometries><geometry><mesh><source id="p"><float_array id="pa" count="9">0 0 0 1 0 0 0 1 0</float_array></source>'
+    b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">'
+    b'<input semantic="VERTEX" source="#v" offset="0"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries></COLLADA>'
 )
 
 
@@ -182,7 +184,8 @@ DAE_CORNERS = (
     b'<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1"><library_geometries><geometry><mesh>'
     b'<source id="p"><float_array id="pa" count="9">%b 0 0 1 0 0 0 1 0</float_array></source>'
     b'<source id="n"><float_array id="na" count="3">%b 0 1</float_array></source>'
-    b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>'
+    b'<vertices id="v"><input semantic="POSITION" source="#p"/></vertices><triangles count="1">'
+    b'<input semantic="NORMAL" source="#n" offset="1"/><input semantic="VERTEX" source="#v" offset="0"/><p>0 0 1 0 2 0</p></triangles>'
     b"</mesh></geometry></library_geometries></COLLADA>"
 )
 
@@ -245,10 +248,10 @@ OBJ_LINES = st.one_of(
 
 @given(st.lists(OBJ_LINES, max_size=8), st.sampled_from([b"\n", b"\r\n"]))
 def test_the_quick_look_at_faces_never_hides_a_fault(lines, end):
-    from yarclang.robot.new import mesh_faults
+    from yarclang.meshes import obj
 
     content = end.join(lines)
-    plain = mesh_faults._is_plain(content)
+    plain = obj._is_plain(content)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(mesh_faults, "_is_plain", lambda _: False)
-        assert not plain or mesh_faults.obj_fault(content) == ""
+        patch.setattr(obj, "_is_plain", lambda _: False)
+        assert not plain or obj.obj_fault(content) == ""

@@ -30,6 +30,14 @@ SCARA = EXAMPLES / "scara.urdf"
 BOX = "<link name='{0}'/>"
 
 
+TRIANGLE = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+
+
+def solid(name: str) -> str:
+    """An STL of one triangle."""
+    return f"solid {name}\n{TRIANGLE}endsolid {name}\n"
+
+
 def tree(*joints: str, extra: str = "") -> str:
     """A URDF of joints `parent>child:type[:more]`; links are made as they are named."""
     links: list[str] = []
@@ -172,7 +180,7 @@ MESH = '<collision><geometry><mesh filename="{}"/></geometry></collision>'
 def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     for name in ("one", "two"):
         (tmp_path / "pack" / name).mkdir(parents=True)
-        (tmp_path / "pack" / name / "part.stl").write_text(f"solid {name}")
+        (tmp_path / "pack" / name / "part.stl").write_text(solid(name))
     text = SCARA.read_text()
     shapes = iter(
         [MESH.format("package://pack/one/part.stl"), MESH.format("two/part.stl"), MESH.format("gone.stl")]
@@ -186,7 +194,7 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     result = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in (tmp_path / "r" / "meshes").iterdir()) == ["part.stl", "part_2.stl"]
-    assert (tmp_path / "r" / "meshes" / "part_2.stl").read_text() == "solid two"
+    assert (tmp_path / "r" / "meshes" / "part_2.stl").read_text() == solid("two")
     copy = (tmp_path / "r" / "arm.urdf").read_text()
     assert 'filename="meshes/part.stl"' in copy
     assert "gone.stl" not in copy
@@ -194,9 +202,15 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "the visual mesh no.dae isn't there" in result.output
     assert "gone.stl of quill isn't there" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
-
-
-TRIANGLE = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\n"
+    assert "Y1359" in yarc("robot", "check", tmp_path / "r").output
+    program = tmp_path / "a.yarc"
+    program.write_text(f'ROBOT "{tmp_path / "r"}"\nP0010 DMOVEJ 1 1 1 1 [5] (deg,mm,s)\n')
+    assert "Y1359" not in yarc("check", program).output
+    for command in ("settings", "plot"):
+        assert (
+            "Y1359"
+            not in yarc(command, "--robot", tmp_path / "r", *([program] if command == "plot" else [])).output
+        )
 
 
 def with_visuals(folder: Path, *names: str) -> Path:
@@ -213,7 +227,7 @@ def test_what_the_links_look_like_comes_along(tmp_path):
     urdf = with_visuals(tmp_path / "pack", "a/cover.stl", "b/cover.stl", "a/cover.stl")
     for name in "ab":
         (tmp_path / "pack" / name).mkdir()
-        (tmp_path / "pack" / name / "cover.stl").write_text(f"solid {name}\n{TRIANGLE}endsolid {name}\n")
+        (tmp_path / "pack" / name / "cover.stl").write_text(solid(name))
     result = yarc("robot", "new", urdf, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
     assert "2 visual meshes copied" in result.output
@@ -296,7 +310,7 @@ def test_another_files_content_by_a_meshs_name_is_not_copied(kind, tmp_path):
 
 def test_a_mesh_elsewhere_is_copied_only_if_its_folder_is_named(tmp_path):
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "part.stl").write_text("solid mine")
+    (tmp_path / "mine" / "part.stl").write_text(solid("mine"))
     (tmp_path / "a").mkdir()
     (tmp_path / "a" / "link.stl").symlink_to(tmp_path / "mine" / "part.stl")
     for name in ("../mine/part.stl", str(tmp_path / "mine/part.stl"), "link.stl", "package://mine/part.stl"):
@@ -305,7 +319,7 @@ def test_a_mesh_elsewhere_is_copied_only_if_its_folder_is_named(tmp_path):
         out = tmp_path / name.replace("/", "_")
         result = yarc("robot", "new", urdf, "--yes", "-o", out, "--meshes", tmp_path / "mine")
         assert result.exit_code == 0, result.output
-        assert [path.read_text() for path in (out / "meshes").iterdir()] == ["solid mine"]
+        assert [path.read_text() for path in (out / "meshes").iterdir()] == [solid("mine")]
 
 
 @pytest.mark.parametrize(
@@ -322,13 +336,13 @@ def test_a_mesh_elsewhere_is_copied_only_if_its_folder_is_named(tmp_path):
 def test_the_meshes_of_a_package_come_along(urdf, package, mesh, name, tmp_path):
     path = with_mesh(tmp_path / urdf, name)
     (tmp_path / mesh).mkdir(parents=True)
-    (tmp_path / mesh / "part.stl").write_text("solid one")
+    (tmp_path / mesh / "part.stl").write_text(solid("one"))
     if package:
         (tmp_path / package).mkdir(parents=True, exist_ok=True)
         (tmp_path / package / "package.xml").write_text("<package/>")
     result = yarc("robot", "new", path, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
-    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == "solid one"
+    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == solid("one")
 
 
 def test_a_package_whose_files_are_all_links_is_its_own(tmp_path):
@@ -336,20 +350,20 @@ def test_a_package_whose_files_are_all_links_is_its_own(tmp_path):
     source, installed = tmp_path / "src" / "arm", tmp_path / "install" / "share" / "arm"
     with_mesh(source / "urdf", "package://arm/meshes/part.stl")
     (source / "meshes").mkdir()
-    (source / "meshes" / "part.stl").write_text("solid one")
+    (source / "meshes" / "part.stl").write_text(solid("one"))
     (source / "package.xml").write_text("<package/>")
     for name in ("urdf/arm.urdf", "meshes/part.stl", "package.xml"):
         (installed / name).parent.mkdir(parents=True, exist_ok=True)
         (installed / name).symlink_to(source / name)
     result = yarc("robot", "new", installed / "urdf" / "arm.urdf", "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
-    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == "solid one"
+    assert (tmp_path / "r" / "meshes" / "part.stl").read_text() == solid("one")
 
 
 def test_a_package_named_by_a_way_out_is_none(tmp_path):
     (tmp_path / "share" / "other").mkdir(parents=True)
     (tmp_path / "share" / "other" / "package.xml").write_text("<package/>")
-    (tmp_path / "share" / "mine.stl").write_text("solid mine")
+    (tmp_path / "share" / "mine.stl").write_text(solid("mine"))
     refused(with_mesh(tmp_path / "share/arm/urdf", "package://other/../mine.stl"), "Y1364")
     refused(with_mesh(tmp_path / "share/arm/urdf", "package://../share/mine.stl"), "Y1364")
 
@@ -382,7 +396,7 @@ def test_a_mesh_that_is_too_large_is_not_read(tmp_path):
 def test_meshes_that_are_too_large_together_are_not_copied(tmp_path, monkeypatch):
     monkeypatch.setattr("yarclang.robot.new.copying.LARGEST_TOGETHER", 15)
     for name in ("a", "b"):
-        (tmp_path / f"{name}.stl").write_text("solid one")
+        (tmp_path / f"{name}.stl").write_text(solid("one"))
     urdf = with_mesh(tmp_path, "a.stl", "a.stl", "b.stl")
     result = yarc("robot", "new", urdf, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 1
@@ -393,7 +407,7 @@ def test_meshes_that_are_too_large_together_are_not_copied(tmp_path, monkeypatch
 def test_no_name_leads_out_of_the_new_folder(tmp_path):
     (tmp_path / "a" / "..." / "b").mkdir(parents=True)
     for name in ("..stl", ".../b/..obj.stl", "%2e%2e%2fout.stl", "-rf.stl", "~.stl"):
-        (tmp_path / "a" / name).write_text("solid one")
+        (tmp_path / "a" / name).write_text(solid("one"))
         urdf = with_mesh(tmp_path / "a", name)
         out = tmp_path / "made" / name.replace("/", "_")
         result = yarc("robot", "new", urdf, "--yes", "-o", out)

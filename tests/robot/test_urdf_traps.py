@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import time
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from programs import compiled
 
@@ -24,6 +26,8 @@ from tests.robot.trap_arms import (
     robot,
     written,
 )
+from yarclang.robot.actuation import from_counts
+from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics import flange_poses, reaching
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.new.folder import open_arm
@@ -310,3 +314,89 @@ def test_a_hundred_megabytes_are_refused_quickly(tmp_path):
     result = yarc("robot", "new", tmp_path / "arm.urdf", "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 1
     assert "Y1302" in result.output
+
+
+K, B = -0.75, 0.1
+"""Of the joint `level`: q = K q' + B [rad]."""
+
+
+def palletizer(more: str) -> str:
+    """Five joints, of which `level` follows joint_3, if `more` says so."""
+    return robot(
+        link("base_link"),
+        *(link(f"link_{number}") for number in range(1, 6)),
+        joint("joint_1", "base_link", "link_1", (0, 0, 0.7425)),
+        joint("joint_2", "link_1", "link_2", (0.26, 0, 0), Y),
+        joint("joint_3", "link_2", "link_3", (0, 0, 0.945), Y),
+        joint("level", "link_3", "link_4", (1.025, 0, 0), Y, more=more),
+        joint("joint_6", "link_4", "link_5", (0.22, 0, -0.2)),
+    )
+
+
+def test_a_coupled_chain_is_written_in_J_as_the_message_says(tmp_path):
+    """The numbers of the message, put into robot.toml, make the arm that Pinocchio makes of the URDF with its <mimic>."""
+    coupled = palletizer(f'<mimic joint="joint_3" multiplier="{K}" offset="{B}"/>')
+    result = yarc("robot", "new", written(tmp_path, coupled), "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    said = " ".join(result.output.split())
+    assert "level [deg] = -0.75 * joint_3 [deg] + 5.72957795131 (multiplier -0.75, offset 0.1)" in said
+    row = re.search(
+        r"its row of J is (\S+) for joint_3, 1 for level and 0 else, and its a0 is (\S+) \* K", said
+    )
+    factor, offset = (float(value) for value in row.groups())
+
+    # the motor axes that can be coupled are X Y Z
+    made(written(tmp_path, palletizer("")), tmp_path / "r", "--counts", "1000")
+    toml = tmp_path / "r" / "robot.toml"
+    text = toml.read_text()
+    rows = np.eye(5)
+    rows[3, 2] = factor
+    for pattern, new in (
+        (r"^J = .*$", f"J = {rows.tolist()}"),
+        (r"^a0 = .*$", f"a0 = [0, 0, 0, {offset * 1000.0!r}, 0]"),
+        (r"^axes = .*$", 'axes = ["A", "B", "X", "Y", "C"]'),
+    ):
+        text, count = re.subn(pattern, new, text, flags=re.MULTILINE)
+        assert count == 1, pattern
+    toml.write_text(text)
+    loaded = load_robot(str(tmp_path / "r"))
+    assert loaded.value is not None, loaded.diagnostics
+
+    # where the motor of `level` stands at 0 counts, and the others anywhere
+    counts = np.random.default_rng(0).uniform(-5e4, 5e4, (200, 5))
+    counts[:, 3] = 0.0
+    q = from_counts(loaded.value, counts)
+    np.testing.assert_allclose(q[:, 3], K * q[:, 2] + B, atol=1e-12)
+    model = pin.buildModelFromXML(coupled, mimic=True)
+    state = model.createData()
+    assert model.nq == 4
+    base, tip = (model.getFrameId(name, pin.FrameType.BODY) for name in ("base_link", "link_5"))
+    for values, pose in zip(q, flange_poses(loaded.value.chain, q), strict=True):
+        pin.framesForwardKinematics(model, state, np.delete(values, 3))
+        true = (state.oMf[base].inverse() * state.oMf[tip]).homogeneous
+        np.testing.assert_allclose(pose, true, atol=1e-9)
+    result, diagnostics = compiled("P0010 DMOVEJ 5 5 5 5 5 [MIN] (deg,s)", str(tmp_path / "r"))
+    assert result is not None, diagnostics
+
+
+def test_a_chain_that_follows_a_joint_elsewhere_has_no_row(tmp_path):
+    text = palletizer('<mimic joint="wheel_joint" multiplier="2"/>').replace(
+        "</robot>", link("wheel") + joint("wheel_joint", "base_link", "wheel", kind="prismatic") + "</robot>"
+    )
+    result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
+    said = " ".join(result.output.split())
+    assert "level [deg] = 0.114591559026 * wheel_joint [mm] + 0 (multiplier 2, offset 0)" in said
+    assert "wheel_joint isn't another joint of the chain" in said
+    assert "row of J" not in said
+
+
+@pytest.mark.parametrize(
+    "mimic",
+    ["<mimic/>", '<mimic joint="joint_3" multiplier="abc"/>', '<mimic joint="joint_3" offset="nan"/>', '<mimic joint="joint_3" offset=""/>'],
+)  # fmt: skip
+def test_a_mimic_that_is_none_is_named(mimic, tmp_path, capfd):
+    result = yarc("robot", "new", written(tmp_path, palletizer(mimic)), "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert re.search(r"Y134[25]", result.output)
+    assert "mimic" in result.output
+    assert capfd.readouterr() == ("", "")  # Pinocchio prints at the third

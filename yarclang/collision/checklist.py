@@ -12,6 +12,7 @@ from yarclang.collision.scene import Scene, scene_of
 from yarclang.robot.checklist.item import Item, listed
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
+from yarclang.shapes import Mesh
 
 POSITIONS = 200
 """Joint positions, spread over the limits, at which links are looked at."""
@@ -35,7 +36,11 @@ def body_items(robot: Robot) -> Iterator[Item]:
     scene = made.value
     links = list(dict.fromkeys(one.link for one in robot.shapes))
     yield Item("bodies", "ok", f"{len(robot.shapes)} shapes on {len(links)} links: {listed(links)}")
-    touch = _touching(scene, within(robot.chain, robot.limits, POSITIONS))
+    flat = flat_meshes(robot)
+    if flat:
+        remedy = "give the link or tool a <box> or a mesh with the thickness that it has"
+        yield Item("flat meshes", "to do", f"{listed(flat)}: the collision check sees no thickness", remedy)
+    touch = touching(scene, within(robot.chain, robot.limits, POSITIONS))
     always = _always(scene, robot, touch)
     if always:
         found = f"{listed([' and '.join(pair) for pair in always])} touch in HOME, or in more than {OFTEN:.0%} of {POSITIONS} positions"
@@ -54,6 +59,20 @@ def body_items(robot: Robot) -> Iterator[Item]:
     )
 
 
+def flat_meshes(robot: Robot) -> tuple[str, ...]:
+    """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none where a mesh can't be read."""
+    scene = scene_of(robot, None).value
+    named = [(one.link, one.shape) for one in robot.shapes]
+    named += [(tool.name, part.shape) for tool in robot.tools if tool.mounted for part in tool.shapes]
+    if scene is None:
+        return ()
+    return tuple(
+        f"the mesh {shape.path.name} of {name} is flat"
+        for (name, shape), body in zip(named, scene.bodies, strict=True)
+        if isinstance(shape, Mesh) and body.geometry.is_hollow
+    )
+
+
 def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     """The pairs of bodies, by name, that seem to touch whatever the robot does, and why; none where a mesh can't be read.
 
@@ -63,9 +82,9 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     scene = scene_of(robot, None, lenient=False).value
     if scene is None or not len(scene.pairs.first):
         return ()
-    touch = _touching(scene, within(robot.chain, robot.limits, POSITIONS))
-    here = _touching(scene, robot.home[None])[0]
-    shares = _by_names(scene, touch)
+    touch = touching(scene, within(robot.chain, robot.limits, POSITIONS))
+    here = touching(scene, robot.home[None])[0]
+    shares = by_names(scene, touch)
     home = {scene.names(int(pair)) for pair in np.flatnonzero(here)}
     found = []
     for pair, share in sorted(shares.items()):
@@ -75,7 +94,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     return tuple(found)
 
 
-def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
+def by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
     """In which share of the positions (P, K) some of the shapes of two bodies touch."""
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for pair in range(len(scene.pairs.first)):
@@ -104,12 +123,12 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
     """The pairs that touch in HOME or nearly everywhere."""
-    often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
-    here = [scene.names(int(pair)) for pair in np.flatnonzero(_touching(scene, robot.home[None])[0])]
+    often = [names for names, share in by_names(scene, touch).items() if share > OFTEN]
+    here = [scene.names(int(pair)) for pair in np.flatnonzero(touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))
 
 
-def _touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
+def touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
     """Which pairs touch (P, K) at joint positions `q` (P, n)."""
     count, pairs = len(q), len(scene.pairs.first)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)

@@ -8,9 +8,14 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
+from yarclang.meshes.faults import mesh_fault
+from yarclang.meshes.ply import read_ply
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
+from yarclang.units import MM
 
 
 @frozen(eq=False)
@@ -44,6 +49,10 @@ class Geometry:
 
 _FLAT = 1e-6
 """Thinner than this [m], a mesh has no hull that coal could make."""
+
+
+_FAR = 1e5
+"""No corner is farther from its mesh's origin than this [m]: coal can't make a hull of what is very large."""
 
 
 class UnreadableError(Exception):
@@ -82,21 +91,22 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """The triangles of a file, or their convex hull, where they aren't all in one plane."""
-    import coal
-
-    scale = np.array(shape.scale) * shape.unit
-    try:
-        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(shape.path), scale)
-    except Exception as error:  # assimp and boost throw several kinds, and all mean the same
-        raise UnreadableError("can't be read: it isn't one, or is damaged") from error
-    if model.num_tris == 0:
-        raise UnreadableError("has no triangles")
+    model = load_mesh(shape)
     corners: Array = np.asarray(model.vertices())
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
+    if (far := float(np.abs(corners).max())) > _FAR:
+        raise UnreadableError(
+            f"has a corner {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed: check its unit and scale"
+        )
     low, high = corners.min(axis=0), corners.max(axis=0)
+    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    if len(spread) < 2 or spread[1] <= _FLAT:
+        raise UnreadableError(
+            f"has no area: all its corners lie within {_FLAT / MM:g} mm of one line; check its scale"
+        )
     middle, half = (low + high) / 2.0, (high - low) / 2.0
-    if hull and np.linalg.svd(corners - middle, compute_uv=False)[-1] > _FLAT:
+    if hull and len(spread) == 3 and spread[2] > _FLAT:
         model.buildConvexHull(True, "Qt")
         outer: Array = np.asarray(model.convex.points()) - middle
         return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
@@ -108,6 +118,47 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     return Geometry(
         model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
     )
+
+
+def load_mesh(shape: Mesh) -> Any:
+    """Return coal's model of a mesh [m].
+
+    Raises:
+        UnreadableError: it isn't one, or has a fault of which coal would leave out a face, or end the process.
+    """
+    import coal
+
+    try:
+        content = read_whole(shape.path, LARGEST_MESH)
+    except OSError as error:
+        raise UnreadableError(f"can't be read: {reason_of(error)}") from error
+    scale = np.array(shape.scale) * shape.unit
+    if shape.path.suffix.lower() == ".ply":  # of some that are damaged coal's reader ends the process
+        read = read_ply(content)
+        if isinstance(read, str):
+            raise UnreadableError(read)
+        return _modelled(read[0] * scale, read[1])
+    if fault := mesh_fault(shape.path.suffix, content):
+        raise UnreadableError(fault)
+    try:
+        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(shape.path), scale)
+    except Exception as error:  # assimp and boost throw several kinds, and all mean the same
+        raise UnreadableError("can't be read: it isn't one, or is damaged") from error
+    if model.num_tris == 0:
+        raise UnreadableError("has no triangles")
+    return model
+
+
+def _modelled(corners: Array, faces: NDArray[np.int64]) -> Any:
+    """Return coal's model of corners (V, 3) [m] and triangles (T, 3)."""
+    import coal
+
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(faces), len(corners))
+    model.addVertices(corners)
+    model.addTriangles(faces)
+    model.endModel()
+    return model
 
 
 def _closed(triangles: Array) -> Array | None:

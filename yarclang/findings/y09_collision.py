@@ -40,7 +40,8 @@ FINDINGS = (
         "unreadable-mesh",
         "error",
         "a mesh can't be read",
-        "A body without its shape would be passed through in silence, so that a mesh which can't be read, or has no triangles, stops the compiler.",
+        "A body without its shape, or without a part of it, would be passed through in silence, so that a mesh which can't be read stops the compiler: one without triangles, one that is cut off, one with a "
+        "corner that is no finite number, with a face whose corners aren't there, or with all corners on one line.",
         'shape = "mesh"\nfile = "press.stl"     # an empty file, or none of STL, OBJ, DAE, PLY',
     ),
     Finding(

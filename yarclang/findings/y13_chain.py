@@ -116,7 +116,7 @@ FINDINGS: tuple[Finding, ...] = (
         "no-collision-shape",
         "warning",
         "a moving link has no collision shape",
-        "The collision check can't see the link, and lets it pass through everything.",
+        "The collision check can't see the link, and lets it pass through everything. `yarc robot new` and `yarc robot check` say it; commands that work on programs don't repeat it.",
     ),
     Finding(
         "Y1365",

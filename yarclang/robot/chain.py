@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from yarclang.robot.mimic import mimic_of
 from yarclang.robot.model import Chain
 from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 from yarclang.robot.urdf_xml import Element
@@ -38,15 +39,17 @@ def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = 
     """
     inside = {joint.name for joint in joints}
     sound = True
+    every = tuple(urdf.joints.values())
     for joint in joints:
-        mimic = joint.element.first("mimic")
+        mimic = mimic_of(joint, every)
         if joint.kind in UNARMED:
             message = f"Joint {joint.name} is {joint.kind}, which an arm's joint can't be."
             urdf.say("Y1351", message, _TYPES, joint.element, "type")
             sound = False
         elif mimic is not None:
-            message = f"Joint {joint.name} mimics another, so it has no motor of its own."
-            urdf.say("Y1351", message, "Make it fixed, or couple its motor in J of robot.toml.", mimic)
+            message = f"Joint {joint.name} mimics another, {mimic.equation}, so it has no motor of its own."
+            place = joint.element.first("mimic") or joint.element
+            urdf.say("Y1351", message, f"Make it fixed. {mimic.remedy(joints)}", place)
     for joint in urdf.joints.values():
         if joint.kind != "fixed" and joint.name not in inside and joint.name not in ignored:
             message = f"Joint {joint.name} is {joint.kind}, but isn't between the base and the flange."

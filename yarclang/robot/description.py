@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
-from yarclang.robot.chain import check_bodies, check_chain, find_links, frozen, joints_between, screws
+from yarclang.robot.chain import check_chain, find_links, frozen, joints_between, screws
 from yarclang.robot.checks import check_narrower, check_table
 from yarclang.robot.contacts import allowed_pairs
 from yarclang.robot.controller import Kind
@@ -127,7 +127,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
         for key, message, remedy, subject in lost:
             file.say("Y1347", (key,), message, remedy, subject)
         if len(ends) == 2 and not lost:
-            moving = _chain(file, urdf, (ends["base"], ends["flange"]), shapes, draft.table.ignored_joints)
+            moving = _chain(file, urdf, (ends["base"], ends["flange"]), draft.table.ignored_joints)
     check_table(file, draft, moving)
     check_tools(file, draft, folder)
     if urdf is not None and moving is not None:
@@ -177,7 +177,6 @@ def _chain(
     file: TomlFile,
     urdf: Urdf,
     ends: tuple[str, str],
-    shapes: Mapping[str, Sequence[str]],
     ignored: Sequence[str],
 ) -> tuple[Joint, ...] | None:
     """The moving joints from base to flange, or None and a finding."""
@@ -207,7 +206,6 @@ def _chain(
         ]
         file.say("Y1362", ("ignored_joints", at), message, *did_you_mean(name, strays))
     sound = check_chain(urdf, joints, ignored)
-    check_bodies(urdf, joints, shapes)
     return moving if sound else None
 
 

@@ -157,6 +157,7 @@ def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
         urdf.say("Y1316", message, "Exchange the two.", limit, "lower")
     velocity = _limit(urdf, limit, "velocity", required=True)
     _limit(urdf, limit, "effort", required=True)
+    _check_mimic(urdf, name, joint.first("mimic"))
     for tag, needed in _ATTRIBUTES.items():
         extra = joint.first(tag)
         if extra is not None:
@@ -185,6 +186,16 @@ def _check_attributes(urdf: Urdf, place: Element, keys: tuple[tuple[str, ...], t
         if value is not None and value[0] < 0.0 and key in ("damping", "friction"):
             message = f"The {key} of a joint is {value[0]:g}, but must not be negative."
             urdf.say("Y1346", message, "Give it without a sign.", place, key)
+
+
+def _check_mimic(urdf: Urdf, name: str, mimic: Element | None) -> None:
+    if mimic is None:
+        return
+    if not mimic.attributes.get("joint"):
+        remedy = 'Write <mimic joint="..."/> with the joint that it follows.'
+        urdf.say("Y1342", f"<mimic> of joint {name} has no joint.", remedy, mimic)
+    urdf.numbers(mimic, "multiplier", 1, (1.0,))
+    urdf.numbers(mimic, "offset", 1, (0.0,))
 
 
 def turned(urdf: Urdf, origin: Element | None) -> tuple[float, ...] | None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.collision.geometry import UnreadableError, load_mesh
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 
 AROUND = 32
@@ -80,13 +81,9 @@ def _turned(radius: Array, height: Array) -> Solid:
 
 
 def _mesh(shape: Mesh) -> Solid | None:
-    import coal
-
     try:
-        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(
-            str(shape.path), np.array(shape.scale) * shape.unit
-        )
-    except Exception:  # assimp and boost throw several kinds, and all mean the same
+        model = load_mesh(shape)
+    except UnreadableError:
         return None
     count = model.num_tris
     vertices = np.array(model.vertices(), dtype=np.float64)

@@ -21,6 +21,8 @@ from yarclang.robot.kinematics import (
     tool_poses,
     track,
 )
+from yarclang.robot.kinematics.numeric import damped_step
+from yarclang.robot.kinematics.track import followed
 
 DATA = Path(__file__).parents[2] / "conformance"
 
@@ -428,3 +430,43 @@ def test_may_start_on_a_limit():
     assert isinstance(broken, Broken)
     assert broken.kind == "limits"
     assert broken.s < 1e-5
+
+
+@pytest.mark.parametrize("arm", [arms.industrial6, arms.offset6, arms.skewed6, arms.seven7, arms.slider9])
+def test_paths_that_are_followed_together_end_as_one_by_one(arm):
+    """Lines of all lengths from random places: those of `track`, of which some break at limits, others of reach."""
+    chain, limits = arm()
+    random = np.random.default_rng(5)
+    low, high = np.maximum(limits.lower, -2.0), np.minimum(limits.upper, 2.0)
+    starts = low + (0.15 + 0.7 * random.random((24, chain.size))) * (high - low)
+    poses = flange_poses(chain, starts)
+    paths = [
+        line(pose, moved(pose, random.normal(size=3) * random.choice([0.02, 0.1, 0.4]))) for pose in poses
+    ]
+    alone = [
+        isinstance(track(chain, limits, path, start, reason="any"), Track)
+        for path, start in zip(paths, starts, strict=True)
+    ]
+    assert followed(chain, limits, paths, starts).tolist() == alone
+    assert 4 <= sum(alone) <= 22
+
+
+def test_no_paths_are_followed():
+    chain, limits = arms.seven7()
+    assert followed(chain, limits, [], np.empty((0, 7))).tolist() == []
+
+
+@pytest.mark.parametrize("joints", [3, 6, 7, 9])
+@pytest.mark.parametrize("count", [1, 8, 128, 129])
+def test_few_samples_make_the_steps_of_many(joints, count):
+    """The two ways to solve agree; a singular matrix without damping is left to the second."""
+    random = np.random.default_rng(count)
+    jacobian, error = random.normal(size=(6, joints, count)), random.normal(size=(6, count))
+    damping = 10.0 ** random.uniform(-4, 0, count)
+    step = damped_step(jacobian, error, damping)
+    j = jacobian.transpose(2, 0, 1)
+    normal = j.transpose(0, 2, 1) @ j + damping[:, None, None] * np.eye(joints)
+    true = np.linalg.solve(normal, j.transpose(0, 2, 1) @ error.T[:, :, None])[:, :, 0].T
+    np.testing.assert_allclose(step, true, rtol=1e-6, atol=1e-8)
+    assert step.flags.c_contiguous
+    assert damped_step(0.0 * jacobian, error, 0.0 * damping).shape == (joints, count)

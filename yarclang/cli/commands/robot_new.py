@@ -10,6 +10,7 @@ import click
 from yarclang.cli.options import Numbers
 
 if TYPE_CHECKING:
+    from yarclang.robot.model import Robot
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
 
@@ -202,7 +203,9 @@ def _write(folder: Path, made: NewRobot) -> None:
     """Write the folder, and say what is in it and what isn't."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
-    from yarclang.collision.checklist import touching_pairs
+    from yarclang.collision.checklist import flat_meshes, touching_pairs
+    from yarclang.collision.scene import scene_of
+    from yarclang.robot.bare_links import bare_links
     from yarclang.robot.description import load_robot
     from yarclang.robot.new.writing import collision_table, guesses
 
@@ -217,13 +220,15 @@ def _write(folder: Path, made: NewRobot) -> None:
             raise SystemExit(1)
         written.append(path)
     loaded = load_robot(str(folder))
-    if loaded.value is None:
-        show_findings(loaded.diagnostics)
+    unreadable = scene_of(loaded.value, None).diagnostics if loaded.value is not None else ()
+    if loaded.value is None or unreadable:
+        show_findings((*loaded.diagnostics, *unreadable))
         _undo(folder, written)
         click.echo(f"no robot comes of this; {folder} isn't written", err=True)
         raise SystemExit(1)
-    toml = made.toml + collision_table(touching_pairs(loaded.value))
-    if toml != made.toml:
+    made, robot, touched = _with_free_home(made, loaded.value)
+    toml = made.toml + collision_table(touching_pairs(robot))
+    if toml != files[-1][1]:
         if found := write_whole(folder / "robot.toml", toml):
             show_findings(found)
             raise SystemExit(1)
@@ -231,13 +236,37 @@ def _write(folder: Path, made: NewRobot) -> None:
     chain = made.sketch.chain
     joints = f"{len(chain.joints)} joint{'s' * (len(chain.joints) != 1)}"
     click.echo(f"{made.sketch.name}: {joints}, {chain.base} to {chain.flange}", err=True)
-    for note in _notes(made):
+    flat = flat_meshes(loaded.value) if loaded.value is not None else ()
+    for note in (*_notes(made), *touched, *(f"{one}: the collision check sees no thickness" for one in flat)):
         click.echo(f"  note: {note}", err=True)
-    show_findings(loaded.diagnostics)
+    bare = bare_links(loaded.value) if loaded.value is not None else ()
+    show_findings((*loaded.diagnostics, *bare))
     click.echo(
         f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,
     )
+
+
+def _with_free_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
+    """Return the robot with the first HOME in which it doesn't touch itself, before and after it is read, and a note if there is none."""
+    from dataclasses import replace
+
+    import numpy as np
+
+    from yarclang.collision.homes import first_free
+    from yarclang.robot.checklist.item import listed
+
+    proposed = np.array([home.value for home in made.homes]) * robot.axis_units
+    free, touching = first_free(robot, proposed)
+    if free is None:
+        pairs = listed([" and ".join(pair) for pair in touching], 3)
+        tried = f", as in all {len(proposed)} positions that were tried" if len(proposed) > 1 else ""
+        return made, robot, (f"in HOME {pairs} touch{tried}: choose another with --home",)
+    if free == 0:
+        return made, robot, ()
+    at_home = replace(robot, positions={**robot.positions, "HOME": proposed[free]})
+    home = made.homes[free]
+    return made.with_home(replace(home, note=f"{home.note}; no links touch there")), at_home, ()
 
 
 def _undo(folder: Path, written: list[Path]) -> None:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.robot.checklist.item import Item
 from yarclang.robot.kinematics.fk import flange_poses, lines_of, tool_poses
@@ -13,7 +14,7 @@ from yarclang.robot.kinematics.inverse import has_all
 from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.kinematics.search import reaching, within
 from yarclang.robot.kinematics.singularity import nearness, smallest_singular_values
-from yarclang.robot.kinematics.track import Broken, Track, track
+from yarclang.robot.kinematics.track import Broken, PathPoses, followed, track
 from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 from yarclang.units import MM
@@ -170,23 +171,27 @@ def _back(robot: Robot, q: Array) -> Item:
 def _lines(robot: Robot, q: Array) -> Item:
     """Straight lines at fixed orientations, followed as the planner does, from positions that a person would choose."""
     length = LINE * arm_length(robot.chain, np.eye(4))
-    best: list[Track | Broken] = []
-    whole: list[Track | Broken] = []
-    for start in _roomy(robot, q)[:TRIED]:
-        tried = [_followed(robot, start, way * length) for way in DIRECTIONS]
-        if not best or _count(tried) > _count(best):
-            best = tried
-        if _count(tried) == len(DIRECTIONS):
-            whole += tried
-        if len(whole) == PLACES * len(DIRECTIONS):
+    starts = _roomy(robot, q)[:TRIED]
+    whole = 0
+    best, most = starts[0], np.zeros(len(DIRECTIONS), dtype=bool)
+    # arms with room pass at the first places; the others' are looked at together
+    for group in (starts[:PLACES], starts[PLACES:]):
+        if whole == PLACES or not len(group):
             break
-    shown = whole or best
+        for start, lines in zip(group, _followed(robot, group, length), strict=True):
+            whole += bool(lines.all()) and whole < PLACES
+            if lines.sum() > most.sum():
+                best, most = start, lines
     lines = f"lines of {length / MM:.0f} mm through the middle of the workspace"
     if whole:
-        return Item("lines", "ok", f"all {len(whole)} {lines} are followed")
+        return Item("lines", "ok", f"all {whole * len(DIRECTIONS)} {lines} are followed")
+    ends = [
+        (way, track(robot.chain, robot.limits, _line(robot, best, way * length), best, reason="any"))
+        for way in DIRECTIONS[~most]
+    ]
     why = [
         f"{'-' if way.min() < 0.0 else '+'}{'xyz'[int(np.argmax(np.abs(way)))]} {_why(robot, end, length)}"
-        for way, end in zip(DIRECTIONS, shown, strict=True)
+        for way, end in ends
         if isinstance(end, Broken)
     ]
     if len(why) == len(DIRECTIONS):
@@ -195,7 +200,9 @@ def _lines(robot: Robot, q: Array) -> Item:
             "see yarc reach whether this is the robot: joints that miss, or limits that leave little room"
         )
         return Item("lines", "to do", found, remedy)
-    found = f"{_count(shown)} of {len(shown)} {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+    found = (
+        f"{most.sum()} of {len(most)} {lines} are followed, from the best of {TRIED} places; {'; '.join(why)}"
+    )
     return Item("lines", "note", found, "see yarc reach where the arm can hold its orientation")
 
 
@@ -213,8 +220,15 @@ def _roomy(robot: Robot, q: Array) -> Array:
     return chosen
 
 
-def _followed(robot: Robot, q: Array, way: Array) -> Track | Broken:
-    """Follow the line from where the flange is at `q` (n,) by `way` (3,) [m]."""
+def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
+    """Return which lines of a length [m] are followed, (K, 6), from where the flange is at each of `starts` (K, n)."""
+    paths = [_line(robot, start, way * length) for start in starts for way in DIRECTIONS]
+    each = np.repeat(starts, len(DIRECTIONS), axis=0)
+    return followed(robot.chain, robot.limits, paths, each).reshape(-1, len(DIRECTIONS))
+
+
+def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
+    """Return the path of a line from where the flange is at `q` (n,) by `way` (3,) [m]."""
     start = flange_poses(robot.chain, q[None])[0]
 
     def pose_at(s: Array) -> Array:
@@ -222,11 +236,7 @@ def _followed(robot: Robot, q: Array, way: Array) -> Track | Broken:
         poses[:, :3, 3] += s[:, None] * way
         return poses
 
-    return track(robot.chain, robot.limits, pose_at, q, reason="any")
-
-
-def _count(ends: Sequence[Track | Broken]) -> int:
-    return sum(isinstance(end, Track) for end in ends)
+    return pose_at
 
 
 def _why(robot: Robot, end: Broken, length: float) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 from yarclang.diagnostics import Diagnostic
 from yarclang.frozen import frozen
+from yarclang.robot.bare_links import bare_links
 from yarclang.robot.checklist.drives import drive_items
 from yarclang.robot.checklist.geometry import geometry_items
 from yarclang.robot.checklist.item import Item
@@ -44,6 +45,7 @@ def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) 
     robot = loaded.value
     if robot is None:
         return Checklist(None, tuple(items))
+    items += [_finding(finding) for finding in bare_links(robot)]
     items.insert(0, Item("files", "ok", f"robot.toml and {robot.urdf} are read"))
     items.append(_chain(robot))
     items += limit_items(robot)

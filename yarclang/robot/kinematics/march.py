@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Generator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from yarclang.robot.kinematics.fk import walk_with_jacobian
 from yarclang.robot.kinematics.inverse import reached_within
-from yarclang.robot.kinematics.numeric import damped_step, fit, pose_columns, pose_error
+from yarclang.robot.kinematics.numeric import Fit, damped_step, fit, pose_columns, pose_error
 from yarclang.robot.kinematics.redundant import weights
 from yarclang.robot.kinematics.strands import FINEST, NEAR, End, Strand
 from yarclang.robot.model import Array, Chain, Limits
 
 LEAP = 8
 """Samples of one leap: all are predicted from its start and solved together."""
+
+ROUNDS = 25
+"""The most steps of damped least squares for a leap."""
 
 LEAPS = 4000
 """The most leaps of a path of few bends."""
@@ -60,6 +62,49 @@ def march(
         bends: about how many bends the path may have; a leap passes a few of them at most.
         limits: what a redundant arm keeps clear of, by motions that leave the flange at rest; None for the least motion of the joints.
     """
+    steps = _steps(chain, pose_at, q_start, bends, limits)
+    try:
+        asked = next(steps)
+        while True:
+            asked = steps.send(fit(chain, *asked, rounds=ROUNDS))
+    except StopIteration as ended:
+        strand: Strand = ended.value
+        return strand
+
+
+def marches(
+    chain: Chain, paths: Sequence[Callable[[Array], Array]], starts: Array, limits: Limits | None = None
+) -> list[Strand]:
+    """Return the strands of several paths, as `march` for each, in a fraction of its time: their leaps are solved together.
+
+    Args:
+        chain: the arm, n joints.
+        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        starts: (K, n) [rad or m], where the paths begin.
+        limits: as for `march`.
+    """
+    strands: dict[int, Strand] = {}
+    under_way = {at: _steps(chain, path, starts[at], 0, limits) for at, path in enumerate(paths)}
+    asked = {at: next(steps) for at, steps in under_way.items()}
+    while asked:
+        poses, guesses = (np.concatenate([ask[part] for ask in asked.values()]) for part in (0, 1))
+        found = fit(chain, poses, guesses, rounds=ROUNDS)
+        again: dict[int, tuple[Array, Array]] = {}
+        for row, at in enumerate(asked):
+            part = slice(row * LEAP, (row + 1) * LEAP)
+            own = Fit(found.q[part], found.miss_position[part], found.miss_angle[part])
+            try:
+                again[at] = under_way[at].send(own)
+            except StopIteration as ended:
+                strands[at] = ended.value
+        asked = again
+    return [strands[at] for at in range(len(paths))]
+
+
+def _steps(
+    chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int, limits: Limits | None
+) -> Generator[tuple[Array, Array], Fit, Strand]:
+    """March, and ask for each leap: yield its poses (LEAP, 4, 4) and predictions (LEAP, n), and get the solutions."""
     places, joints = [np.zeros(1)], [q_start[None]]
     here, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
     length = min(0.5, longest)
@@ -72,7 +117,10 @@ def march(
         s = here + length * np.arange(1, LEAP + 1) / LEAP
         if length == 1.0 - here:
             s[-1] = 1.0
-        solution, drift, reached = _leap(chain, pose_at, here, q, s, limits)
+        poses, guess = _leap(chain, pose_at, here, q, s, limits)
+        found = yield poses, guess
+        solution, drift = found.q, np.abs(found.q - guess).max(axis=1)
+        reached = found.total < reached_within(chain)
         moves = np.diff(solution, axis=0, prepend=q[None])
         bend = np.append(drift[:1], np.abs(np.diff(moves, axis=0)).max(axis=1))
         good = reached & (drift < DRIFT) & (np.abs(moves).max(axis=1) < NEAR) & (bend < BEND)
@@ -94,10 +142,8 @@ def march(
 
 def _leap(
     chain: Chain, pose_at: Callable[[Array], Array], here: float, q: Array, s: Array, limits: Limits | None
-) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Solutions (K, n) at places `s` (K,), how far each is from its prediction (K,), and which are
-    solutions.
-    """
+) -> tuple[Array, Array]:
+    """Poses (K, 4, 4) at places `s` (K,), and what is predicted to stand there (K, n)."""
     poses = pose_at(np.concatenate([[here], s]))
     columns = pose_columns(poses)
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]
@@ -111,9 +157,7 @@ def _leap(
         )
     else:
         step = _clear_step(chain, limits, jacobian[:, :, 0], twist, q)
-    guess = q + step.T
-    found = fit(chain, poses[1:], guess, rounds=25)
-    return found.q, np.abs(found.q - guess).max(axis=1), found.total < reached_within(chain)
+    return poses[1:], q + step.T
 
 
 def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:

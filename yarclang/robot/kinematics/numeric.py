@@ -26,6 +26,9 @@ EXACT = 2e-12
 FLOOR = 1e-13
 """The least damping; joints that don't matter at a singularity stay."""
 
+FEW = 128
+"""Up to as many samples are solved one by one; more, each operation for all of them."""
+
 BLOCK = 2048
 """Samples that are iterated together."""
 
@@ -182,6 +185,10 @@ def _fit_block(
 def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
     """(JᵀJ + damping)⁻¹ Jᵀ e (n, N), by whichever of JᵀJ and JJᵀ is smaller; J (6, n, N), e (6, N)."""
     rows, joints, count = jacobian.shape
+    if count <= FEW:
+        step = _step_of_few(jacobian, error, damping)
+        if step is not None:
+            return step
     if joints <= rows:
         normal = np.empty((joints, joints, count))
         for i in range(joints):
@@ -194,8 +201,26 @@ def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
         for j in range(i + 1):
             normal[i, j] = normal[j, i] = np.einsum("jn,jn->n", jacobian[i], jacobian[j])
         normal[i, i] += damping
-    step: Array = np.einsum("kjn,kn->jn", jacobian, _solve(normal, error.copy()))
-    return step
+    result: Array = np.einsum("kjn,kn->jn", jacobian, _solve(normal, error.copy()))
+    return result
+
+
+def _step_of_few(jacobian: Array, error: Array, damping: Array) -> Array | None:
+    """Return `damped_step` sample by sample, in a tenth of the time for a few; None if a matrix is singular."""
+    rows, joints, count = jacobian.shape
+    each = jacobian.transpose(2, 0, 1)
+    across = each.transpose(0, 2, 1)
+    wide = joints > rows
+    normal = each @ across if wide else across @ each
+    normal.reshape(count, -1)[:, :: len(normal[0]) + 1] += damping[:, None]
+    right = error.T[:, :, None]
+    try:
+        solved = np.linalg.solve(normal, right if wide else across @ right)
+    except np.linalg.LinAlgError:
+        return None
+    if wide:
+        solved = across @ solved
+    return np.ascontiguousarray(solved[:, :, 0].T, dtype=np.float64)
 
 
 def _solve(matrix: Array, right: Array) -> Array:

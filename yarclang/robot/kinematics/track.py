@@ -7,17 +7,18 @@ joint would have to jump.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
-from yarclang.robot.kinematics.march import march
+from yarclang.robot.kinematics.march import march, marches
 from yarclang.robot.kinematics.nearest import nearest_miss
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
 from yarclang.robot.kinematics.strands import Strand, follow_branches
@@ -154,7 +155,7 @@ def track(
     if chain.size > 6 and (outside is not None or strand.end != "whole"):
         # the least motion of the joints doesn't lead along the whole path within limits: another one may
         clear = march(chain, pose_at, start[0], bends, limits)
-        if clear.end == "whole" and not (np.abs(beyond(limits, clear.q)) > EDGE).any():
+        if _keeps(limits, clear):
             strand, outside = clear, None
     if outside is not None:
         return outside
@@ -164,6 +165,32 @@ def track(
     if reason == "any":
         return Broken(float(strand.s[-1]), "reach", sealed(strand.q[-1]), is_measured=False)
     return _break(chain, pose_at, strand, measures=reason == "measured")
+
+
+def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: Array) -> NDArray[np.bool_]:
+    """Return which paths `track` follows to their ends (K,), in a fraction of its time for an arm without a closed form.
+
+    Args:
+        chain: the arm, n joints.
+        limits: its limits.
+        paths: base_from_flange (N, 4, 4) for path places (N,), for each path.
+        starts: (K, n) [rad or m], within limits, exactly at the paths' starts.
+    """
+    if form_of(chain) is not None:
+        ends = (
+            track(chain, limits, path, start, reason="any") for path, start in zip(paths, starts, strict=True)
+        )
+        return np.array([isinstance(end, Track) for end in ends])
+    whole = np.array([_keeps(limits, strand) for strand in marches(chain, paths, starts)], dtype=bool)
+    if chain.size > 6:
+        left = np.flatnonzero(~whole).tolist()
+        again = marches(chain, [paths[at] for at in left], starts[left], limits)
+        whole[left] = [_keeps(limits, strand) for strand in again]
+    return whole
+
+
+def _keeps(limits: Limits, strand: Strand) -> bool:
+    return strand.end == "whole" and not (np.abs(beyond(limits, strand.q)) > EDGE).any()
 
 
 def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:

@@ -8,6 +8,7 @@ from collections.abc import Collection, Sequence
 from yarclang.diagnostics import Diagnostic
 from yarclang.frozen import frozen
 from yarclang.robot.chain import find_links, joints_between
+from yarclang.robot.mimic import mimic_of
 from yarclang.robot.urdf import MOVING, UNARMED, Joint, Urdf
 from yarclang.source import SourceFile
 
@@ -127,13 +128,14 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
         back = joints_between(urdf, flange, base)
         remedy = "Exchange --base and --tip." if back else "Name a link above the tip with --base."
         return Diagnostic("Y1353", message, urdf.source, help=remedy)
-    coupled = next((joint for joint in joints if joint.name in tree.leaders), None)
+    followed = (mimic_of(joint, tuple(urdf.joints.values())) for joint in joints)
+    coupled = next((one for one in followed if one is not None), None)
     if coupled is not None:
         message = (
-            f"joint {coupled.name} is between the base {base} and the tip {flange} and follows joint "
-            f"{tree.leaders[coupled.name][:40]} by <mimic>: the chain is coupled"
+            f"joint {coupled.joint.name} is between the base {base} and the tip {flange} and follows another by <mimic>, "
+            f"{coupled.equation}: the chain is coupled"
         )
-        remedy = f"Name a link above it with --tip {coupled.parent}, or give the joint limits and a motor of its own instead of <mimic>."
+        remedy = f"Name a link above it with --tip {coupled.joint.parent}. {coupled.remedy(joints)}"
         return Diagnostic("Y1353", message, urdf.source, help=remedy)
     inside = {joint.name for joint in between or ()}
     ignored = tuple(j.name for j in urdf.joints.values() if j.kind != "fixed" and j.name not in inside)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
@@ -12,10 +13,10 @@ from yarclang.robot.chain import screws
 from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.copying import UrdfCopy, copy_urdf
-from yarclang.robot.new.home import home
+from yarclang.robot.new.home import homes
 from yarclang.robot.new.mending import mend
 from yarclang.robot.new.packages import Packages
-from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Sketch, sketch
+from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Said, Sketch, sketch
 from yarclang.robot.new.writing import robot_toml
 from yarclang.robot.urdf import Urdf, read_urdf
 from yarclang.source import SourceFile, Span
@@ -34,12 +35,20 @@ class Arm:
 
 @frozen
 class NewRobot:
-    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the folder."""
+    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the folder.
+
+    `homes` are the joint positions that may be HOME, the best first: robot.toml has the first.
+    """
 
     sketch: Sketch
     toml: str
     urdf: UrdfCopy
     arm: Arm
+    homes: tuple[Said, ...]
+
+    def with_home(self, home: Said) -> NewRobot:
+        """Return the robot with another HOME."""
+        return replace(self, toml=robot_toml(self.sketch, home), homes=(home,))
 
 
 @frozen
@@ -161,5 +170,6 @@ def make(
     copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages))
     if has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
-    toml = robot_toml(made, home(chain, made, given))
-    return Result(NewRobot(made, toml, copy, arm), in_order(arm.urdf.findings))
+    proposed = homes(chain, made, given)
+    toml = robot_toml(made, proposed[0])
+    return Result(NewRobot(made, toml, copy, arm, proposed), in_order(arm.urdf.findings))

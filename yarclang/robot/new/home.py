@@ -1,4 +1,4 @@
-"""A joint position to call HOME: near zero, away from limits and singularities."""
+"""Joint positions to call HOME: near zero, away from limits and singularities."""
 
 from __future__ import annotations
 
@@ -16,6 +16,9 @@ TRIES = 1024
 ROUND = 5.0
 """HOME has multiples of this [deg, mm] where the limits allow it."""
 
+MOST = 128
+"""Positions that are proposed at most."""
+
 INNER = 0.8
 """HOME stays in this share of each joint's range."""
 
@@ -23,14 +26,14 @@ BENT = 0.6
 """Of the singular values that are usual for the arm, HOME has at least this share."""
 
 
-def home(chain: Chain, sketch: Sketch, given: Given) -> Said:
-    """HOME in deg and mm.
+def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
+    """Return what may be HOME, in deg and mm, the best first; one that is given is the only one.
 
-    All joints at zero where that is well within limits and not near a singularity, else the nearest of some fixed
-    joint positions that is, in round numbers.
+    All joints at zero where that is well within limits and not near a singularity, then some fixed
+    joint positions that are, those nearest to zero first, in round numbers. Which of them touch nothing, the caller finds out.
     """
     if given.home is not None:
-        return Said(given.home, "given")
+        return (Said(given.home, "given"),)
     units = np.array([DEG if joint.unit == "deg" else MM for joint in sketch.joints])
     low, high = span(chain, _limits(sketch, units))
     middle, half = 0.5 * (low + high), 0.5 * INNER * (high - low)
@@ -42,9 +45,15 @@ def home(chain: Chain, sketch: Sketch, given: Given) -> Said:
     values = smallest_singular_values(chain, tries, np.eye(4))
     good = values >= BENT * np.quantile(values, 0.75)
     distance = np.square((tries - wanted) / np.maximum(half, 1e-9)).sum(axis=1)
-    best = int(np.argmin(np.where(good, distance, np.inf)))
-    note = "all joints at 0" if not tries[best].any() else "away from limits and singularities"
-    return Said(tuple(round(float(value), 6) + 0.0 for value in tries[best] / units), "guess", note)
+    order = np.argsort(np.where(good, distance, np.inf), kind="stable")[: min(MOST, int(good.sum()))]
+    return tuple(
+        Said(
+            tuple(round(float(value), 6) + 0.0 for value in tries[at] / units),
+            "guess",
+            "away from limits and singularities" if tries[at].any() else "all joints at 0",
+        )
+        for at in order
+    )
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:

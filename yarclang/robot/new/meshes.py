@@ -15,7 +15,8 @@ from pathlib import Path
 from urllib.parse import urlparse
 from xml.parsers import expat
 
-from yarclang.robot.new.mesh_faults import dae_has_odd_corners, obj_fault
+from yarclang.meshes.faults import mesh_fault
+from yarclang.meshes.stl import is_binary
 from yarclang.robot.new.packages import PACKAGE, Packages
 from yarclang.toml.bodies import MESHES
 
@@ -75,30 +76,9 @@ def read_mesh(path: Path) -> bytes:
         raise NoMeshError(f"has more than {LARGEST:,} bytes")
     if not _LOOKS[kind](content):
         raise NoMeshError(f"ends in {path.suffix}, but its content is something else{_damage(kind, content)}")
-    if fault := _fault(kind, content):
+    if fault := mesh_fault(kind, content):
         raise NoMeshError(fault)
     return content
-
-
-def _fault(kind: str, content: bytes) -> str:
-    """Return what makes a mesh of its format useless as a body; empty if nothing does. Normals may be anything."""
-    if kind == ".stl" and _is_binary_stl(content):
-        import numpy as np
-
-        triangle = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
-        corners = np.frombuffer(content, triangle, offset=84)["corners"]
-        if not len(corners):
-            return "has no triangle"
-        return "" if np.isfinite(corners).all() else "has a corner that is no finite number"
-    if kind == ".dae":
-        return "has a corner that is no finite number" if dae_has_odd_corners(content) else ""
-    word = {".stl": b"vertex", ".obj": b"v"}.get(kind)
-    if word is None:
-        return ""
-    found = re.search(rb"^[ \t]*" + word + rb"[ \t][^\n]*(?:nan|inf)", content, re.IGNORECASE | re.MULTILINE)
-    if found:
-        return "has a corner that is no finite number"
-    return obj_fault(content) if kind == ".obj" else ""
 
 
 def _damage(kind: str, content: bytes) -> str:
@@ -167,13 +147,9 @@ def _package(name: str, path: Path) -> Path | None:
     return folder.resolve() if (folder / PACKAGE).is_file() else None
 
 
-def _is_binary_stl(content: bytes) -> bool:
-    return len(content) >= 84 and len(content) == 84 + 50 * int.from_bytes(content[80:84], "little")
-
-
 def _is_stl(content: bytes) -> bool:
     """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
-    if _is_binary_stl(content):
+    if is_binary(content):
         return True
     return content.startswith((b"solid ", b"solid\n", b"solid\r")) and _NO_STL_LINE.search(content) is None
 

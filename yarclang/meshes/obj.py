@@ -1,13 +1,14 @@
-"""Faults inside meshes of text: corners that are no numbers, faces that name corners which aren't there."""
+"""Faults inside OBJ files: corners that are no numbers, faces that name corners which aren't there."""
 
 from __future__ import annotations
 
 import re
-from xml.parsers import expat
 
 import numpy as np
 
-_NOT_FINITE = re.compile(r"nan|inf", re.IGNORECASE)
+from yarclang.meshes.wording import ODD_CORNER
+
+_NOT_FINITE = re.compile(rb"^[ \t]*v[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 _INTEGER = re.compile(rb"[-+]?[0-9]+")
 _CORNER = re.compile(rb"^[ \t\r\f\v]*v[ \t]", re.MULTILINE)
 _FACE = re.compile(rb"^[ \t\r\f\v]*fo?[ \t]([^\n]*)", re.MULTILINE)
@@ -16,11 +17,13 @@ _LONGEST_NUMBER = 20
 
 
 def obj_fault(content: bytes) -> str:
-    """Return the end of a sentence that names the first face with a corner that isn't there; empty without one.
+    """Return the end of a sentence that names a corner that is no number, or the first face with a corner that isn't there; empty without one.
 
     Args:
         content: of an OBJ file. Its corners are numbered from 1, or from the last one backwards with -1.
     """
+    if _NOT_FINITE.search(content):
+        return ODD_CORNER
     if _is_plain(content):
         return ""
     lines = content.replace(b"\\\r\n", b"  ").replace(b"\\\n", b" ").split(b"\n")
@@ -59,37 +62,3 @@ def _is_plain(content: bytes) -> bool:
 def _integer(text: bytes) -> int | None:
     short = len(text) <= _LONGEST_NUMBER and _INTEGER.fullmatch(text)
     return int(text) if short else None
-
-
-def dae_has_odd_corners(content: bytes) -> bool:
-    """Return True if a position of a sound COLLADA file is no finite number. Normals may be anything."""
-    odd: set[str] = set()  # ids of the sources with such a number
-    positions: set[str] = set()
-    source = ""
-    text: list[str] | None = None
-
-    def begin(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal source, text
-        name = tag.rpartition(" ")[2]
-        if name == "source":
-            source = attributes.get("id", "")
-        elif name == "float_array":
-            text = []
-        elif name == "input" and attributes.get("semantic") == "POSITION":
-            positions.add(attributes.get("source", "").removeprefix("#"))
-
-    def end(tag: str) -> None:
-        nonlocal text
-        if tag.rpartition(" ")[2] == "float_array" and text is not None:
-            if _NOT_FINITE.search("".join(text)):
-                odd.add(source)
-            text = None
-
-    def data(found: str) -> None:
-        if text is not None:
-            text.append(found)
-
-    parser = expat.ParserCreate(namespace_separator=" ")
-    parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = begin, end, data
-    parser.Parse(content, True)
-    return bool(odd & positions)

@@ -1,0 +1,155 @@
+"""Faults inside COLLADA files."""
+
+from __future__ import annotations
+
+from xml.parsers import expat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
+
+_FACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
+_NO_FACES = ("lines", "linestrips")
+
+
+def dae_fault(content: bytes) -> str:
+    """Return the end of a sentence that names what makes a COLLADA file useless as a body; empty if nothing does.
+
+    Args:
+        content: of the file. Normals, colours and what is drawn otherwise may be anything.
+    """
+    reading = _Reading()
+    parser = expat.ParserCreate(namespace_separator=" ")
+    parser.buffer_text = True
+    parser.StartDoctypeDeclHandler = _refuse
+    parser.StartElementHandler, parser.EndElementHandler = reading.begin, reading.end
+    parser.CharacterDataHandler = reading.data
+    try:
+        parser.Parse(content, True)
+    except ValueError:
+        return "is XML with a DOCTYPE"
+    except expat.ExpatError as error:
+        return f"is cut off or damaged (XML, line {error.lineno}: {expat.ErrorString(error.code)})"
+    return reading.fault()
+
+
+def _refuse(*_: object) -> None:
+    raise ValueError("a DOCTYPE")
+
+
+class _Faces:
+    """The faces of an element such as <triangles>: which corners they use, at which place of each group of numbers."""
+
+    def __init__(self) -> None:
+        self.vertices = ""
+        self.place = 0
+        self.group = 1
+        self.lists: list[NDArray[np.float64]] = []
+
+
+class _Reading:
+    """What a parser finds: places of corners by the ids of their sources, and faces."""
+
+    def __init__(self) -> None:
+        self.places: dict[str, NDArray[np.float64]] = {}  # by the id of the <source>
+        self.strides: dict[str, int] = {}
+        self.counts: dict[str, int] = {}
+        self.positions: dict[str, str] = {}  # the source of each <vertices>
+        self.faces: list[_Faces] = []
+        self._source = self._vertices = ""
+        self._faces: _Faces | None = None
+        self._text: list[str] | None = None
+
+    def begin(self, tag: str, attributes: dict[str, str]) -> None:
+        """Take the beginning of an element."""
+        name = tag.rpartition(" ")[2]
+        if name == "source":
+            self._source = attributes.get("id", "")
+        elif name == "accessor":
+            self.strides[self._source] = _integer(attributes.get("stride", "1"))
+            self.counts[self._source] = _integer(attributes.get("count", "0"))
+        elif name == "vertices":
+            self._vertices = attributes.get("id", "")
+        elif name in (*_FACES, *_NO_FACES):
+            self._faces = _Faces()
+            if name in _FACES:
+                self.faces.append(self._faces)
+        elif name == "input":
+            self._input(attributes)
+        elif name == "float_array" or (name in ("p", "ph") and self._faces is not None):
+            self._text = []
+
+    def _input(self, attributes: dict[str, str]) -> None:
+        source = attributes.get("source", "").removeprefix("#")
+        if attributes.get("semantic") == "POSITION" and self._faces is None:
+            self.positions[self._vertices] = source
+        elif self._faces is not None:
+            place = _integer(attributes.get("offset", "0"))
+            self._faces.group = max(self._faces.group, place + 1)
+            if attributes.get("semantic") == "VERTEX":
+                self._faces.vertices, self._faces.place = source, place
+
+    def end(self, tag: str) -> None:
+        """Take the end of an element."""
+        name = tag.rpartition(" ")[2]
+        if name in (*_FACES, *_NO_FACES):
+            self._faces = None
+        if self._text is None or name not in ("float_array", "p", "ph"):
+            return
+        numbers = _numbers("".join(self._text))
+        self._text = None
+        if name == "float_array":
+            self.places[self._source] = numbers
+        elif self._faces is not None:
+            self._faces.lists.append(numbers)
+
+    def data(self, found: str) -> None:
+        """Take a piece of text."""
+        if self._text is not None:
+            self._text.append(found)
+
+    def fault(self) -> str:
+        """Return the end of a sentence that names the first fault; empty without one."""
+        for source in dict.fromkeys(self.positions.values()):
+            places = self.places.get(source)
+            if places is not None and not np.isfinite(places).all():
+                return ODD_CORNER
+            stride = max(self.strides.get(source, 3), 1)
+            needed = self.counts.get(source, 0) * stride
+            if places is not None and needed > len(places):
+                return (
+                    f"is cut off: it has {len(places):,} numbers for its corners, and should have {needed:,}"
+                )
+        used = 0
+        for faces in self.faces:
+            source = self.positions.get(faces.vertices, "")
+            places = self.places.get(source)
+            if places is None:
+                continue
+            corners = len(places) // max(self.strides.get(source, 3), 1)
+            corners = min(corners, self.counts.get(source, corners))
+            for numbers in faces.lists:
+                of_corners = numbers[faces.place :: faces.group]
+                used += len(of_corners)
+                wrong = ~((of_corners >= 0.0) & (of_corners < corners))
+                if wrong.any():
+                    first = of_corners[wrong][0]
+                    if not np.isfinite(first):
+                        return "has a face with a corner that is no integer"
+                    return lost_corner(int(first), corners)
+        return "" if used else NO_TRIANGLE
+
+
+def _numbers(text: str) -> NDArray[np.float64]:
+    """Return the numbers of a text; one that isn't one is NaN."""
+    words = text.split()
+    try:
+        return np.array(words, dtype=np.float64)
+    except ValueError:
+        return np.full(len(words), np.nan)
+
+
+def _integer(text: str) -> int:
+    short = text.strip()
+    return int(short) if short.isascii() and short.isdigit() and len(short) < 10 else 0

@@ -1,0 +1,59 @@
+"""Faults inside STL files."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+
+from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, cut_off
+
+_HEAD = 84
+"""Bytes before the first triangle of a binary file: the last four are the number of triangles."""
+_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
+_NOT_FINITE = re.compile(rb"^[ \t]*vertex[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
+_WORD = re.compile(rb"^[ \t\r\f\v]*(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE | re.MULTILINE)
+
+
+def is_binary(content: bytes) -> bool:
+    """Return True if a file is as long as the triangles that its head counts."""
+    return len(content) >= _HEAD and len(content) == _HEAD + _TRIANGLE.itemsize * _count(content)
+
+
+def stl_fault(content: bytes) -> str:
+    """Return the end of a sentence that names what makes an STL file useless as a body; empty if nothing does.
+
+    Args:
+        content: of the file, binary or text. Normals may be anything.
+    """
+    if is_binary(content):
+        corners = np.frombuffer(content, _TRIANGLE, offset=_HEAD)["corners"]
+        if not len(corners):
+            return NO_TRIANGLE
+        return "" if np.isfinite(corners).all() else ODD_CORNER
+    if content.lstrip()[:5].lower() != b"solid":
+        return damage(content)
+    if _NOT_FINITE.search(content):
+        return ODD_CORNER
+    words = [word.lower() for word in _WORD.findall(content)]
+    facets, ends, corners_ = (words.count(word) for word in (b"facet", b"endfacet", b"vertex"))
+    if not facets:
+        return NO_TRIANGLE
+    if ends < facets or corners_ < 3 * facets:
+        found = f"{ends:,} endfacet and {corners_:,} vertex"
+        return cut_off(found, f"{facets:,} and {3 * facets:,} for its {facets:,} facet")
+    if words[-1] != b"endsolid":
+        return "is cut off: it has no endsolid after its last triangle"
+    return ""
+
+
+def damage(content: bytes) -> str:
+    """Return how long a binary file should be; empty if it shows no number of triangles."""
+    if len(content) < _HEAD or content.startswith(b"solid"):
+        return ""
+    needed = _HEAD + _TRIANGLE.itemsize * _count(content)
+    return f"is damaged (a binary STL of {_count(content):,} triangles has {needed:,} bytes, this one has {len(content):,})"
+
+
+def _count(content: bytes) -> int:
+    return int.from_bytes(content[_HEAD - 4 : _HEAD], "little")

@@ -1,0 +1,20 @@
+"""Links that the collision check can't see: said when a robot is made and when it is checked, not of each program."""
+
+from __future__ import annotations
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.chain import check_bodies
+from yarclang.robot.model import Robot
+from yarclang.robot.urdf import read_urdf
+from yarclang.source import SourceFile
+
+
+def bare_links(robot: Robot) -> tuple[Diagnostic, ...]:
+    """Return a warning for each joint that moves nothing with a collision shape; none for a robot that was made without files."""
+    if robot.written is None:
+        return ()
+    urdf = read_urdf(SourceFile(robot.urdf, robot.written.urdf))
+    before = len(urdf.findings)
+    shapes = {name: [one.tag for one in link.all("collision")] for name, link in urdf.links.items()}
+    check_bodies(urdf, [urdf.joints[name] for name in robot.joint_names], shapes)
+    return tuple(urdf.findings[before:])

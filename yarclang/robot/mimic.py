@@ -1,0 +1,69 @@
+"""Joints that follow another by <mimic>: by which factor and offset, and how a robot.toml says it.
+
+A joint of the chain has a motor of its own. One that follows another while its motor stands still is coupled in J of robot.toml:
+counts = K J q + a0 has the row (..., -k, ..., 1, ...) then, and a0 is -K b, so that the count 0 means q = k q' + b.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from yarclang.frozen import frozen
+from yarclang.robot.urdf import Joint
+from yarclang.units import DEG, MM
+
+
+@frozen
+class Mimic:
+    """A joint of the chain that follows a leader: `joint` = `factor` * `leader` + `offset`, in deg and mm.
+
+    `raw` are multiplier and offset as in the URDF, in rad and m. `leader_kind` is None if the URDF doesn't have the leader.
+    """
+
+    joint: Joint
+    leader: str
+    factor: float
+    offset: float
+    raw: tuple[float, float]
+    leader_kind: str | None
+
+    @property
+    def equation(self) -> str:
+        """The equation with its units, and what stands in the URDF."""
+        unit = "mm" if self.leader_kind == "prismatic" else "deg"
+        own = "mm" if self.joint.kind == "prismatic" else "deg"
+        sign = "-" if self.offset < 0.0 else "+"
+        multiplier, offset = self.raw
+        return (
+            f"{self.joint.name} [{own}] = {self.factor:.12g} * {self.leader[:40]} [{unit}] {sign} {abs(self.offset):.12g} "
+            f"(multiplier {multiplier:.12g}, offset {offset:.12g})"
+        )
+
+    def remedy(self, chain: Sequence[Joint]) -> str:
+        """Return how robot.toml says it, if the leader is in the chain too; a sentence."""
+        name = self.joint.name
+        if self.leader not in (joint.name for joint in chain) or self.leader == name:
+            return f"As {self.leader[:40]} isn't another joint of the chain, robot.toml can't say this."
+        return (
+            f"If {name} has a motor of its own that stands still while {name} follows, remove <mimic> and give {name} limits; in robot.toml "
+            f"its row of J is {-self.factor + 0.0:.12g} for {self.leader}, 1 for {name} and 0 else, and its a0 is {-self.offset + 0.0:.12g} * K counts."
+        )
+
+
+def mimic_of(joint: Joint, joints: Sequence[Joint]) -> Mimic | None:
+    """Return which joint a joint follows, and how; None without <mimic>.
+
+    Args:
+        joint: of a URDF without errors.
+        joints: all of the URDF, for the leader's kind.
+    """
+    element = joint.element.first("mimic")
+    if element is None:
+        return None
+    leader = element.attributes.get("joint", "")
+    kind = next((one.kind for one in joints if one.name == leader), None)
+    multiplier, offset = (
+        float(element.attributes.get(key, default)) for key, default in (("multiplier", "1"), ("offset", "0"))
+    )
+    own, lead = (MM if one == "prismatic" else DEG for one in (joint.kind, kind))
+    return Mimic(joint, leader, multiplier * lead / own, offset / own, (multiplier, offset), kind)

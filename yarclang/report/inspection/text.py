@@ -292,6 +292,10 @@ def _time(inspected: Inspected) -> Iterator[str]:
             yield from _table(inspected.step)
         yield f"{law}asked for {asked}; {curve.segments} segments of {curve.segment / MS:.6g} ms: {curve.duration:.3f} s"
     yield from flow_lines(inspected.flows)
+    speed = inspected.certificate.zone_speed if inspected.certificate is not None else None
+    if speed is not None and speed.share > _AT_ITS_SPEED:
+        where = "its ceiling" if speed.of_motion else f"the zone {speed.zone}"
+        yield f"limited by {where}: {speed.part} at {100.0 * speed.share:.1f} % of {speed.limit / MM:g} mm/s"
     if inspected.pace is not None and inspected.motion is not None:
         yield from _pace(inspected.pace, inspected.motion.curve.duration)
 
@@ -312,6 +316,10 @@ def _table(step: TimedMove) -> Iterator[str]:
     else:
         between = f"the {'cubic' if table.accelerations is None else 'quintic'} polynomial in time with the {given} of both rows"
     yield f"between the rows: {between}"
+
+
+_AT_ITS_SPEED = 0.99
+"""Share of a zone's speed, or of a ceiling, from which on it is what limits a motion."""
 
 
 def _asked(timing: Timing) -> str:

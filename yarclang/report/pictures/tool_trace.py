@@ -7,6 +7,7 @@ import numpy as np
 from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion
 from yarclang.motion.plan import MotionPlan
+from yarclang.motion.zones import moving_of
 from yarclang.report.pictures.drawn_frame import DrawnFrame, moving_frame
 from yarclang.report.pictures.trace import MOST_SAMPLES, STANDING, extremes
 from yarclang.robot.kinematics.fk import poses_and_jacobians
@@ -69,7 +70,7 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
         rows = np.stack((least, most), axis=1).reshape(len(times), -1)
     else:
         rows = least
-    return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame))
+    return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame, float(rows[:, 0].max(initial=0.0))))
 
 
 def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
@@ -81,13 +82,18 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
     return np.column_stack((speed, smallest_singular_values(chain, q, tool)))
 
 
-def _wanted(plan: MotionPlan, frame: DrawnFrame) -> Array:
-    """The speeds that commands ask of the frame: (k, 3), from when [s], to when [s], and how fast [mm/s]."""
+def _wanted(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
+    """The speeds that commands ask of the frame, and ceilings that are less than twice the `fastest` [mm/s]: (k, 3), from when [s], to when [s], and how fast [mm/s]."""
     rows = []
     for number, motion in enumerate(plan.motions):
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         speed, moving = step.timing.speed, moving_frame(step)
+        if (ceiling := step.timing.ceiling) is not None:
+            tool = moving_of(plan.robot, step).flange_from_moving
+            if ceiling / MM < 2.0 * fastest and np.array_equal(tool[:3, 3], frame.flange_from_frame[:3, 3]):
+                rows.append((plan.begins[number], plan.ends[number], ceiling / MM))
+            continue
         if speed is None or speed.length is None or moving is None:
             continue
         if np.array_equal(moving[:3, 3], frame.flange_from_frame[:3, 3]):

@@ -21,6 +21,7 @@ _COMMANDS = {
     "hold": "Hold a run on its path.",
     "import": "Make a program of a table, a trajectory, or named states.",
     "inspect": "Show all that is known of one command.",
+    "jobs": "Prove the numbered programs of a project.",
     "lsp": "Check programs while they are typed, for editors.",
     "new": "Make the folder of a new project.",
     "override": "Change a run's speed.",

@@ -39,4 +39,12 @@ FINDINGS = (
         "yarcc --start 0,0,0",
         "yarcc --start 0,0,0,0,0,0",
     ),
+    Finding(
+        "Y1395",
+        "jobs-apart",
+        "error",
+        "a job doesn't begin or end where the others begin",
+        "The jobs that yarc.toml numbers are called one after the other, in an order that nobody knows before. Each begins and ends at one joint position, so that any may "
+        "follow any other without a motion between them that was never proved.",
+    ),
 )

@@ -16,7 +16,9 @@ from yarclang.subjects import Name, unknown
 from yarclang.toml.places import find_places
 
 FILE_NAME = "yarc.toml"
-_KEYS = ("robot", "cell", "start", "teach", "findings")
+_KEYS = ("robot", "cell", "start", "teach", "jobs", "findings")
+_LARGEST_JOB = 65535
+"""The largest number that a group of inputs can be."""
 _LEVELS = ("off", "note", "warning", "error")
 
 
@@ -24,7 +26,7 @@ _LEVELS = ("off", "note", "warning", "error")
 class Project:
     """The settings of a yarc.toml: a robot's name or path (relative to `folder`), the path of a cell.toml that all its programs keep to (likewise), where the
     robot stands [deg, mm for prismatic joints], whether its programs are for teaching at reduced speed, and how severe
-    findings are by their codes (`off`: they aren't told).
+    findings are by their codes (`off`: they aren't told). `jobs` are programs by their numbers, as paths seen from `folder`.
     """
 
     folder: Path
@@ -34,6 +36,7 @@ class Project:
     source: SourceFile | None = None
     teach: bool = False
     levels: Mapping[str, str] = field(default_factory=dict)
+    jobs: Mapping[int, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
         """Where a key's value stands in the file."""
@@ -102,10 +105,43 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
             "teach", "teach is true or false", "write teach = true where people are within reach of the robot"
         )
     levels = _levels(data.get("findings", {}), source, findings)
+    jobs = _jobs(data.get("jobs", {}), source, findings)
     if findings:
         return Result(None, tuple(findings))
     given = tuple(map(float, start)) if start is not None else None
-    return Result(Project(folder, robot, given, cell, source, teach, levels))
+    return Result(Project(folder, robot, given, cell, source, teach, levels, jobs))
+
+
+def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[int, str]:
+    """The table [jobs]: programs by their numbers."""
+    places = find_places(source)
+
+    def say(path: tuple[str, ...], message: str, help_: str) -> None:
+        findings.append(Diagnostic("Y1393", message, source, places.of_key(path), help_))
+
+    if not isinstance(table, dict):
+        say(("jobs",), "jobs is a table", 'write [jobs], and below it 1 = "left.yarc"')
+        return {}
+    found: dict[int, str] = {}
+    for word, file in table.items():
+        number = int(word) if word.isascii() and word.isdigit() and len(word) <= 5 else -1
+        if not 0 <= number <= _LARGEST_JOB:
+            say(
+                ("jobs", word),
+                f"{word[:40]!r} is no number of a job",
+                f"write an integer from 0 to {_LARGEST_JOB}",
+            )
+        elif number in found:
+            say(("jobs", word), f"job {number} stands twice", "leave one of them")
+        elif not isinstance(file, str) or not file.lower().endswith(".yarc"):
+            say(
+                ("jobs", word),
+                f"job {number} is no program",
+                f'write {number} = "left.yarc", a path seen from the folder of {FILE_NAME}',
+            )
+        else:
+            found[number] = file
+    return found
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:

@@ -20,12 +20,18 @@ if TYPE_CHECKING:
 @click.option("--step", is_flag=True, help="Pause behind each command; Enter or `yarc resume` goes on.")
 @click.option("--loop", is_flag=True, help="Again and again, where the program ends where it starts.")
 @click.option("--times", type=click.IntRange(1), help="As --loop, so many times.")
+@click.option(
+    "--job",
+    type=click.IntRange(0),
+    metavar="N",
+    help="FILE is a project's folder: run the program that its yarc.toml calls job N.",
+)
 @click.option("--dry-run", is_flag=True, help="Look at everything, move nothing.")
 @click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach.")
 @motion_options
 @planning_options
 @tm_option
-def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:
+def command(file: str, to: Address | None, first: str | None, job: int | None, **options: Any) -> None:
     """Run a program on a controller: compile it, look at the controller, stream, and watch until the robot stands.
 
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
@@ -36,6 +42,10 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.report.cell import cell_text
 
     _check_usage(to, options)
+    if job is not None:
+        from yarclang.cli.commands.jobs import file_of_job
+
+        file = file_of_job(file, job)
     if is_compiled(file):
         _check_compiled_usage(first, options)
     source = source_of(file, first, options)
@@ -56,18 +66,18 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     from yarclang.cli.surroundings import surroundings_of
     from yarclang.simulated_cell.script import known_in
 
-    job = loaded.rest
-    known = known_in(loaded.origins().program, loaded.around, job.robot.controller.signal)
-    around = surroundings_of(options, known, job.robot, loaded.around, waits=True)
+    rest = loaded.rest
+    known = known_in(loaded.origins().program, loaded.around, rest.robot.controller.signal)
+    around = surroundings_of(options, known, rest.robot, loaded.around, waits=True)
     show_findings(around.diagnostics)
     if around.value is None:
         raise SystemExit(1)
     with (
         trouble_is_said(),
-        place_of(to, job.robot, job.start, options["rate"], surroundings=around.value) as place,
+        place_of(to, rest.robot, rest.start, options["rate"], surroundings=around.value) as place,
     ):
-        where = f"--to {place.address} --robot {robot_argument(job.robot, options['robot'])}"
-        wanted = Wanted(loaded, None, job.robot, loaded.name, where, _again(file, to, options))
+        where = f"--to {place.address} --robot {robot_argument(rest.robot, options['robot'])}"
+        wanted = Wanted(loaded, None, rest.robot, loaded.name, where, _again(file, to, options))
         raise SystemExit(run_program(wanted, place, options))
 
 

@@ -70,7 +70,9 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
         rows = np.stack((least, most), axis=1).reshape(len(times), -1)
     else:
         rows = least
-    return ToolTrace(frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame, float(rows[:, 0].max(initial=0.0))))
+    return ToolTrace(
+        frame.name, times, rows[:, 0], rows[:, 1], _wanted(plan, frame, float(rows[:, 0].max(initial=0.0)))
+    )
 
 
 def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:

@@ -1,0 +1,106 @@
+"""The jobs of a project: programs by their numbers, each of which may follow any other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.diagnostics import Diagnostic, has_errors
+from yarclang.frozen import frozen
+from yarclang.hir import Finish
+from yarclang.pipeline.inputs import Options, open_program
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.project import Project
+from yarclang.pipeline.stages import Compiled, compile_module
+from yarclang.progress import tell
+from yarclang.robot.model import Array
+from yarclang.runtime.job import Job
+from yarclang.toml.places import find_places
+from yarclang.ways import Turn, Ways
+
+
+@frozen(eq=False)
+class Listed:
+    """A job of a project: its number, its file, what it comes to (None with errors), and what is wrong with it."""
+
+    number: int
+    file: str
+    job: Job | None
+    diagnostics: tuple[Diagnostic, ...]
+
+
+def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
+    """Compile and prove the jobs of a project, in the order of their numbers.
+
+    Each has to begin where the first one begins, and to end there: then any may follow any other.
+
+    Args:
+        project: its yarc.toml, with jobs.
+        options: of all of them.
+    """
+    first: tuple[int, Job] | None = None
+    for number, file in sorted(project.jobs.items()):
+        tell("jobs", number)
+        path = Path(file) if Path(file).is_absolute() else project.folder / file
+        opened = open_program(str(path), options)
+        if opened.value is None:
+            yield Listed(number, file, None, opened.diagnostics)
+            continue
+        made = compile_module(opened.value.module, opened.value.request)
+        diagnostics = (*opened.diagnostics, *made.diagnostics)
+        if made.value is None or has_errors(diagnostics):
+            yield Listed(number, file, None, diagnostics)
+            continue
+        job = job_of_compiled(made.value, path.name)
+        first = first or (number, job)
+        diagnostics = (*diagnostics, *_apart(project, number, job, _ends(made.value), first))
+        yield Listed(number, file, None if has_errors(diagnostics) else job, diagnostics)
+
+
+def _ends(compiled: Compiled) -> list[Array]:
+    """Return where the robot may stand (n,) at the end of a program [rad or m]: at its last line, and at each STOP of its ways."""
+    stands = {motion.step: motion.path.end for motion in compiled.plan.motions}
+    walked = Ways(compiled.program.start)
+    ends: list[Array] = []
+    for number, step in enumerate(compiled.program.steps):
+        if isinstance(step, Finish) and not (step.fails or walked.ends):
+            ends.append(walked.state)
+        if isinstance(step, Turn):
+            walked = walked.turned(step, lambda first, _, __: first)
+        elif number in stands and not walked.ends:
+            walked = replace(walked, state=stands[number])
+    return ends if walked.ends else [*ends, walked.state]
+
+
+def _apart(
+    project: Project, number: int, job: Job, ends: list[Array], first: tuple[int, Job]
+) -> Iterator[Diagnostic]:
+    """Yield what is wrong with the robot of a job, where it begins, and where it ends."""
+    other, common = first
+    if job.robot.folder != common.robot.folder:
+        message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"
+        yield _finding(project, number, message, "the jobs of a project are those of one robot")
+        return
+    for word, where in (("begins", job.start), *(("ends", end) for end in ends)):
+        off = np.abs(where - common.start)
+        if (off <= job.slack).all():
+            continue
+        joint = int(np.argmax(off / job.slack))
+        names, units = job.robot.joint_names, job.robot.axis_unit_names
+        here, there = (_value(job, one, joint) for one in (where, common.start))
+        message = f"job {number} {word} with {names[joint]} at {here} {units[joint]}, and job {other} begins at {there} {units[joint]}"
+        help_ = "give all programs the same START" if word == "begins" else "end it with a MOVEJ to its START"
+        yield _finding(project, number, message, help_)
+
+
+def _value(job: Job, q: Array, joint: int) -> str:
+    return f"{q[joint] / job.robot.axis_units[joint] + 0.0:.6g}"
+
+
+def _finding(project: Project, number: int, message: str, help_: str) -> Diagnostic:
+    source = project.source
+    span = None if source is None else find_places(source).of_key(("jobs", str(number)))
+    return Diagnostic("Y1395", message, source, span, help_)

@@ -571,10 +571,11 @@ class Assign:
 
 @frozen
 class Output:
-    """A declared output, and the value that it takes at any stop, hold or fault (None: it stays as it is)."""
+    """A declared output, and the value that it takes at any stop, hold or fault (None: it stays as it is). `step` is what one step of an analogue one is; values are in steps."""
 
     signal: Signal
     safe: float | None
+    step: float | None = field(default=None, compare=False)
 
 
 @frozen

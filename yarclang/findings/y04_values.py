@@ -302,4 +302,14 @@ FINDINGS = (
         "INPUT JOB M70..M72\nP0010 WAIT JOB 5 [5] (s)",
         "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
     ),
+    Finding(
+        "Y0472",
+        "analogue-value",
+        "error",
+        "an analogue signal can't be this, or can't stand here",
+        "An analogue signal is a group of bits that counts steps: `INPUT PRESSURE M80..M91 STEP 0.01`. It is compared with numbers that are known when the program is compiled, so that all that is decided when it runs is decided by "
+        "integers. = and a SET need a value that is a whole number of steps; < and > take any.",
+        "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2.2",
+        "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2",
+    ),
 )

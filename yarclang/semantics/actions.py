@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from yarclang.commands.registry import actions
@@ -17,6 +18,7 @@ from yarclang.decisions import (
     in_words,
     inputs_of,
     is_group,
+    largest_of,
     names_in,
     registers_of,
     shown_variable,
@@ -29,12 +31,13 @@ from yarclang.semantics.context import Defaults
 from yarclang.semantics.declared.meanings import group_fault, state_value
 from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
-from yarclang.semantics.names.scope import KINDS, Scope
+from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.names.signals import input_named, output_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.values.amounts import AmountError, missing_unit
 from yarclang.semantics.values.deciding import condition_of, number_of
 from yarclang.semantics.values.evaluate import EvaluationError
+from yarclang.semantics.values.steps import steps_of
 from yarclang.semantics.values.units import amount, resolve_units
 from yarclang.subjects import LeftOut, unknown
 from yarclang.syntax.ast import Computed, Number, Statement, Text, Value, Word
@@ -66,7 +69,11 @@ def read_action(
 
     if any(found.is_error for found in findings.found[before:]):
         return None
-    known = tuple(value for value in values if value is not None)
+    known = _in_steps(
+        tuple(value for value in values if value is not None), given, scope, statement, findings
+    )
+    if known is None:
+        return None
     if not _keeps_to_groups(statement, form, known, findings):
         return None
     steps = spec.build(ActionArguments(origin, known, seconds, report))
@@ -75,6 +82,33 @@ def read_action(
     ):
         return steps
     return None
+
+
+def _in_steps(
+    values: tuple[Signal | float | str, ...],
+    given: Sequence[Value],
+    scope: Scope,
+    statement: Statement,
+    findings: Collector,
+) -> tuple[Signal | float | str, ...] | None:
+    """Return an action's values, a number for an analogue output or input as so many of its steps; None with a finding where it lies between two."""
+    found = next((scope.name(one.name) for one in given if isinstance(one, Word)), None)
+    if not isinstance(found, Output | Input) or found.step is None:
+        return values
+    largest = largest_of(found.signal.variable) * found.step
+    for value in values:
+        if isinstance(value, float) and not 0.0 <= value <= largest:
+            message = f"{found.signal.name} goes from 0 to {largest:.10g}, and is never {value:.10g}"
+            findings.add("Y0470", message, statement.whole_span, "check the number, or the bits")
+            return None
+    try:
+        return tuple(
+            steps_of(value, found.step, found.signal.name) if isinstance(value, float) else value
+            for value in values
+        )
+    except AmountError as error:
+        findings.add_error(error, statement.whole_span)
+        return None
 
 
 def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement, findings: Collector) -> bool:
@@ -132,6 +166,10 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
     if register is not None:
         return When(origin, Between("=", RegisterValue(register.name), Constant(value)))
     assert signal is not None  # as above
+    as_steps = _in_steps((value,), values, scope, statement, findings)
+    if as_steps is None:
+        return None
+    (value,) = (one for one in as_steps if isinstance(one, float))
     return When(origin, equals(signal.variable, signal.name, value))
 
 
@@ -243,6 +281,9 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
                 findings.add("Y0209", f"{word.text} is an output, not a register", span, help_)
             else:
                 _check_range(number, found, statement, findings)
+        elif isinstance(found, Output) and found.step is not None:
+            message = f"{word.text} is analogue: what is known only when the program runs isn't counted in its steps"
+            findings.add("Y0472", message, span, f"write SET {word.text} and a number")
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         return None

@@ -90,6 +90,9 @@ def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value
     match scope.name(word.name):
         case Register() as register:
             return RegisterValue(register.name), register
+        case Input(signal=signal, step=step) if step is not None:
+            message = f"{signal.name} is analogue, and CASE takes integers"
+            findings.add("Y0472", message, span, "choose by WHEN PRESSURE > 4.5")
         case Input(signal=signal):
             # a group is in its range as a register is: each of its bits is 0 or 1, or the run ends
             whole = Register(signal.name, 0, largest_of(signal.variable), 0)

@@ -32,6 +32,7 @@ from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.semantics.values.poses import check_limits, rotation_of
+from yarclang.semantics.values.steps import steps_of
 from yarclang.semantics.values.units import amount, joint_kinds, number_fault, resolve_units
 from yarclang.source import SourceFile
 from yarclang.subjects import LeftOut
@@ -346,6 +347,7 @@ def declare_signal(
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = values_of(statement)
+    step, values = _step(values, scope, statement, findings)
     most = 3 if kind == "OUTPUT" else 2
     words = values[:2]
     if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
@@ -363,16 +365,26 @@ def declare_signal(
         return ()
     signal = Signal(word.name, group_of(found))
     where = Where(findings.source, statement.span(word.place))
+    if step is not None and not is_group(signal.variable):
+        message = f"{word.text} is a single bit, and has no steps"
+        findings.add("Y0470", message, statement.span(variable.place), "name a group of bits, as M80..M91")
+        step = None
     if kind == "INPUT":
-        scope.declare(word.name, Input(signal), where)
+        scope.declare(word.name, Input(signal, step), where)
         # of a group one bit that is another's says it all
         findings.found += [one for bit in signal.bits for one in signals.add("input", bit, None, where)][:1]
         return ()
     safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
+    if safe is not None and step is not None:
+        try:
+            safe = steps_of(safe, step, word.text)
+        except AmountError as error:
+            findings.add_error(error, statement.span(values[2].place))
+            safe = None
     if safe is not None and (fault := group_fault(signal, safe)):
         findings.add("Y0470", fault, statement.span(values[2].place), "check the number, or the bits")
         safe = None
-    scope.declare(word.name, Output(signal, safe), where)
+    scope.declare(word.name, Output(signal, safe, step), where)
     outputs = tuple(
         Output(bit, safe if not is_group(signal.variable) or safe is None else float(int(safe) >> place & 1))
         for place, bit in enumerate(signal.bits)
@@ -381,6 +393,27 @@ def declare_signal(
         found for one in outputs for found in signals.add("output", one.signal, one.safe, where)
     ][:1]
     return outputs
+
+
+def _step(
+    values: list[Value], scope: Scope, statement: Statement, findings: Collector
+) -> tuple[float | None, list[Value]]:
+    """Return what STEP says of an analogue signal, and the values without it."""
+    place = next((at for at, one in enumerate(values) if isinstance(one, Word) and one.name == "STEP"), None)
+    if place is None or place < 2:
+        return None, values
+    rest = [*values[:place], *values[place + 2 :]]
+    number = state_value(values[place + 1], scope, statement, findings) if place + 1 < len(values) else None
+    if number is None or number <= 0.0:
+        message = "STEP wants how much one step is, above 0"
+        findings.add(
+            "Y0472",
+            message,
+            statement.span(values[place].place),
+            "for example INPUT PRESSURE M80..M91 STEP 0.01",
+        )
+        return None, rest
+    return number, rest
 
 
 def group_fault(signal: Signal, number: float) -> str:

@@ -55,9 +55,10 @@ class Pose:
 
 @frozen
 class Input:
-    """A declared input."""
+    """A declared input; `step` is what one step of an analogue one is (None: it is the number that it reads)."""
 
     signal: Signal
+    step: float | None = None
 
 
 @frozen(eq=False)

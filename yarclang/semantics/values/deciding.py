@@ -6,6 +6,7 @@ from typing import NoReturn
 
 from yarclang.decisions import (
     ARITHMETIC,
+    COMPARISONS,
     CONNECTIVES,
     DECIMALS,
     DEEPEST,
@@ -23,8 +24,9 @@ from yarclang.decisions import (
     leaves,
 )
 from yarclang.semantics.names.scope import KINDS, Input, Scope
-from yarclang.semantics.values.amounts import Amount
+from yarclang.semantics.values.amounts import Amount, AmountError
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
+from yarclang.semantics.values.steps import compared, mirrored
 from yarclang.subjects import unknown
 from yarclang.syntax.expressions import (
     Applied,
@@ -120,12 +122,58 @@ def _refuse(expression: Expression, message: str) -> NoReturn:
 
 
 def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Value:
+    if (found := _in_steps(operator, expression, scope)) is not None:
+        return found
     left, right = (_part(one, scope, depth + 1) for one in (expression.left, expression.right))
     for value, said in ((left, expression.left), (right, expression.right)):
         _check(value, said, wants_condition=operator in CONNECTIVES)
         if operator in ARITHMETIC and isinstance(value, Constant) and not value.number.is_integer():
             _refuse(said, f"{value.number:.15g} is no integer")
     return Between(operator, left, right)
+
+
+def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
+    """Return a comparison of an analogue input with a number, or with another one of the same step; None of what has no analogue input at its sides."""
+    left, right = _analogue(expression.left, scope), _analogue(expression.right, scope)
+    if operator not in COMPARISONS or (left is None and right is None):
+        return None
+    if left is not None and right is not None:
+        if left.step != right.step:
+            message = "two analogue inputs with other steps can't be compared"
+            raise EvaluationError(expression.place, "Y0472", message, "compare each of them with a number")
+        return Between(operator, _read(left), _read(right))
+    analogue, number, said = (
+        (left, expression.right, operator)
+        if left is not None
+        else (right, expression.left, mirrored(operator))
+    )
+    assert analogue is not None
+    assert analogue.step is not None
+    if _decides(number, scope):
+        message = (
+            f"{analogue.signal.name} is analogue, and is compared with a number that is known when compiled"
+        )
+        raise EvaluationError(expression.place, "Y0472", message, _ANALOGUE)
+    try:
+        said, steps = compared(said, _known(number, scope).number, analogue.step, analogue.signal.name)
+    except AmountError as error:
+        raise EvaluationError.at(number.place, error) from None
+    return Between(said, _read(analogue), Constant(steps))
+
+
+def _read(found: Input) -> InputValue:
+    return InputValue(found.signal.variable, found.signal.name)
+
+
+_ANALOGUE = "write PRESSURE > 4.5; a register gets no analogue value"
+
+
+def _analogue(expression: Expression, scope: Scope) -> Input | None:
+    """Return the analogue input that a side of a comparison is."""
+    while isinstance(expression, Bracket):
+        expression = expression.inner
+    found = scope.name(expression.name) if isinstance(expression, Name) else None
+    return found if isinstance(found, Input) and found.step is not None else None
 
 
 def _check(value: Value, expression: Expression, *, wants_condition: bool) -> None:
@@ -155,7 +203,10 @@ def _named(name: Name, scope: Scope) -> Value:
     match scope.name(name.name):
         case Register(name=register):
             return RegisterValue(register)
-        case Input(signal=signal):
+        case Input(signal=signal, step=step):
+            if step is not None:
+                message = f"{name.text} is analogue: it stands beside a comparison alone"
+                raise EvaluationError(name.place, "Y0472", message, _ANALOGUE)
             return InputValue(signal.variable, signal.name)
         case Amount() as found:
             return _plain(found, name)

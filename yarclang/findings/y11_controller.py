@@ -198,6 +198,14 @@ FINDINGS: tuple[Finding, ...] = (
         "Report it, with the program, the robot and the cell.",
     ),
     Finding(
+        "Y1181",
+        "zones-disagree",
+        "error",
+        "something is beyond a zone's border, and the proof doesn't say so",
+        "Zones to stay in or out of are proved by a geometry that the planner uses as well. At the ends of all segments the certificate looks a second time, with placements and distances of its own. What is "
+        "beyond a border there was overlooked by the proof: it has an error, and nothing is written. Report it, with the program, the robot and the cell.",
+    ),
+    Finding(
         "Y1194",
         "kinematics-disagree",
         "error",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from yarclang.certify.bodies.fastest import Motions, fastest_in
 from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
 from yarclang.certify.bodies.sweep import Sweep, moving_chunks, sweep_of
+from yarclang.certify.bodies.witness import seen_beyond
 from yarclang.certify.certificate import Clearance, ZoneSpeed
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.motion.frames import moving_frame
@@ -122,6 +123,7 @@ class _Judge:
     def __init__(self, scene: Scene, robot: Robot, sweep: Sweep, watches: Sequence[Watch]) -> None:
         self.scene, self.robot, self.sweep, self.watches = scene, robot, sweep, watches
         self.places, self.course, self.spans = sweep.places, sweep.course, sweep.spans
+        self.motions = Motions(scene.chain, sweep.cubics, sweep.spans)
         self.findings: list[Diagnostic] = []
 
     def judged(self) -> dict[int, InZones]:
@@ -143,6 +145,7 @@ class _Judge:
             broken.setdefault((one.motion, watch.zone.name), []).append((watch, stay))
         for (row, _), stays in sorted(broken.items(), key=lambda one: one[0][0]):
             self._break(row, stays)
+        self._look_again(broken)
         clearances: list[Clearance | None] = []
         for row in range(len(self.places)):
             near, least = int(found.nearest[row]), float(found.least[row])
@@ -155,15 +158,36 @@ class _Judge:
                 clearances.append(Clearance(least, _called(watch), watch.zone.name, at))
         return clearances
 
+    def _look_again(self, broken: Container[tuple[int, str]]) -> None:
+        """Look at borders a second time, by arithmetic that the proof doesn't use: what is beyond one there and wasn't found is a fault of yarclang."""
+        for watch in self.watches:
+            if watch.zone.rule == "slow":
+                continue
+            for row, seen in enumerate(seen_beyond(self.motions, watch)):
+                if seen is None or (row, watch.zone.name) in broken:
+                    continue
+                time = float(self.motions.starts[seen.segment])
+                if seen.at_end:
+                    time += float(self.sweep.cubics.h[seen.segment])
+                message = (
+                    f"{_called(watch)} is beyond a border of the zone {watch.zone.name}, {time - self.sweep.starts(row):.3f} s after its start, "
+                    f"{pose_text(self.robot, self.places[row].motion.origin, self._at(time))}, and the proof doesn't say so"
+                )
+                self._find(
+                    "Y1181",
+                    message,
+                    self.places[row],
+                    "this is a fault of yarclang: report it, with the program and the cell",
+                )
+
     def _speeds(self) -> list[ZoneSpeed | None]:
         worst: list[ZoneSpeed | None] = [None] * len(self.places)
-        motions = Motions(self.scene.chain, self.sweep.cubics, self.spans)
         for watch in self.watches:
             limit = watch.zone.speed
             if watch.zone.rule != "slow" or limit is None:
                 continue
             assert watch.item is not None  # zones without are joint windows with other rules
-            found = fastest_in(motions, watch.zone.region, watch.zone.margin, watch.item)
+            found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
                 had = worst[row]

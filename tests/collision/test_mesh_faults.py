@@ -180,6 +180,22 @@ def test_a_corner_that_is_far_away(name, far, tmp_path):
     assert unreadable(tmp_path, name, WRITERS[name](), scale=1e15).startswith("has a corner")
 
 
+def test_a_text_stl_may_have_any_lines_and_names(tmp_path):
+    content = stl_text().replace(b"solid a", b"solid facet vertex endfacet")
+    assert unreadable(tmp_path, "a.stl", content) == ""
+    head, _, rest = content.partition(b"\n")
+    body, end, name = rest.partition(b"endsolid")
+    one_line = head + b"\n" + body.replace(b"\n", b" ") + b"\n" + end + name
+    assert unreadable(tmp_path, "a.stl", one_line) == ""
+    assert "cut off" in unreadable(tmp_path, "a.stl", one_line[: len(one_line) // 2])
+
+
+def test_faces_of_corners_by_another_name_are_left_to_the_reader_of_meshes():
+    """What isn't understood here is no fault."""
+    content = dae().replace(b'semantic="VERTEX" source="#v"', b'semantic="VERTEX" source="#w"')
+    assert mesh_fault(".dae", content) == ""
+
+
 def test_strips_of_a_ply_are_not_left_out_in_silence(tmp_path):
     content = ply().replace(b"element face", b"element tristrips")
     assert unreadable(tmp_path, "a.ply", content) == "has strips of triangles, which aren't read here"

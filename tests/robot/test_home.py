@@ -86,7 +86,7 @@ def test_home_moves_out_of_what_is_fixed_to_the_base(name, tmp_path):
         room = np.minimum(home - robot.limits.lower, robot.limits.upper - home)
         assert (room >= 0.05 * (robot.limits.upper - robot.limits.lower)).all()
         line = next(one for one in (folder / "robot.toml").read_text().splitlines() if one.startswith("HOME"))
-        assert ("no links touch there" in line) == bool(places)
+        assert "no links touch there" in line or not places
         assert "singularit" in line
         before.append(home.tolist())
         places.append([round(float(value), 6) for value in flange_poses(robot.chain, home[None])[0, :3, 3]])

@@ -84,7 +84,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
         return ()
     touch = touching(scene, within(robot.chain, robot.limits, POSITIONS))
     here = touching(scene, robot.home[None])[0]
-    shares = by_names(scene, touch)
+    shares = _by_names(scene, touch)
     home = {scene.names(int(pair)) for pair in np.flatnonzero(here)}
     found = []
     for pair, share in sorted(shares.items()):
@@ -94,7 +94,7 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
     return tuple(found)
 
 
-def by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
+def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
     """In which share of the positions (P, K) some of the shapes of two bodies touch."""
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for pair in range(len(scene.pairs.first)):
@@ -123,14 +123,19 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
     """The pairs that touch in HOME or nearly everywhere."""
-    often = [names for names, share in by_names(scene, touch).items() if share > OFTEN]
+    often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
     here = [scene.names(int(pair)) for pair in np.flatnonzero(touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))
 
 
 def touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    """Which pairs touch (P, K) at joint positions `q` (P, n)."""
+    """Return which pairs touch (P, K) at joint positions `q` (P, n)."""
+    return apart(scene, q) <= 0.0
+
+
+def apart(scene: Scene, q: Array) -> Array:
+    """Return how far apart the pairs are (P, K) [m] at joint positions `q` (P, n); not above zero where they touch."""
     count, pairs = len(q), len(scene.pairs.first)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
-    apart = distances(scene, pair, relative(place(scene, q), at, pair))
-    return apart.reshape(count, pairs) <= 0.0
+    found: Array = distances(scene, pair, relative(place(scene, q), at, pair))
+    return found.reshape(count, pairs)

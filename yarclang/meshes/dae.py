@@ -123,6 +123,7 @@ class _Reading:
                 )
         used = 0
         for faces in self.faces:
+            used += sum(len(numbers) for numbers in faces.lists)
             source = self.positions.get(faces.vertices, "")
             places = self.places.get(source)
             if places is None:
@@ -131,7 +132,6 @@ class _Reading:
             corners = min(corners, self.counts.get(source, corners))
             for numbers in faces.lists:
                 of_corners = numbers[faces.place :: faces.group]
-                used += len(of_corners)
                 wrong = ~((of_corners >= 0.0) & (of_corners < corners))
                 if wrong.any():
                     first = of_corners[wrong][0]

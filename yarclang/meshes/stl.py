@@ -12,7 +12,8 @@ _HEAD = 84
 """Bytes before the first triangle of a binary file: the last four are the number of triangles."""
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
 _NOT_FINITE = re.compile(rb"^[ \t]*vertex[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
-_WORD = re.compile(rb"^[ \t\r\f\v]*(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE | re.MULTILINE)
+_NAME = re.compile(rb"^([ \t\r\f\v]*(?:end)?solid)\b[^\n]*", re.IGNORECASE | re.MULTILINE)
+_WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 
 
 def is_binary(content: bytes) -> bool:
@@ -35,7 +36,7 @@ def stl_fault(content: bytes) -> str:
         return damage(content)
     if _NOT_FINITE.search(content):
         return ODD_CORNER
-    words = [word.lower() for word in _WORD.findall(content)]
+    words = [word.lower() for word in _WORD.findall(_NAME.sub(rb"\1", content))]
     facets, ends, corners_ = (words.count(word) for word in (b"facet", b"endfacet", b"vertex"))
     if not facets:
         return NO_TRIANGLE

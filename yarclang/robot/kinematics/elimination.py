@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import links_of, walk, walk_with_jacobian
 from yarclang.robot.kinematics.numeric import pose_columns, pose_error
+from yarclang.robot.kinematics.single import pose_with_jacobian, twist_between
 from yarclang.robot.model import Array, Chain
 
 MOST = 16
@@ -170,6 +171,9 @@ def distinct(
 
 def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Array]:
     """Return candidates (K, 6) made exact by Newton's method, damped a little, and what each misses its pose (K, 4, 4) by [m and rad together]."""
+    if len(q) == 1:
+        one, left = _polished_one(chain, base_from_flange[0], q[0])
+        return one[None], np.array([left])
     target = pose_columns(base_from_flange)
     best = np.ascontiguousarray(q.T)
     trial, miss = best.copy(), np.full(len(q), np.inf)
@@ -195,6 +199,27 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         step *= np.minimum(1.0, 0.5 / np.maximum(np.abs(step).max(axis=1), 1e-300))[:, None]
         trial[:, active] += step.T
     return np.ascontiguousarray(best.T), miss
+
+
+def _polished_one(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, float]:
+    """Return `polished` of one candidate (6,) for one pose (4, 4), in a third of its time."""
+    best, miss = q, math.inf
+    for step_number in range(STEPS):
+        pose, jacobian = pose_with_jacobian(chain, q)
+        error = twist_between(pose, base_from_flange)
+        size = math.sqrt(float(error @ error))
+        better = size < miss
+        if better:
+            best, miss = q, size
+        going = size > EXACT or (better and size > 1e-12)
+        if not (going and size < LESS**step_number):
+            break
+        squares = jacobian.T @ jacobian
+        least = 1e-14 * float(np.trace(squares)) + 1e-15
+        squares += (least + 1e-3 * size * size) * np.eye(6)
+        step = np.linalg.solve(squares, jacobian.T @ error)
+        q = q + step * min(1.0, 0.5 / max(float(np.abs(step).max()), 1e-300))
+    return best, miss
 
 
 def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:

@@ -17,6 +17,7 @@ from yarclang.robot.kinematics.geometry import WristedArm, form_of
 from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts, wrapped
 from yarclang.robot.kinematics.nearest_spare import nearest_along
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.kinematics.single import pose_with_jacobian
 from yarclang.robot.kinematics.spare import spare_form
 from yarclang.robot.kinematics.within import EDGE, beyond, clear_of_limits, nearest_turn
 from yarclang.robot.kinematics.wrist import TURN
@@ -228,7 +229,7 @@ def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
     nearest = q[int(np.argmin(away))]
     if away.min() < STANDS:
         return False
-    jacobian = walk_with_jacobian(chain, nearest[:, None], np.eye(4))[1][:, :, 0]
+    jacobian = pose_with_jacobian(chain, nearest)[1]
     return bool(np.linalg.svd(jacobian, compute_uv=False)[-1] < FREE)
 
 

@@ -11,8 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.robot.kinematics.fk import walk_with_jacobian
-from yarclang.robot.kinematics.numeric import pose_columns, pose_error
+from yarclang.robot.kinematics.single import pose_with_jacobian, twist_between
 from yarclang.robot.kinematics.spare import BRANCHES, SpareForm, solutions_with
 from yarclang.robot.kinematics.within import EDGE, clear_of_limits, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
@@ -147,14 +146,14 @@ class _Seen:
 
         The steps are those of the secant method, each with one of Newton's method back to the pose.
         """
-        here, target = q, pose_columns(self.pose[None])
+        here = q
         low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
         step, before, bend = 0.0, 0.0, 1.0
         way = np.zeros(len(q))
         for number in range(SLIDES):
-            columns, jacobian = walk_with_jacobian(self.chain, here[:, None], np.eye(4))
-            error = pose_error(columns, target)[:, 0]
-            left, size, right = np.linalg.svd(jacobian[:, :, 0])
+            pose, jacobian = pose_with_jacobian(self.chain, here)
+            error = twist_between(pose, self.pose)
+            left, size, right = np.linalg.svd(jacobian)
             away = here - self.reference
             if number and np.abs(error).max() < EXACT and away @ away < cost % UNCLEAR - LESS:
                 outside = np.maximum(low - here, here - high).max()
@@ -177,13 +176,11 @@ class _Seen:
 
     def next_to_reference(self) -> Array:
         """Return where a few Newton steps lead from the reference towards the pose (7,)."""
-        q, target = self.reference[:, None], pose_columns(self.pose[None])
+        q = self.reference
         for _ in range(STEPS):
-            columns, jacobian = walk_with_jacobian(self.chain, q, np.eye(4))
-            error = pose_error(columns, target)
-            one = jacobian[:, :, 0]
-            q = q + one.T @ np.linalg.solve(one @ one.T + DAMPED * np.eye(6), error)
-        return q[:, 0]
+            pose, one = pose_with_jacobian(self.chain, q)
+            q = q + one.T @ np.linalg.solve(one @ one.T + DAMPED * np.eye(6), twist_between(pose, self.pose))
+        return q
 
 
 def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:

@@ -83,10 +83,7 @@ LONGEST = 60.0
 """A mutant that compiles, or whose texts are judged, for longer than this [s] is stopped, and counts as seen."""
 LONGEST_TESTS = 240.0
 """Tests that take longer than this [s] are stopped, and say nothing."""
-REASONS: dict[str, str] = {
-    "collision/zones/regions.py exchanged limits: np.maximum -> np.minimum (2)": "planner and judge share the geometry of zones to stay in or out of "
-    "(docs/certificate.md); tests/certify/test_own_speeds.py sees it",
-}
+REASONS: dict[str, str] = {}
 """Why mutants stand that were seen by nobody, or are written and wrong; by their keys in the file of results."""
 
 

@@ -113,6 +113,54 @@ def test_a_return_skips_the_rest_of_the_sub(robot):
     assert dict(ended.registers) == {"N": 1, "K": 1}
 
 
+@pytest.mark.parametrize("kind", ["LOOP", "WHILE K < 9", "LOOP 9", "REPEAT M"])
+def test_a_return_in_loops_skips_all_that_is_left_of_the_sub(robot, kind):
+    _, ended = performed(
+        robot,
+        "REGISTER M 0..9 9",
+        "SUB S",
+        "LOOP",
+        kind,
+        "SET K = K + 1",
+        "WHEN K >= 3",
+        "P900 RETURN",
+        "END",
+        "END",
+        "SET N = 8",
+        "END",
+        "SET N = 9",
+        "END",
+        "P901 CALL S",
+        "SET N = N + 1",
+        "P902 CALL S",
+        "SET N = N + 1",
+    )
+    assert ended.well
+    held = dict(ended.registers)
+    assert (held["N"], held["K"]) == (2, 4)  # the second call returns in its first pass
+
+
+def test_a_sub_that_was_returned_from_is_gone_through_the_next_time(robot):
+    _, ended = performed(
+        robot,
+        "SUB S",
+        "LOOP 3",
+        "WHEN N = 0",
+        "P900 RETURN",
+        "END",
+        "SET K = K + 1",
+        "END",
+        "SET K = K + 5",
+        "END",
+        "LOOP 2",
+        "P901 CALL S",
+        "SET N = 1",
+        "END",
+    )
+    assert ended.well
+    assert dict(ended.registers)["K"] == 8
+
+
 WAITS = ("WHILE DOOR OFF", "END", "SET LAMP 3")
 
 

@@ -242,7 +242,7 @@ FINDINGS = (
         "leaves-nothing",
         "error",
         "an EXIT or a RETURN stands where there is nothing to leave",
-        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB, from anywhere but a loop in it. Where neither is there, the line would mean nothing.",
+        "EXIT leaves the innermost LOOP or WHILE around it, in the same SUB; RETURN leaves the SUB, out of its loops as well. Where neither is there, the line would mean nothing.",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 EXIT",
         "JOINTS A 10 0 0 0 0 0 (deg)\nP0010 MOVEJ A [2] (s)\nP0020 STOP",
     ),

@@ -23,6 +23,9 @@ from yarclang.syntax.ast import Block, Node, Statement, Word
 COUNTER = "REPEAT_"
 """How the registers begin that count the passes of a REPEAT."""
 
+RETURNS = "RETURN_"
+"""How the flags begin that say, behind a loop, that the SUB around it is left."""
+
 
 @dataclass(frozen=True, slots=True)
 class Ended:
@@ -35,11 +38,16 @@ class Ended:
 
 @dataclass(slots=True)
 class _Around:
-    """The blocks around a line in its SUB: of each loop, from outside in, True once a way leads out of it; how many WHENs and CASEs; `returned` once one of their ways leaves the SUB."""
+    """The blocks around a line in its SUB: of each loop, from outside in, True once a way leads out of it; how many WHENs and CASEs; `returned` once one of their ways leaves the SUB.
+
+    `returns` says of each loop whether a RETURN stands in it; then `flag` is the register that says behind the loop that the SUB is left.
+    """
 
     loops: list[bool] = field(default_factory=list)
     ways: int = 0
     returned: bool = False
+    returns: list[bool] = field(default_factory=list)
+    flag: str = ""
 
 
 class Decided:
@@ -102,6 +110,8 @@ class Decided:
             if around.returned:  # some ways leave it: as a loop that never begins anew
                 self._steps.insert(begin, Loop(origin()))
                 self._steps.append(EndLoop(origin()))
+            if around.flag:
+                self._steps.insert(begin, Assign(origin(), around.flag, Constant(0.0)))
             if around.returned or (self.ended is not None and self.ended.returns):
                 self._goes_on()
 
@@ -112,21 +122,49 @@ class Decided:
         fault = None
         if returns and len(self._around) == 1:
             fault = "RETURN stands in no SUB", "STOP ends the program"
-        elif returns and around.loops:
-            fault = "RETURN stands in a loop", "leave the loop by EXIT, and write RETURN behind its END"
         elif not returns and not around.loops:
             fault = "EXIT stands in no LOOP or WHILE", "STOP ends the program, RETURN a SUB"
         if fault is not None:
             file.findings.add("Y0450", fault[0], statement.head_span, fault[1])
             self._steps.append(Gap())
             return
-        if not returns or around.ways:
+        if returns and around.loops:
+            around.flag = around.flag or self._own_register(RETURNS, 0, 1).name
+            around.returns[-1] = True
+            self._steps.append(Assign(step.origin, around.flag, Constant(1.0)))
+        if not returns or around.ways or around.loops:
             self._steps.append(step)
-        if not returns:
+        if around.loops:
             around.loops[-1] = True
-        around.returned |= returns and around.ways > 0
+        else:
+            around.returned |= returns and around.ways > 0
         what = "the SUB" if returns else "the loop"
-        self.ended = Ended(f"{name} leaves {what}", f"move {word} behind it, or into a WHEN", returns=returns)
+        # out of a loop it gets by an EXIT, and the rest is done behind that
+        leaves_all = returns and not around.loops
+        self.ended = Ended(
+            f"{name} leaves {what}", f"move {word} behind it, or into a WHEN", returns=leaves_all
+        )
+
+    def _open_loop(self, left: bool) -> None:
+        """Go into a loop; `left` says that a way out of it is known already."""
+        self._around[-1].loops.append(left)
+        self._around[-1].returns.append(False)
+
+    def _close_loop(self, origin: Origin) -> bool:
+        """Go behind a loop, out of which a way leads or doesn't: on to the end of the SUB if a RETURN has led there."""
+        around = self._around[-1]
+        is_left, returns = around.loops.pop(), around.returns.pop()
+        if returns:
+            self._steps += [
+                When(origin, Between("=", RegisterValue(around.flag), Constant(1.0))),
+                Exit(replace(origin, name="RETURN")),
+                EndWhen(origin),
+            ]
+            if around.loops:
+                around.loops[-1] = around.returns[-1] = True
+            else:
+                around.returned = True
+        return is_left
 
     def when(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a WHEN."""
@@ -197,13 +235,12 @@ class Decided:
         around, end = file.findings.place, block.end or block.head
         self._steps.append(Loop(_origin(block.head, "LOOP", file, around)))
         self._count(block.head, file)
-        loops = self._around[-1].loops
-        loops.append(False)
+        self._open_loop(left=False)
         self._carry_out(block.body, file, Scope(scope))
         if end.name.name == "UNTIL" and self.ended is None:
             file.findings.place = around
             until = read_when(end, scope, file.findings)
-            loops[-1] = True
+            self._around[-1].loops[-1] = True
             if until is None:
                 self._steps.append(Gap())
             else:
@@ -215,7 +252,7 @@ class Decided:
             why = f"the LOOP of line {block.head.line} goes on for ever"
             self.ended = Ended(why, "write UNTIL instead of END, or EXIT in a WHEN")
         self._steps.append(EndLoop(origin))
-        if loops.pop():
+        if self._close_loop(origin):
             self._goes_on()
 
     def _times(self, block: Block, file: File, scope: Scope) -> None:
@@ -260,7 +297,7 @@ class Decided:
         head, around = block.head, file.findings.place
         origin = _origin(head, head.name.name, file, around)
         end = _origin(block.end or head, "END", file, around)
-        own = self._counter(bounds, scope)
+        own = self._own_register(COUNTER, min(bounds.low, 0), max(bounds.high, 0), scope)
         self._count(head, file)
         left = RegisterValue(own.name)
         self._steps.append(Assign(origin, own.name, count))
@@ -272,23 +309,23 @@ class Decided:
         (when, *_) = begin
         assert isinstance(when, When)
         self._steps += [Loop(when.origin), *begin]
-        self._around[-1].loops.append(True)
+        self._open_loop(left=True)
         with self._parted():
             self._carry_out(block.body, file, Scope(scope))
             if self._way_ended() is None:
                 self._steps.append(NextPass(end))
-        self._around[-1].loops.pop()
         self._steps += [EndWhen(end), EndLoop(end)]
+        self._close_loop(end)
 
-    def _counter(self, count: Register, scope: Scope) -> Register:
+    def _own_register(self, word: str, low: int, high: int, scope: Scope | None = None) -> Register:
         """Declare a register that no line can name."""
         taken = {one.name for one in self._registers}
         number = next(
             number
             for number in range(1, len(taken) + 2)
-            if f"{COUNTER}{number}" not in taken and scope.name(f"{COUNTER}{number}") is None
+            if f"{word}{number}" not in taken and (scope is None or scope.name(f"{word}{number}") is None)
         )
-        own = Register(f"{COUNTER}{number}", min(count.low, 0), max(count.high, 0), 0)
+        own = Register(f"{word}{number}", low, high, 0)
         self._registers.append(own)
         return own
 

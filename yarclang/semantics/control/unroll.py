@@ -308,7 +308,10 @@ class _Unroller:
                 self._steps.append(Gap())
             else:
                 self._depth += 1
-                with self._decided.called(lambda: origin_of(statement, "CALL", findings)):
+                where = findings.place
+                with self._decided.called(
+                    lambda: replace(origin_of(statement, "CALL", findings), place=where)
+                ):
                     self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
                 self._depth -= 1
         finally:

@@ -50,12 +50,18 @@ class Leaves(Exception):
     """The innermost loop is left."""
 
 
+class Returns(Exception):
+    """The SUB is left."""
+
+
 class Drawn:
     """A program as it is drawn: lines, and a function that carries it out on a state."""
 
     def __init__(self, chance):
         self.chance, self.index, self.marks, self.kinds = chance, 0, 0, set()
-        self.in_a_way, self.in_a_loop = 0, 0
+        self.in_a_way, self.in_a_loop, self.in_a_sub = 0, 0, False
+        self.subs = []
+        """The lines of SUBs, which stand in front of all others."""
 
     def number(self):
         self.index += 1
@@ -75,10 +81,13 @@ class Drawn:
     def part(self, depth):
         still, parting = ("mark", "set"), ("when", "case", "repeat", "loop", "counted")
         kinds = (*still, *still, *still, *parting, *parting, *parting) if depth else (*still, "mark")
-        kinds = (*kinds, "say", "late") if self.in_a_loop else (*kinds, "wait", "say", "late")
+        kinds = (*kinds, "say", "late", "late") if self.in_a_loop else (*kinds, "wait", "say", "late", "late")
+        kinds = (*kinds, "sub", "sub", "late", "late") if depth and not self.in_a_sub else kinds
         kind = "ends" if self.in_a_way and self.chance.random() < 0.12 else self.chance.choice(kinds)
         if kind == "ends" and self.in_a_loop and self.chance.random() < 0.7:
             kind = "leave"
+        if kind in ("ends", "leave") and self.in_a_sub and self.chance.random() < 0.6:
+            kind = "returns"
         self.kinds.add(kind)
         return getattr(self, kind)(depth)
 
@@ -186,6 +195,28 @@ class Drawn:
 
         return [f"{self.number()} EXIT"], carried_out
 
+    def returns(self, _):
+        def carried_out(state, passed):
+            raise Returns
+
+        return [f"{self.number()} RETURN"], carried_out
+
+    def sub(self, depth):
+        """A SUB that is called where it is drawn; a RETURN may stand in its ways, and in those of its loops."""
+        around, self.in_a_way, self.in_a_loop, self.in_a_sub = (self.in_a_way, self.in_a_loop), 0, 0, True
+        lines, does = self.block(depth)
+        (self.in_a_way, self.in_a_loop), self.in_a_sub = around, False
+        name = f"S{len(self.subs)}"
+        self.subs.append([f"SUB {name}", *lines, "END"])
+
+        def carried_out(state, passed):
+            try:
+                does(state, passed)
+            except Returns:
+                state["returned"] += 1
+
+        return [f"{self.number()} CALL {name}"], carried_out
+
     def body(self, depth):
         """Lines of a loop; in the ways around it, EXIT and STOP stand in its own ways only."""
         around, self.in_a_way = self.in_a_way, 0
@@ -272,6 +303,7 @@ def robot(industrial6):
     passes=0.08,
     left=0.02,
     late=0.04,
+    returned=0.01,
 )
 def test_what_is_done_is_what_the_program_says(tally, robot):
     for seed in range(PROGRAMS):
@@ -280,9 +312,9 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
         lines, carried_out = program.block(2)
         is_group = chance.random() < 0.5
         head = [line.replace("JOB M70", "JOB M72..M74") if is_group else line for line in HEAD]
-        run = job(robot, *head, *lines)
+        run = job(robot, *head, *(line for one in program.subs for line in one), *lines)
         for _ in range(2):
-            counters = dict.fromkeys(("K0", "K1", "K2", "passes", "left", "late"), 0)
+            counters = dict.fromkeys(("K0", "K1", "K2", "passes", "left", "late", "returned"), 0)
             state = {
                 "N": 0,
                 "FLAG": 0,
@@ -323,6 +355,7 @@ def test_what_is_done_is_what_the_program_says(tally, robot):
             tally.count("passes", state["passes"] > 1)
             tally.count("left", state["left"])
             tally.count("late", state["late"])
+            tally.count("returned", state["returned"])
             held = dict(ended.registers or (("N", 0), ("FLAG", 0)))
             assert {name: held[name] for name in ("N", "FLAG")} == {
                 "N": state["N"],

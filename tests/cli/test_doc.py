@@ -142,3 +142,15 @@ def test_doc_of_a_module_with_errors_says_them(tmp_path, monkeypatch):
     result = run("broken")
     assert result.exit_code == 1
     assert "Y01" in result.stderr
+
+
+def test_functions_are_told_with_their_parameters():
+    module = described(
+        TEXT
+        + "\n! What a hole takes,\n! in seconds.\nFUNC lasting(N, DEPTH (MM)) = N * DEPTH / 10\nFUNC BARE2(A) = A\n"
+    )
+    assert [one.head for one in module.functions] == ["LASTING(N, DEPTH (mm))", "BARE2(A)"]
+    plain, marked = module_plain(module), module_markdown(module)
+    assert "DRILLING.LASTING(N, DEPTH (mm))\n  What a hole takes, in seconds.\n" in plain
+    assert "## DRILLING.LASTING(N, DEPTH (mm))\n\nWhat a hole takes, in seconds." in marked
+    assert plain.rstrip().endswith("DRILLING.BARE2(A)")

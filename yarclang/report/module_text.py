@@ -52,12 +52,27 @@ class SubText:
 
 
 @frozen
+class FunctionText:
+    """A FUNC: what it is, and its parameters as in its head, `A` or `H (mm)`."""
+
+    name: str
+    purpose: str
+    parameters: tuple[str, ...]
+
+    @property
+    def head(self) -> str:
+        """Name and parameters as it is used."""
+        return f"{self.name}({', '.join(self.parameters)})"
+
+
+@frozen
 class ModuleText:
-    """A module: what it is for, in paragraphs, and its SUBs."""
+    """A module: what it is for, in paragraphs, its SUBs and its functions."""
 
     name: str
     paragraphs: tuple[str, ...]
     subs: tuple[SubText, ...]
+    functions: tuple[FunctionText, ...] = ()
 
     @property
     def title(self) -> str:
@@ -69,16 +84,24 @@ def describe_module(module: Module) -> ModuleText:
     """What a module's comments and the heads of its SUBs say."""
     name = PurePath(module.source.name).stem.upper()
     comments = {line: re.sub(r"^!+ ?", "", text).rstrip() for line, text in module.comment_lines}
-    subs = [one for one in module.statements if one.index is None and one.name.name == "SUB"]
+    subs, functions = (
+        [one for one in module.statements if one.index is None and one.name.name == word]
+        for word in ("SUB", "FUNC")
+    )
     first = min(comments, default=0)
     above_all = min((one.line for one in module.statements), default=first + 1)
     top: list[str] = []
     if first and first < above_all:
         top = _downwards(comments, first)
-        # a comment that stands right above the first SUB is the SUB's
-        if first + len(top) in {one.line for one in subs}:
+        # a comment that stands right above the first SUB or FUNC is that one's
+        if first + len(top) in {one.line for one in (*subs, *functions)}:
             top = []
-    return ModuleText(name, _paragraphs(top), tuple(_sub(one, comments, name) for one in subs))
+    return ModuleText(
+        name,
+        _paragraphs(top),
+        tuple(_sub(one, comments, name) for one in subs),
+        tuple(_function(one, comments) for one in functions),
+    )
 
 
 def module_listing(modules: list[ModuleText]) -> str:
@@ -102,6 +125,9 @@ def module_plain(module: ModuleText) -> str:
         for one in sub.parameters:
             lines += _wrapped(one.meaning, f"    {one.name:{width}}", " " * (4 + width))
         lines += [*_wrapped(f"for example: {sub.example}", "  "), ""]
+    for function in module.functions:
+        lines += _wrapped(f"{module.name}.{function.head}", "", "    ")
+        lines += [*_wrapped(function.purpose, "  "), ""]
     return "\n".join(lines).rstrip()
 
 
@@ -120,6 +146,9 @@ def module_markdown(module: ModuleText) -> str:
             lines += [f"| `{one.name}` | {_marked(one.meaning)} |" for one in sub.parameters]
             lines.append("")
         lines += ["```", sub.example, "```", ""]
+    for function in module.functions:
+        lines += [f"## {module.name}.{function.head}", ""]
+        lines += [_marked(function.purpose), ""] if function.purpose else []
     return "\n".join(lines).rstrip()
 
 
@@ -134,6 +163,13 @@ def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText
     # without a call in the comment: the parameters stand for themselves
     example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in wanted)))
     return SubText(name, purpose, parameters, strangers, example)
+
+
+def _function(statement: Statement, comments: dict[int, str]) -> FunctionText:
+    values = [value for waypoint in statement.waypoints for value in waypoint.values]
+    head = [_head_name(value) for value in values]
+    name, parameters = (head[0], head[1:]) if head else ("", [])
+    return FunctionText(name, _parts(_upwards(comments, statement.line - 1))[0], tuple(parameters))
 
 
 def _head_name(value: Value) -> str:

@@ -19,6 +19,7 @@ FRAME {TABLE} 800 200 300 0 0 90 {B}
 USE PICKPLACE
 LET PITCH = 60 (mm)
 TABLE HEIGHTS 10 20 (mm)
+FUNC HALF(A) = A / 2
 JOINTS READY 0 -10 -20 0 -60 0
 POSE SPOT 0 1174.4 1176 0 0 0
 INPUT DOOR M11
@@ -70,7 +71,10 @@ def behind(half: str, view_of=looked_at) -> list[str]:
         ("P0100 MOVEL 0 0 0 0 0 0 BLEND 5 ", ["ACC"], ["BLEND"]),
         ("P0100 MOVEJ_RPY 0 0 0 0 0 0 NEAR ", ["READY", "HOME"], ["BLEND", "{B}"]),
         ("P0100 MOVEL 0 0 0 0 0 0 [", ["MIN", "V"], ["PITCH"]),
-        ("P0100 MOVEJ 0 0 0 0 0 0 [", ["MIN"], ["V"]),
+        ("P0100 MOVEJ 0 0 0 0 0 0 [", ["MIN", "V<="], ["V"]),
+        ("P0100 MOVEJ 0 0 0 0 0 0 ", ["[V<=250]"], []),
+        ("LET A = ", ["HALF", "SIN", "PITCH"], ["READY"]),
+        ("P0100 MOVEL 0 0 $", [], ["HALF"]),
         ("P0100 MOVEL 0 0 0 0 0 0 [MIN] (mm,", ["deg", "s", "ms"], ["cm", "mm"]),
         ("P0100 SET ", ["GRIP"], ["DOOR"]),
         ("P0100 SET GRIP ", ["ON", "OFF"], ["GRIP"]),

@@ -41,7 +41,7 @@ class Parts:
 
 
 def parts_of(module: Module) -> Parts:
-    """What of a text stays, and what is carried out: blocks other than SUB are carried out."""
+    """What of a text stays, and what is carried out: blocks other than SUB, and than an IF that only declares, are carried out."""
     nodes = arrange(module).value or ()
     declarations: list[str] = []
     commands: list[str] = []
@@ -74,7 +74,11 @@ def _commands(node: Node) -> int:
 
 def _stays(node: Node) -> bool:
     if isinstance(node, Block):
-        return node.head.name.name == "SUB"
+        # an IF that only declares leaves names behind
+        only_declares = node.head.name.name == "IF" and all(
+            map(_stays, (*node.body, *(node.otherwise or ())))
+        )
+        return node.head.name.name == "SUB" or only_declares
     return node.index is None and node.name.name in DECLARATIONS
 
 

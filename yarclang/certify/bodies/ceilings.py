@@ -14,6 +14,7 @@ from yarclang.certify.bodies.sweep import sweep_of
 from yarclang.certify.certificate import ZoneSpeed
 from yarclang.certify.moments import pose_text
 from yarclang.certify.motion.speed import KEPT
+from yarclang.certify.outward import most, up_to
 from yarclang.certify.read.layout import Layout, Place, chunks
 from yarclang.collision.zones.watched import Moving, point_of
 from yarclang.diagnostics import Diagnostic
@@ -133,7 +134,7 @@ def _stretches(places: list[Place], neighbours: dict[int, tuple[float, float]]) 
 def _too_fast(place: Place, robot: Robot, speed: ZoneSpeed, after: float, q: Array) -> Diagnostic:
     origin = place.motion.origin
     message = (
-        f"{speed.part} goes at {speed.largest / MM:.6g} mm/s, and [V<=...] allows {speed.limit / MM:.6g} mm/s, "
+        f"{speed.part} goes at {up_to(most(speed.largest, MM), 6)} mm/s, and [V<=...] allows {speed.limit / MM:.6g} mm/s, "
         f"{after:.3f} s after its start, {pose_text(robot, origin, q)}"
     )
     return Diagnostic("Y1167", message, origin.source, origin.span, "", None, place=origin.place)

@@ -18,6 +18,7 @@ from yarclang.certify.certificate import Clearance, ZoneSpeed
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.motion.frames import moving_frame
 from yarclang.certify.motion.speed import KEPT
+from yarclang.certify.outward import most, up_to
 from yarclang.certify.read.layout import Layout, Place
 from yarclang.collision.proof import KNOWN
 from yarclang.collision.scene import Scene, scene_of
@@ -201,7 +202,7 @@ class _Judge:
         place = self.places[row]
         after = time - self.sweep.starts(row)
         message = (
-            f"{speed.part} goes at {speed.largest / MM:.4g} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
+            f"{speed.part} goes at {up_to(most(speed.largest, MM), 5)} mm/s in the zone {speed.zone}, where {speed.limit / MM:.4g} mm/s are allowed, "
             f"{after:.3f} s after its start, {pose_text(self.robot, place.motion.origin, self._at(time))}"
         )
         self._find(

@@ -2,6 +2,7 @@
 
 import asyncio
 import random
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -233,6 +234,10 @@ class Sequence:
     def _ask(self, wire: Wire) -> None:
         what = self.chance.choice(QUESTIONS)
         at = self._position(self.chance.randrange(len(self.text) + 1))
+        if what == "definition" and self.chance.random() < 0.6:
+            # most places of a text have none
+            names = [found.start() for found in re.finditer(r"(?<=[{$])[A-Za-z_]", self.text)] or [0]
+            at = self._position(self.chance.choice(names))
         whole = {"start": {"line": 0, "character": 0}, "end": {"line": 10_000, "character": 0}}
         params: dict[str, Any] = {"textDocument": {"uri": self.uri}}
         match what:

@@ -52,7 +52,7 @@ UNITS = ("(mm,deg,s)", "( mm , s )", "()", "(mm deg)", "(5)")
 OTHERS = (";", ",", "=", '"text"', '"', "!", "! said", "\ufeff", "\u00a0", "\u2003", "\x0c", "%", "\\")
 PARTS = st.sampled_from([*COMMANDS, *WORDS, *NUMBERS, *BRACKETS, *UNITS, *OTHERS])
 GAPS = st.sampled_from([" ", " ", " ", "  ", "\t", "", "\n"])
-PLAIN = re.compile(r"^[^$\"]*[^$\"; ] *$")
+PLAIN = re.compile(r"^[^$\"<>]*[^$\"<>; ] *$")
 
 
 @exercises(plain=0.02)

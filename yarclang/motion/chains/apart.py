@@ -178,12 +178,23 @@ class _Maker:
             one, other = (self._part(trials, trying, number) for number in (place, place + 1))
             if one is None or other is None or overlap > one.segments - before:
                 return False
-            return (
-                self.corners.serves(one, other, place, overlap)
-                and self.corners.excess(one, other, place, overlap) <= 1.0 + SPEED_KEPT
-            )
+            if not self._is_kept(one, other, place, overlap):
+                return False
+            if not before or self.middles[place] is None:
+                return True
+            # the law of a motion with a time of its own is another one then, at the corner before as well
+            earlier = self._part(trials, trying, place - 1)
+            return earlier is not None and self._is_kept(earlier, one, place - 1, before)
 
         return widest(serves, min(first.segments - before, half))
+
+
+    def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
+        """Whether two motions may overlap by so many segments: within limits, in the ball, and no faster than is asked for."""
+        return (
+            self.corners.serves(one, other, place, overlap)
+            and self.corners.excess(one, other, place, overlap) <= 1.0 + SPEED_KEPT
+        )
 
 
 def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:

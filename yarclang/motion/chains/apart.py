@@ -188,7 +188,6 @@ class _Maker:
 
         return widest(serves, min(first.segments - before, half))
 
-
     def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
         """Whether two motions may overlap by so many segments: within limits, in the ball, and no faster than is asked for."""
         return (

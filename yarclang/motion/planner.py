@@ -430,7 +430,7 @@ aren't kept, and a long chain takes seconds.
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""
 
-_NEXT_TO_NOTHING = 0.1
+_NEXT_TO_NOTHING = 0.0
 """Share of a speed that is asked for, below which a chain that keeps no more of it is refused: nobody meant that, and its dips can't be told well."""
 
 _EXACT = 2e-4

@@ -144,15 +144,6 @@ def too_fast_a_cruise(
     return code, message, span, f"the highest speed that works is about {text}", fix
 
 
-def speed_next_to_nothing(share: float, step: Motion) -> Message:
-    """A speed that a chain keeps next to nothing of: where its path bends most, the limits allow no more."""
-    origin = step.origin
-    text, _ = slower(share, origin)
-    message = f"where this way bends most the limits allow {share * 100:.2g} % of this speed"
-    help_ = f"ask for about {text}, for a wider bend, or for [MIN]"
-    return "Y0605", message, origin.time_span or origin.span, help_, None
-
-
 def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) -> Message:
     """A path that a singularity makes slow."""
     message = f"the path comes near a singularity: {_beside(robot, near)}"

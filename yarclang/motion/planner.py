@@ -404,9 +404,7 @@ class _Planner:
         )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
-        """Say where a chain can't do quite what its commands say, or nearly nothing of it."""
-        if step.timing.speed is not None and piece.least < _NEXT_TO_NOTHING:
-            findings.add(*messages.speed_next_to_nothing(piece.least, step))
+        """Say where a chain can't do quite what its commands say."""
         if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -429,9 +427,6 @@ aren't kept, and a long chain takes seconds.
 
 NO_WAY = 1e-9
 """The longest way of a joint [axis units] that is rounding."""
-
-_NEXT_TO_NOTHING = 0.0
-"""Share of a speed that is asked for, below which a chain that keeps no more of it is refused: nobody meant that, and its dips can't be told well."""
 
 _EXACT = 2e-4
 """A duration that is off by no more [s] is the one that was asked for: the controller's step times some hundred segments."""

@@ -18,6 +18,12 @@ TIMES = ("[MIN]", "[MIN]", "[4.7]", "[3]", "[6]", "[5]", "[50%]")
 SPEEDS = ("[V 20]", "[V 50]", "[V 80]")
 """None so slow that a motion has thousands of segments, which take long and ask no more."""
 
+BENT = {
+    "INDUSTRIAL6": np.array([0, -5, -20, 10, 40, 0]),
+    "TIAGO": np.array([100, 20, 0, 0, 0, 0, 0, 0]),
+}
+"""How far from HOME [deg, mm] arms have room around them: the wrist of one is straight there, the shoulder of the other is beside its column as long as that is low."""
+
 KINDS = (
     "joints",
     "joints_to_pose",
@@ -164,9 +170,8 @@ def drawn(arm, random, most=5):
 def _begun(arm, middle):
     """The first lines of a program, and what is said there by step."""
     lines = ["OUTPUT LAMP M1 OFF", "DEFAULT {TCP} (mm,deg,s) {B}"]
-    if arm.data["name"] != "INDUSTRIAL6":
+    if (middle == arm.data["positions"]["HOME"]).all():
         return lines, {}
-    # its wrist is straight at home
     return [*lines, f"P0001 MOVEJ {_numbers(middle)} [MIN]"], {0: Said("joints", [np.round(middle, 4)])}
 
 
@@ -270,8 +275,7 @@ def features(program):
 
 def _middle(arm):
     home = np.array(arm.data["positions"]["HOME"], float)
-    bent = np.array([0, -5, -20, 10, 40, 0]) if arm.data["name"] == "INDUSTRIAL6" else 0.0
-    return home + bent
+    return home + BENT.get(arm.data["name"], 0.0)
 
 
 def _numbers(values):

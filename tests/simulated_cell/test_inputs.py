@@ -129,6 +129,11 @@ def test_what_is_stuck_goes_on_toggling():
         ("P0020>P0010", "P0020(I=3)>P0010", "", True),
         ("p0010", "P0010", "", True),
         ("P0010", "", "P0010", False),
+        (">P0010", "P0020(I=2)>P0010(#1)", "P0020(I=2)>P0010", True),
+        (">P0010", "P0030>P0010", "P0020>P0010", True),
+        (">P0010", "P0030>P0010", "P0030>P0010", False),
+        (">P0010", "P0010", "", False),
+        (">P0010", "P0030>P0020", "", False),
     ],
 )
 def test_a_place_is_reached(wanted, place, before, reached):

@@ -28,7 +28,7 @@ from yarclang.decisions import Value as Condition
 from yarclang.diagnostics import Collector
 from yarclang.hir import Action, Assign, Output, Say, Signal, WaitInput, WaitUntil, When
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.declared.meanings import group_fault, state_value
+from yarclang.semantics.declared.signals import group_fault, state_value
 from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import KINDS, Input, Scope

@@ -253,7 +253,8 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
 def is_reached(wanted: str, place: str, before: str = "") -> bool:
     """Return True if a program has reached a command.
 
-    An index alone means each command with this index, and each call of it, whatever loop it is in: P0020 is reached at P0020(I=2)>P0010.
+    An index alone means each command with this index, and each call of it, whatever loop it is in: P0020 is reached at P0020(I=2)>P0010. Behind `>`
+    it means each command of SUBs with this index: >P0010 is reached there too.
 
     Args:
         wanted: an index or the full place of a command.
@@ -261,6 +262,8 @@ def is_reached(wanted: str, place: str, before: str = "") -> bool:
         before: of the command before that one: who is still in the same call hasn't reached it anew.
     """
     parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
+    if not parts[0]:
+        return there != last and len(there) > 1 and there[-1].partition("(")[0] == parts[1]
     size = len(parts)
     if len(there) < size or (there[:size] == last[:size]):
         return False
@@ -293,11 +296,12 @@ def _change(table: InputTable, path: Path, known: Known, file: TomlFile) -> Chan
         good = False
     output = None if table.output is None else _output(table.output, (*path, "output"), known, file)
     good &= table.output is None or output is not None
-    good &= table.place is None or _is_place(table.place, (*path, "place"), known, file)
+    place = None if table.place is None else _place(table.place, (*path, "place"), known, file)
+    good &= table.place is None or place is not None
     if not good or not isinstance(variable, str) or table.to is None:
         return None
     toggle = None if table.toggle is None else (table.toggle[0], table.toggle[1])
-    return Change(variable, table.to, table.at, table.place, output, table.delay, toggle, bool(table.stuck))
+    return Change(variable, table.to, table.at, place, output, table.delay, toggle, bool(table.stuck))
 
 
 def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, float] | None:
@@ -314,18 +318,23 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
     return variable, number
 
 
-def _is_place(place: str, path: Path, known: Known, file: TomlFile) -> bool:
+def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
+    """Return what `is_reached` takes for a place; None with a finding for one that the program doesn't have."""
     if not known.has_places:
         message = f"The place {place[:40]} is of a program, which a controller doesn't know."
         file.say("Y1617", path, message, "Use at or output, or `yarc run --inputs`.")
-        return False
+        return None
     if known.places is None or any(is_reached(place, one) for one in known.places):
-        return True
+        return place
+    # the index of a command that stands in a SUB alone
+    in_subs = f">{place.strip()}"
+    if ">" not in place and any(is_reached(in_subs, one) for one in known.places):
+        return in_subs
     indices = {part for one in known.places for part in [one.partition("(")[0].partition(">")[0]]}
     shown = place[:40].strip()
     near = did_you_mean(re.split(r"[(>]", shown.upper())[0], indices)
     file.say("Y1617", path, f"The program has no command {shown}.", *near)
-    return False
+    return None
 
 
 def _spelled_out(data: dict[str, Any]) -> dict[str, Any]:

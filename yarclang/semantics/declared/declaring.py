@@ -17,11 +17,11 @@ from yarclang.semantics.declared.meanings import (
     declare_joints,
     declare_number,
     declare_pose,
-    declare_signal,
-    declare_table,
     may_be_declared,
 )
 from yarclang.semantics.declared.registers import declare_register
+from yarclang.semantics.declared.signals import declare_signal
+from yarclang.semantics.declared.tables import declare_table
 from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.declared.whole_file import check_robot, read_default, read_start
 from yarclang.semantics.files import File, Sub, values_of

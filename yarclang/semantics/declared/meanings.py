@@ -9,35 +9,28 @@ import numpy as np
 
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import Values
-from yarclang.decisions import DECIMALS, MOST_BITS, group_of, is_group, is_printed, largest_of
 from yarclang.diagnostics import Collector
-from yarclang.hir import Array, FrameLink, Output, Signal
+from yarclang.hir import Array, FrameLink
 from yarclang.robot.model import Robot
 from yarclang.semantics.context import Defaults
-from yarclang.semantics.declared.variables import Signals
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.frames import base_axes
 from yarclang.semantics.names.scope import (
     BASE,
     Frame,
-    Input,
     JointPosition,
-    Places,
     Pose,
     Scope,
-    Table,
     Where,
 )
 from yarclang.semantics.parts import refuse_parts
 from yarclang.semantics.values.amounts import Amount, AmountError, missing_unit
 from yarclang.semantics.values.evaluate import EvaluationError, evaluate
 from yarclang.semantics.values.poses import check_limits, rotation_of
-from yarclang.semantics.values.steps import steps_of
 from yarclang.semantics.values.units import amount, joint_kinds, number_fault, resolve_units
 from yarclang.source import SourceFile
 from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
-from yarclang.syntax.leaves import from_to
 from yarclang.syntax.words import RESERVED
 from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
@@ -46,7 +39,6 @@ FIXED_FRAMES = (BASE, "FLANGE", "TCP")
 """They come from the robot."""
 
 _INDEX = re.compile(r"P[0-9]+")
-_GROUP = re.compile(r"([A-Z]+)([0-9]{1,6})\.\.([A-Z]+)([0-9]{1,6})")
 
 
 def is_word(name: str, *, of_pose: bool = False) -> bool:
@@ -130,8 +122,10 @@ def declare_frame(
     if not frame_may_be_declared(statement, statement.moving, scope, findings):
         return
     values = Values.POSE_QUAT if statement.name.name == "FRAME_QUAT" else Values.POSE_RPY
-    numbers = _numbers(statement, values, tuple(values_of(statement)), scope, defaults, robot, findings)
-    base = _base(statement, scope, defaults, findings)
+    numbers = numbers_of_line(
+        statement, values, tuple(values_of(statement)), scope, defaults, robot, findings
+    )
+    base = base_of_line(statement, scope, defaults, findings)
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
     transform, on_flange, link = np.eye(4), False, None
     if base is not None:
@@ -146,9 +140,10 @@ def declare_frame(
     scope.declare_frame(name, Frame(constant(transform), on_flange, link))
 
 
-def _base(
+def base_of_line(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
 ) -> Frame | None:
+    """Return the frame in which a declaration gives its values, its own or DEFAULT's; None with a finding."""
     if statement.base is not None:
         return base_axes(statement, statement.base, scope, may_move, findings)
     if defaults.base is not None and defaults.statement is not None:
@@ -175,7 +170,7 @@ def declare_joints(
         return
     if not may_be_declared(statement, word, scope, robot, findings, may_hide=True):
         return
-    numbers = _numbers(statement, Values.JOINTS, tuple(values[1:]), scope, defaults, robot, findings)
+    numbers = numbers_of_line(statement, Values.JOINTS, tuple(values[1:]), scope, defaults, robot, findings)
     if numbers is not None:
         check_limits(robot, numbers, findings, statement.whole_span)
     position = JointPosition(robot.home if numbers is None else constant(numbers))
@@ -195,10 +190,10 @@ def declare_pose(
         return
     if not may_be_declared(statement, word, scope, robot, findings, of_pose=True):
         return
-    numbers = _numbers(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
-    base = _base(statement, scope, defaults, findings, may_move=False)
+    numbers = numbers_of_line(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
+    base = base_of_line(statement, scope, defaults, findings, may_move=False)
     # whatever is wrong with it, the name is known: what uses it isn't wrong as well
-    pose = _pose_of(statement, numbers, base, findings)
+    pose = pose_of(statement, numbers, base, findings)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
 
@@ -211,7 +206,7 @@ def joint_values(
     findings: Collector,
 ) -> Array | None:
     """Joint values of a declaration as a joint position (n,) [rad or m]."""
-    return _numbers(statement, Values.JOINTS, values, scope, defaults, robot, findings)
+    return numbers_of_line(statement, Values.JOINTS, values, scope, defaults, robot, findings)
 
 
 def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
@@ -230,64 +225,8 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
         scope.declare(word.name, found, Where(findings.source, statement.span(word.place)))
 
 
-def declare_table(
-    statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
-) -> None:
-    """TABLE HEIGHTS 10 20 30 (mm), and TABLE SPOTS 0 0; 60 0; 60 40 (mm)."""
-    rows = [waypoint.values for waypoint in statement.waypoints]
-    word = rows[0][0] if rows else None
-    kind = rows[0][1] if rows and len(rows[0]) > 1 else None
-    if isinstance(word, Word) and isinstance(kind, Word) and kind.name in ("POSE", "JOINTS"):
-        _declare_places(statement, word, kind.name, scope, defaults, robot, findings)
-        return
-    refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
-    if not isinstance(word, Word) or len(rows[0]) == 1:
-        help_ = "for example TABLE HEIGHTS 10 20 30 (mm)"
-        findings.add("Y0401", "TABLE wants a name and numbers", statement.whole_span, help_)
-        return
-    if not may_be_declared(statement, word, scope, robot, findings):
-        return
-    rows[0] = rows[0][1:]
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
-    numbers = _rows_of(statement, rows, scope, findings)
-    scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
-
-
-def _declare_places(
-    statement: Statement,
-    word: Word,
-    kind: str,
-    scope: Scope,
-    defaults: Defaults,
-    robot: Robot,
-    findings: Collector,
-) -> None:
-    """TABLE SPOTS POSE 60 40 150 0 0 0; 120 40 150 0 0 0 (mm,deg) {B}, and TABLE STANDS JOINTS 0 0 0 0 0 0; 0 10 0 0 0 0 (deg)."""
-    of_joints = kind == "JOINTS"
-    refused = ("a moving frame", "a motion time", "options", *(("a base frame",) if of_joints else ()))
-    refuse_parts(statement, refused, findings)
-    if not may_be_declared(statement, word, scope, robot, findings):
-        return
-    values = Values.JOINTS if of_joints else Values.POSE_RPY
-    base = None if of_joints else _base(statement, scope, defaults, findings, may_move=False)
-    rows = [waypoint.values for waypoint in statement.waypoints]
-    rows[0] = rows[0][2:]
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
-    positions, poses = [], []
-    for row in rows:
-        numbers = _numbers(statement, values, tuple(row), scope, defaults, robot, findings)
-        if of_joints:
-            if numbers is not None:
-                check_limits(robot, numbers, findings, statement.span(from_to(row[0].place, row[-1].place)))
-            positions.append(JointPosition(robot.home if numbers is None else constant(numbers)))
-        else:
-            poses.append(_pose_of(statement, numbers, base, findings))
-    where = Where(findings.source, statement.span(word.place))
-    scope.declare(word.name, Places(tuple(positions) if of_joints else tuple(poses)), where)
-
-
-def _pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
-    """A pose of x y z roll pitch yaw (6,) in a frame; the unit pose where one of both isn't known."""
+def pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
+    """Return the pose of x y z roll pitch yaw (6,) [m, rad] in a frame; the unit pose where one of both isn't known."""
     transform = np.eye(4)
     if base is not None and numbers is not None:
         rotation = rotation_of(Values.POSE_RPY, numbers[3:], findings, lambda: statement.whole_span)
@@ -298,181 +237,7 @@ def _pose_of(statement: Statement, numbers: Array | None, base: Frame | None, fi
     return Pose(constant(transform), base.link if base is not None else None, told)
 
 
-def _rows_of(
-    statement: Statement, rows: list[tuple[Value, ...]], scope: Scope, findings: Collector
-) -> tuple[tuple[Amount, ...], ...]:
-    """The numbers of a table; 1 stands for each that is wrong."""
-    units = list((resolve_units(statement, statement.units, findings) or {}).values())
-    if len(units) > 1 and statement.units is not None:
-        message = f"a table has one unit, {' and '.join(unit.name for unit in units)} are given"
-        findings.add("Y0306", message, statement.span(statement.units.place), "make two tables of it")
-    unit = units[0] if len(units) == 1 else None
-    width = len(rows[0])
-    for number, row in enumerate(rows):
-        if len(row) != width:
-            message = (
-                f"row {number} of the table has {len(row)} value{'s' * (len(row) > 1)}, row 0 has {width}"
-            )
-            span = statement.span(from_to(row[0].place, row[-1].place))
-            findings.add("Y0458", message, span, "give all rows as many; a semicolon begins a new row")
-            return ((Amount(1.0, unit),) * width,) * len(rows)
-    return tuple(
-        tuple(_table_value(value, unit, scope, statement, findings) for value in row) for row in rows
-    )
-
-
-def _table_value(
-    value: Value, unit: Unit | None, scope: Scope, statement: Statement, findings: Collector
-) -> Amount:
-    span = statement.span(value.place)
-    if (fault := number_fault(value)) is not None:
-        findings.add(fault[0], fault[1], span, fault[2])
-        return Amount(1.0, unit)
-    found = amount(value, scope, statement, findings)
-    if found is None:
-        return Amount(1.0, unit)
-    if unit is None or found.unit is unit:
-        return found
-    try:
-        return Amount(found.in_unit(unit), unit)
-    except AmountError as error:
-        findings.add_error(error, span)
-        return Amount(1.0, unit)
-
-
-def declare_signal(
-    statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
-) -> tuple[Output, ...]:
-    """INPUT DOOR M11, OUTPUT GLUE M1 OFF, INPUT JOB M70..M77; outputs are given back, of a group each bit."""
-    kind = statement.name.name
-    refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
-    values = values_of(statement)
-    step, values = _step(values, scope, statement, findings)
-    most = 3 if kind == "OUTPUT" else 2
-    words = values[:2]
-    if not 2 <= len(values) <= most or not all(isinstance(value, Word) for value in words):
-        example = "INPUT DOOR M11" if kind == "INPUT" else "OUTPUT GLUE M1 OFF"
-        message = f"{kind} wants a name and the controller's variable"
-        findings.add("Y0401", message, statement.whole_span, f"for example {example}")
-        return ()
-    word, variable = words
-    assert isinstance(word, Word)
-    assert isinstance(variable, Word)
-    if not may_be_declared(statement, word, scope, robot, findings):
-        return ()
-    found = _variables(variable, statement, robot, findings)
-    if not found:
-        return ()
-    signal = Signal(word.name, group_of(found))
-    where = Where(findings.source, statement.span(word.place))
-    if step is not None and not is_group(signal.variable):
-        message = f"{word.text} is a single bit, and has no steps"
-        findings.add("Y0470", message, statement.span(variable.place), "name a group of bits, as M80..M91")
-        step = None
-    if kind == "INPUT":
-        scope.declare(word.name, Input(signal, step), where)
-        # of a group one bit that is another's says it all
-        findings.found += [one for bit in signal.bits for one in signals.add("input", bit, None, where)][:1]
-        return ()
-    safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
-    if safe is not None and step is not None:
-        try:
-            safe = steps_of(safe, step, word.text)
-        except AmountError as error:
-            findings.add_error(error, statement.span(values[2].place))
-            safe = None
-    if safe is not None and (fault := group_fault(signal, safe)):
-        findings.add("Y0470", fault, statement.span(values[2].place), "check the number, or the bits")
-        safe = None
-    scope.declare(word.name, Output(signal, safe, step), where)
-    outputs = tuple(
-        Output(bit, safe if not is_group(signal.variable) or safe is None else float(int(safe) >> place & 1))
-        for place, bit in enumerate(signal.bits)
-    )
-    findings.found += [
-        found for one in outputs for found in signals.add("output", one.signal, one.safe, where)
-    ][:1]
-    return outputs
-
-
-def _step(
-    values: list[Value], scope: Scope, statement: Statement, findings: Collector
-) -> tuple[float | None, list[Value]]:
-    """Return what STEP says of an analogue signal, and the values without it."""
-    place = next((at for at, one in enumerate(values) if isinstance(one, Word) and one.name == "STEP"), None)
-    if place is None or place < 2:
-        return None, values
-    rest = [*values[:place], *values[place + 2 :]]
-    number = state_value(values[place + 1], scope, statement, findings) if place + 1 < len(values) else None
-    if number is None or number <= 0.0:
-        message = "STEP wants how much one step is, above 0"
-        findings.add(
-            "Y0472",
-            message,
-            statement.span(values[place].place),
-            "for example INPUT PRESSURE M80..M91 STEP 0.01",
-        )
-        return None, rest
-    return number, rest
-
-
-def group_fault(signal: Signal, number: float) -> str:
-    """Return why a group can't be a number; empty if it can, or if it is a single signal."""
-    if not is_group(signal.variable):
-        return ""
-    largest = largest_of(signal.variable)
-    if number.is_integer() and 0 <= number <= largest:
-        return ""
-    return f"{signal.name} has {len(signal.bits)} bits: it is an integer from 0 to {largest}, and never {number:.15g}"
-
-
-def _variables(word: Word, statement: Statement, robot: Robot, findings: Collector) -> tuple[str, ...]:
-    """Return the controller's variables that a word names: M11, or M70..M77; none with a finding if it names none."""
-    span = statement.span(word.place)
-    names = [word.name]
-    if ".." in word.name:
-        group = _GROUP.fullmatch(word.name)
-        first, last = (int(group[2]), int(group[4])) if group is not None else (0, 0)
-        if group is None or group[1] != group[3] or not first < last < first + MOST_BITS:
-            message = f"{word.text} is no group: it has 2 to {MOST_BITS} variables of one letter, the lowest bit first"
-            findings.add("Y0470", message, span, "for example INPUT JOB M70..M77")
-            return ()
-        names = [f"{group[1]}{number}" for number in range(first, last + 1)]
-    found: list[str] = []
-    for name in names:
-        one = robot.controller.signal(name)
-        if one.name is None:
-            text = word.text if len(names) == 1 else f"{name} of {word.text}"
-            findings.add("Y0413", f"{text} {one.fault}", span, one.remedy)
-            return ()
-        found.append(one.name)
-    return tuple(found)
-
-
-def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
-    """ON, OFF or a plain number."""
-    if isinstance(value, Word) and value.name in ("ON", "OFF"):
-        return float(value.name == "ON")
-    span = statement.span(value.place)
-    if (fault := number_fault(value)) is not None:
-        findings.add("Y0402", f"`{value.text}` is neither ON nor OFF nor a number", span, fault[2])
-        return None
-    found = amount(value, scope, statement, findings)
-    if found is None:
-        return None
-    try:
-        number = found.plain("the value of an input or output")
-    except AmountError as error:
-        findings.add_error(error, span)
-        return None
-    if not is_printed(number):
-        message = f"{number:.15g} has more than {DECIMALS} decimals, and a text has no more"
-        findings.add("Y0434", message, span, f"round it: {round(number, DECIMALS):.15g}")
-        return None
-    return number
-
-
-def _numbers(
+def numbers_of_line(
     statement: Statement,
     values: Values,
     given: tuple[Value, ...],
@@ -481,7 +246,7 @@ def _numbers(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """The values of a declaration in SI."""
+    """Return the values of a declaration in SI; None with a finding."""
     units = resolve_units(statement, statement.units, findings)
     if units is None:
         return None

@@ -1,6 +1,7 @@
 """FUNC: a name for an expression of what it is given."""
 
 import math
+import tracemalloc
 
 import pytest
 from floors import exercises
@@ -133,3 +134,29 @@ def test_a_function_is_its_expression_with_what_it_is_given(tally, a, b, k):
 def test_it_is_written_in_its_usual_form():
     made = parse(source("func  f ( a ,b (MM) ) =a*( b+1 )\nP0010 stop"))
     assert print_module(made.value) == "FUNC F(A, B (mm)) = A*(B + 1)\nP0010 STOP\n"
+
+
+def test_what_is_declared_behind_a_function_changes_nothing_in_it():
+    program = "LET K = 3\nFUNC F(A) = A + K\nLET A = 100\nLET L = 7\nP0010 MOVEJ $(F(1)) 0 0 0 0 0"
+    assert first_joint(program) == pytest.approx(4)
+    assert codes(checked(f"{START}FUNC F(A) = A + K\nLET K = 3\nP0010 MOVEJ $(F(1)) 0 0 0 0 0")[1]) == [
+        "Y0210"
+    ]
+
+
+def test_memory_is_linear_in_the_number_of_functions():
+    def held(count):
+        text = (
+            "".join(f"FUNC F{n}(A) = A + {n}\n" for n in range(count))
+            + "P0010 MOVEJ $(F9(1)) 0 0 0 0 0 [5] (deg,s)"
+        )
+        tracemalloc.start()
+        made = checked(text)
+        peak = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        assert made[0] is not None
+        return peak
+
+    held(50)  # what is imported late
+    # 6 MB; with a copy of all names in each function it was 295 MB
+    assert held(3200) < 30e6

@@ -30,8 +30,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
     assert body is not None
     if not may_be_declared(statement, word, scope, robot, findings):
         return
-    outer = scope.copy()
-    inner = Scope(outer)
+    inner = Scope(scope)
     taken: list[tuple[str, Unit | None]] = []
     for parameter in parameters:
         assert isinstance(parameter, Parameter)
@@ -46,7 +45,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
     used: tuple[Hashable, ...] = ()
     try:
         used = tuple(_used(body, inner, frozenset(name for name, _ in taken)))
-        weight, depth = _size(body, outer)
+        weight, depth = _size(body, scope)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         # the name is known all the same: what uses it isn't wrong as well
@@ -58,7 +57,8 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         body, weight, depth = Number("1", 1.0, body.place), 1, 1
     meaning = tuple(taken), print_expression(body), used
     where = Where(findings.source, statement.span(word.place))
-    scope.declare(word.name, Formula(tuple(taken), body, outer, weight, depth, meaning), where)
+    # all that it names is declared, and means the same for good: no copy of the scope is needed
+    scope.declare(word.name, Formula(tuple(taken), body, scope, weight, depth, meaning), where)
 
 
 def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator[Hashable]:

@@ -42,7 +42,7 @@ ALLOWED = {
     "runtime/__init__.py": ROOMS,
     "runtime/log_record.py": "the name of a log's attachment, which is the format of logs",
     "semantics/control/cases.py": EXAMPLES,
-    "semantics/declared/meanings.py": EXAMPLES,
+    "semantics/declared/signals.py": EXAMPLES,
     "semantics/names/signals.py": EXAMPLES,
     "simulated_cell/script.py": EXAMPLES,
     "teaching/forms.py": EXAMPLES,

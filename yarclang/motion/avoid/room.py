@@ -44,11 +44,12 @@ class Obstruction:
 
 @frozen(eq=False)
 class Room:
-    """What is around a robot while a frame is moved: the bodies, and the watches of zones that aren't about speed."""
+    """What is around a robot while a frame is moved, `flange_from_moving` (4, 4) [m]: the bodies, and the watches of zones that aren't about speed."""
 
     robot: Robot
     scene: Scene
     watches: tuple[Watch, ...]
+    flange_from_moving: Array
 
     def obstruction(self, q: Array) -> Obstruction | None:
         """What is worst at a joint position (n,) [rad or m]; None where nothing is in the way."""
@@ -136,7 +137,8 @@ def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
     if made.value is None:
         return None
     watches = watches_of(robot, cell, moving) if cell is not None else ()
-    return Room(robot, made.value, tuple(one for one in watches if one.zone.rule != "slow"))
+    kept_to = tuple(one for one in watches if one.zone.rule != "slow")
+    return Room(robot, made.value, kept_to, moving.flange_from_moving)
 
 
 @lru_cache(maxsize=32)

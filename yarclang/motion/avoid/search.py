@@ -8,6 +8,7 @@ search at once.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -20,21 +21,24 @@ from yarclang.robot.model import Limits
 @frozen
 class Effort:
     """How a way is looked for: pairs stay farther apart than their margins by `padding` [m] where they can; `step` [m] is about how far bodies move between
-    two joint positions that are looked at; `samples` are drawn at most, from `seed` on.
+    two joint positions that are looked at; `samples` are drawn at most, from `seed` on. With so many `lines` the tool is drawn out of start and goal before (`backing`).
     """
 
     padding: float
     step: float
     samples: int
     seed: int
+    lines: int = 0
 
 
 @frozen(eq=False)
 class Question:
-    """From `start` to `goal` (n,) [rad or m] within limits, through what is `free`. `reach` (n,) are the joints' scales [m/rad or 1]."""
+    """From one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m, n) within limits, through what is `free`. `reach` (n,) are the joints' scales
+    [m/rad or 1].
+    """
 
-    start: Array
-    goal: Array
+    starts: Array
+    goals: Array
     limits: Limits
     reach: Array
     free: Callable[[Array], bool]
@@ -51,7 +55,7 @@ _FARTHEST = 6.4
 
 
 def polyline(question: Question, effort: Effort) -> Array | None:
-    """The corners (k, n) [rad or m] of a way from start to goal, both among them; None where none was found."""
+    """The corners (k, n) [rad or m] of a way from a start to a goal, both among them; None where none was found."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -72,13 +76,22 @@ def polyline(question: Question, effort: Effort) -> Array | None:
     around.setStateValidityChecker(lambda state: free(np.array([state[joint] for joint in joints]) / scale))
     around.setup()
     problem = base.ProblemDefinition(around)
-    ends = []
-    for q in (question.start, question.goal):
+
+    def state_of(q: Array) -> Any:
         state = space.allocState()
         for joint in joints:
             state[joint] = float(q[joint] * scale[joint])
-        ends.append(state)
-    problem.setStartAndGoalStates(*ends)
+        return state
+
+    if len(question.starts) == len(question.goals) == 1:
+        problem.setStartAndGoalStates(state_of(question.starts[0]), state_of(question.goals[0]))
+    else:
+        for q in question.starts:
+            problem.addStartState(state_of(q))
+        goals = base.GoalStates(around)
+        for q in question.goals:
+            goals.addState(state_of(q))
+        problem.setGoal(goals)
     planner = geometric.RRTConnect(around)
     planner.setRange(_RANGE)
     planner.setProblemDefinition(problem)
@@ -108,13 +121,19 @@ def polyline(question: Question, effort: Effort) -> Array | None:
     simplifier.collapseCloseVertices(path)
     corners = np.array([[path.getState(at)[joint] for joint in joints] for at in range(path.getStateCount())])
     corners /= scale
-    corners[0], corners[-1] = question.start, question.goal
+    corners[0], corners[-1] = _nearest(question.starts, corners[0]), _nearest(question.goals, corners[-1])
     return corners
+
+
+def _nearest(ends: Array, q: Array) -> Array:
+    """Return the one of some joint positions (k, n) that a way begins or ends at, to its last digit."""
+    found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
+    return found
 
 
 def _bounds(question: Question) -> tuple[Array, Array]:
     """Between which joint positions (n,) a way is looked for: a little inside the limits, and where it begins and ends."""
-    ends = np.stack([question.start, question.goal])
+    ends = np.concatenate([question.starts, question.goals])
     least, most = ends.min(axis=0), ends.max(axis=0)
     low = np.maximum(question.limits.lower + _INNER, least - _FARTHEST)
     high = np.minimum(question.limits.upper - _INNER, most + _FARTHEST)

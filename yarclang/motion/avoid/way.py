@@ -6,6 +6,7 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.hir import Array
+from yarclang.motion.avoid.backing import Retreat, retreats
 from yarclang.motion.avoid.room import Obstruction, Room, reaches
 from yarclang.motion.avoid.search import Effort, Question, polyline
 from yarclang.motion.avoid.smooth import Bend, smooth, straight_course
@@ -13,11 +14,13 @@ from yarclang.transforms import constant
 
 EFFORTS = (
     Effort(0.02, 0.05, 500, 1),
+    Effort(0.01, 0.03, 400, 5, lines=1),
+    Effort(0.005, 0.02, 1_500, 6, lines=2),
     Effort(0.01, 0.05, 1_500, 2),
     Effort(0.003, 0.03, 3_000, 3),
-    Effort(0.0005, 0.02, 3_000, 4),
+    Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
-"""One after the other until a way is found: first with room to spare, and quickly; in the end close by, and long."""
+"""One after the other until a way is found: first with room to spare, and quickly; then with the tool drawn out of its places; in the end close by, and long."""
 
 SAMPLES = sum(effort.samples for effort in EFFORTS)
 """How many joint positions are drawn until it is given up."""
@@ -84,9 +87,18 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | Non
     free = room.check(padding)
     if not (free(start) and free(goal)):
         return None
-    corners = polyline(Question(start, goal, room.robot.limits, reach, free), effort)
+    out, in_ = ([Retreat(q[None])] for q in (start, goal))
+    if effort.lines:
+        out, in_ = (retreats(room, q, free, turns=effort.lines > 1) for q in (start, goal))
+    ends = [np.array([one.corners[-1] for one in side]) for side in (out, in_)]
+    corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free), effort)
     if corners is None:
         return None
+    first, last = (
+        next(one.corners for one in side if np.array_equal(one.corners[-1], end))
+        for side, end in ((out, corners[0]), (in_, corners[-1]))
+    )
+    corners = np.concatenate((first[:-1], corners, last[-2::-1]))
     # what is proved needs less room than what is looked for
     kept = np.minimum(padding / 2.0, _PROVED)
     return smooth(Bend(room, room.check(kept), effort.step / reach, kept), corners)

@@ -1,0 +1,233 @@
+"""Problems of tight places with known ways, made backwards: a tool is drawn out of a place, what is around it is built about its way.
+
+Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a head behind the rails of a T-slot, with openings
+that are 40 to 5 mm wider than the tool. The known way of each is free, looked at every few millimetres; the straight way isn't.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Mount, Obstacle
+from yarclang.collision.free import plain_free_space
+from yarclang.collision.scene import scene_of
+from yarclang.robot.kinematics import flange_poses
+from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.model import Array, Robot
+from yarclang.shapes import Box, Capsule, Shape
+from yarclang.source import SourceFile
+
+SEED = 3
+LENGTH, WIDTH, FOOT = 0.2, 0.05, 0.03
+"""The tool: a stick of this length and width that begins this far from the flange [m]."""
+HEAD, HEAD_LENGTH, SHAFT = 0.08, 0.03, 0.03
+"""The other tool: a head of this width and length on a shaft [m]."""
+DEEP, WALL, STEP = 0.16, 0.02, 0.004
+"""How far the tool is in its place, how thick walls are, and how far apart the known way is looked at [m]."""
+OUT = {"INDUSTRIAL6": 1, "TRACKED_MANIPULATOR": 1}
+"""The axis of the flange along which the tool points; z of the others."""
+KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
+    ("box", (40, 20, 10, 5)),
+    ("shelf", (30, 10)),
+    ("cage", (20, 10)),
+    ("table", (20,)),
+    ("two boxes", (40, 20, 10)),
+    ("t-slot", (20,)),
+)
+"""The kinds of problems, and how much wider than the tool their openings are [mm]: each on each arm; one more T-slot of 10 mm makes forty."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Tight:
+    """A way is known from `start` to `goal` (n,) [rad or m] in a cell: `known` (k, n). The opening is `wider` than the tool [mm]."""
+
+    robot: Robot
+    kind: str
+    wider: int
+    cell: Cell
+    start: Array
+    goal: Array
+    known: Array
+
+
+def problems(robots: tuple[Robot, ...]) -> Iterator[Tight]:
+    """Yield the problems, of each arm those of all kinds."""
+    for at, robot in enumerate(robots):
+        kinds = [(kind, wider) for kind, widths in KINDS for wider in widths]
+        if not at:
+            kinds.append(("t-slot", 10))
+        for number, (kind, wider) in enumerate(kinds):
+            yield _problem(robot, kind, wider, np.random.default_rng([SEED, at, number]))
+
+
+def _problem(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight:
+    while True:
+        made = _drawn(robot, kind, wider, random)
+        if made is not None:
+            return made
+
+
+def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight | None:
+    """A problem, or None where what was drawn makes none."""
+    tool = tuple(_tool(robot, kind))
+    goal = _place(robot, random)
+    if not _is_free(robot, tool, goal[None]):
+        return None
+    out = _drawn_out(robot, goal, kind)
+    if out is None:
+        return None
+    built = tuple(_around(robot, kind, goal, wider * 1e-3, "A"))
+    known = out[::-1]  # into the place
+    if kind == "two boxes":
+        other = _place(robot, random)
+        back = _drawn_out(robot, other, kind)
+        if back is None:
+            return None
+        built += tuple(_around(robot, kind, other, wider * 1e-3, "B"))
+        known = np.concatenate((back, _straight(robot, back[-1], known[0])[1:-1], known))
+    else:
+        limits = robot.limits
+        corners = [known[0]]
+        for _ in range(int(random.integers(1, 3))):
+            step = random.uniform(-1.0, 1.0, robot.size) * np.array([1.4, 0.6, 0.7] + [0.8] * (robot.size - 3))
+            corners.insert(0, np.clip(corners[0] + step, limits.lower + 0.05, limits.upper - 0.05))
+        walk = [_straight(robot, one, next_) for one, next_ in zip(corners[:-1], corners[1:], strict=True)]
+        known = np.concatenate((*walk, known[1:]))
+    if not _is_free(robot, (*tool, *built), known):
+        return None
+    bodies = [*tool, *built]
+    for number in range(3):
+        size, at = random.uniform(0.1, 0.4, 3), random.uniform([-1.0, -1.0, 0.2], [1.0, 1.0, 1.6])
+        one = _body(f"CLUTTER{number}", Box(size + 0.04), _at(at))
+        if _is_free(robot, (*tool, one), known):
+            bodies.append(_body(one.name, Box(size), _at(at)))
+    straight = _straight(robot, known[0], known[-1])
+    if _is_free(robot, tuple(bodies), straight):
+        return None
+    return Tight(robot, kind, wider, _cell(bodies), known[0], known[-1], known)
+
+
+def _place(robot: Robot, random: np.random.Generator) -> Array:
+    """A joint position in the middle of the limits with the tool before the arm."""
+    limits = robot.limits
+    low, high = np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi)
+    while True:
+        q: Array = low + (0.15 + 0.7 * random.random(robot.size)) * (high - low)
+        flange = flange_poses(robot.chain, q[None])[0]
+        tip = flange[:3, 3] + 0.2 * flange[:3, OUT.get(robot.name, 2)]
+        foot = float(np.hypot(*tip[:2]))
+        if foot > 0.35 and tip[2] > 0.15 and tip @ flange[:3, OUT.get(robot.name, 2)] > 0.0:
+            return q
+
+
+def _frame(robot: Robot, q: Array) -> Array:
+    """base_from_tool (4, 4): z points out of the flange, and x along the flange's x."""
+    flange = flange_poses(robot.chain, q[None])[0]
+    placed = np.eye(4)
+    out, across = flange[:3, OUT.get(robot.name, 2)], flange[:3, 0]
+    placed[:3, :3] = np.column_stack([across, np.cross(out, across), out])
+    placed[:3, 3] = flange[:3, 3]
+    return placed
+
+
+def _drawn_out(robot: Robot, q: Array, kind: str) -> Array | None:
+    """Joint positions (k, n) from a place outwards, the orientation kept; None where the arm can't."""
+    frame = _frame(robot, q)
+    pieces = [(-frame[:3, 2], DEEP + 0.1)]
+    if kind == "t-slot":
+        pieces.insert(0, (frame[:3, 0], 0.16))
+    path, pose = [q], flange_poses(robot.chain, q[None])[0].copy()
+    limits = robot.limits
+    for way, length in pieces:
+        for _ in range(round(length / STEP)):
+            pose = pose.copy()
+            pose[:3, 3] += STEP * way
+            got = fit(robot.chain, pose[None], path[-1][None], lower=limits.lower, upper=limits.upper, rounds=15)
+            if got.total[0] > 1e-8 or np.abs(got.q[0] - path[-1]).max() > 0.08:
+                return None
+            path.append(got.q[0])
+    return np.array(path)
+
+
+def _straight(robot: Robot, one: Array, other: Array) -> Array:
+    del robot
+    count = int(np.ceil(np.abs(other - one).max() / 0.005)) + 2
+    straight: Array = one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)
+    return straight
+
+
+def _tool(robot: Robot, kind: str) -> Iterator[Obstacle]:
+    flange_from_tool = np.linalg.inv(flange_poses(robot.chain, robot.home[None])[0]) @ _frame(robot, robot.home)
+    parts = (
+        ((SHAFT, SHAFT, LENGTH - HEAD_LENGTH), FOOT), ((HEAD, HEAD, HEAD_LENGTH), FOOT + LENGTH - HEAD_LENGTH)
+    ) if kind == "t-slot" else (((WIDTH, WIDTH, LENGTH), FOOT),)
+    for number, (size, foot) in enumerate(parts):
+        placed = flange_from_tool @ _at(np.array([0.0, 0.0, foot + size[2] / 2.0]))
+        yield Obstacle(f"STICK{number}", Box(np.array(size)), Mount(placed, on_flange=True), 0.0)
+
+
+def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Iterator[Obstacle]:
+    """What is around a tool at its place."""
+    frame, end = _frame(robot, q), FOOT + LENGTH
+    mouth, bottom = end - DEEP, end + 0.01
+    middle, deep = (mouth + bottom) / 2.0, bottom - mouth
+    parts: list[tuple[Shape, tuple[float, float, float]]] = []
+    if kind in ("box", "two boxes", "shelf"):
+        room = np.array([0.4 if kind == "shelf" else WIDTH + wider, WIDTH + wider])
+        beside = (room + WALL) / 2.0
+        for sign in (-1.0, 1.0):
+            parts.append((Box(np.array([WALL, room[1] + 2 * WALL, deep])), (sign * beside[0], 0.0, middle)))
+            parts.append((Box(np.array([room[0], WALL, deep])), (0.0, sign * beside[1], middle)))
+        parts.append((Box(np.array([*(room + 2 * WALL), WALL])), (0.0, 0.0, bottom + WALL / 2.0)))
+    elif kind == "table":
+        up = (WIDTH + wider) / 2.0
+        for sign, thick in ((1.0, 0.03), (-1.0, 0.03)):
+            parts.append((Box(np.array([0.5, thick, deep])), (0.0, sign * (up + thick / 2.0), middle)))
+        for sign in (-1.0, 1.0):
+            parts.append((Box(np.array([0.03, 2 * up, 0.03])), (sign * 0.2, 0.0, mouth + 0.015)))
+    elif kind == "cage":
+        bar, gap = 0.008, WIDTH + wider
+        radius = 0.13
+        turn = 2.0 * np.arcsin((gap / 2.0 + bar) / radius)
+        angles = np.arange(turn / 2.0, 2.0 * np.pi - turn / 4.0, turn)
+        for angle in angles.tolist():
+            along, across = end - 0.05 - radius * np.cos(angle), radius * np.sin(angle)
+            parts.append((Capsule(bar, 0.6), (0.0, across, along)))
+    else:
+        slot = (SHAFT + wider) / 2.0
+        behind = end - HEAD_LENGTH - wider / 2.0
+        for sign in (-1.0, 1.0):
+            at = sign * (slot + 0.05)
+            parts.append((Box(np.array([0.2, 0.1, WALL])), (-0.03, at, behind - WALL / 2.0)))
+        parts.append((Box(np.array([0.2, 0.2 + 2 * slot, WALL])), (-0.03, 0.0, end + wider / 2.0 + WALL / 2.0)))
+    for number, (shape, at) in enumerate(parts):
+        placed = frame @ _at(np.array(at))
+        if isinstance(shape, Capsule):
+            turned = np.eye(4)  # its axis along x
+            turned[:3, :3] = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
+            placed = placed @ turned
+        yield _body(f"{name}{number}", shape, placed)
+
+
+def _is_free(robot: Robot, bodies: tuple[Obstacle, ...], path: Array) -> bool:
+    scene = scene_of(robot, _cell(bodies)).value
+    assert scene is not None
+    space = plain_free_space(scene)
+    return all(space.has(q) for q in path)
+
+
+def _cell(bodies: object) -> Cell:
+    return Cell(SourceFile("cell.toml", ""), {}, {}, {}, {}, tuple(bodies), (), {})  # type: ignore[arg-type]
+
+
+def _body(name: str, shape: Shape, placed: Array) -> Obstacle:
+    return Obstacle(name, shape, Mount(placed, on_flange=False), 0.0)
+
+
+def _at(xyz: Array) -> Array:
+    placed = np.eye(4)
+    placed[:3, 3] = xyz
+    return placed

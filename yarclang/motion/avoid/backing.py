@@ -1,0 +1,113 @@
+"""Straight ways of the tool out of a tight place: along the six axes of the frame that is moved, its orientation kept.
+
+A search by chance seldom finds the way out of a box that is a few millimetres wider than the tool; the tool's own axes lead out of nearly all places that
+tools are led into. From where a first line ends, or half way there, a second one may lead on: past the rails of a slot, or round a corner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.avoid.room import Room
+from yarclang.progress import go_on
+from yarclang.robot.kinematics import flange_poses
+from yarclang.robot.kinematics.inverse import reached_within
+from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.within import EDGE, beyond
+
+STEP = 0.005
+"""How far the tool moves between two joint positions that are looked at [m]."""
+
+FARTHEST = 0.4
+"""No line is longer than this [m]."""
+
+_LEAST = 4
+"""A line with fewer steps leads nowhere."""
+
+_EVERY = 5
+"""Each so many steps a line's joint position is kept as a way-point, and each `_ROOTS` steps a search may begin there."""
+
+_ROOTS = 20
+
+_JUMP = 0.15
+"""A joint that moves by more in one step [rad or m] is beside a singularity, where a line ends."""
+
+
+@frozen(eq=False)
+class Retreat:
+    """A way of straight lines of the tool out of a place: joint positions `corners` (k, n) [rad or m], the place itself first."""
+
+    corners: Array
+
+
+def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool) -> list[Retreat]:
+    """Return the ways out of a place (n,) [rad or m], the place itself first.
+
+    Args:
+        room: what is around.
+        q: the place, which is free.
+        free: says if a joint position is.
+        turns: True to go on along the other axes from where a line ends, and from its middle.
+    """
+    own = Retreat(q[None])
+    lines = _lines(room, [own], free)
+    found = [own, *(one for line in lines for one in _roots(line))]
+    if turns:
+        begun = [Retreat(line[: at + 1]) for line in lines for at in sorted({len(line) // 2, len(line) - 1})]
+        for line in _lines(room, begun, free):
+            found += _roots(line)
+    return [Retreat(_thinned(one.corners)) for one in found]
+
+
+def _roots(line: Array) -> list[Retreat]:
+    """Places along a line at which a search may begin: its end, and some before."""
+    ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
+    return [Retreat(line[: end + 1]) for end in sorted(ends)]
+
+
+def _thinned(corners: Array) -> Array:
+    kept = {*range(0, len(corners), _EVERY), len(corners) - 1}
+    if len(corners) - 2 in kept and len(corners) > _EVERY:  # no two next to each other
+        kept.discard(len(corners) - 2)
+    return corners[sorted(kept)]
+
+
+def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
+    """Return those ways (k, n) that lead on from the ends of others along the six axes, as far as the arm reaches and nothing is in the way."""
+    if not begun:
+        return []
+    chain, limits = room.robot.chain, room.robot.limits
+    ends = np.array([one.corners[-1] for one in begun])
+    poses = np.repeat(flange_poses(chain, ends), 6, axis=0)
+    axes = poses[:, :3, :3] @ room.flange_from_moving[:3, :3]
+    signed = np.concatenate((axes[::6].transpose(0, 2, 1), -axes[::6].transpose(0, 2, 1)), axis=1)
+    way = signed.reshape(-1, 3)
+    here = np.repeat(ends, 6, axis=0)
+    ways: list[list[Array]] = [[] for _ in way]
+    going = np.arange(len(way))
+    before = np.zeros_like(here)
+    for _ in range(round(FARTHEST / STEP)):
+        go_on()
+        poses[going, :3, 3] += STEP * way[going]
+        guess = np.clip(here[going] + before[going], limits.lower, limits.upper)
+        moved = fit(chain, poses[going], guess, lower=limits.lower, upper=limits.upper, rounds=8)
+        good = moved.total < reached_within(chain)
+        good &= np.abs(moved.q - here[going]).max(axis=1) < _JUMP
+        good &= np.abs(beyond(limits, moved.q)).max(axis=1) <= EDGE
+        good[good] = [free(q) for q in moved.q[good]]
+        going, q = going[good], moved.q[good]
+        before[going] = q - here[going]
+        here[going] = q
+        for at, one in zip(going.tolist(), q, strict=True):
+            ways[at].append(one)
+        if not len(going):
+            break
+    return [
+        np.concatenate((begun[at // 6].corners, np.array(line)))
+        for at, line in enumerate(ways)
+        if len(line) >= _LEAST
+    ]

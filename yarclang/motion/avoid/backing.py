@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from yarclang.collision.free import gaps
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.room import Room
@@ -60,7 +61,21 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
         begun = [Retreat(line[: at + 1]) for line in lines for at in sorted({len(line) // 2, len(line) - 1})]
         for line in _lines(room, begun, free):
             found += _roots(line)
-    return [Retreat(_thinned(one.corners)) for one in found]
+    return [Retreat(_thinned(one.corners)) for one in _widest(room, found)]
+
+
+def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
+    """Return those that end where most room is, the shortest of equals first: a search that begins in tight places as well draws most of its samples into walls."""
+    spare = [min(float(gaps(room.scene, one.corners[-1]).min(initial=_OPEN)), _OPEN) for one in found]
+    order = sorted(range(len(found)), key=lambda at: (-round(spare[at], 3), len(found[at].corners)))
+    return [found[at] for at in order[:_MOST]]
+
+
+_OPEN = 0.1
+"""A place that is farther than this from all that is around it [m] is in the open."""
+
+_MOST = 3
+"""So many places to begin at."""
 
 
 def _roots(line: Array) -> list[Retreat]:

@@ -14,7 +14,7 @@ from yarclang.transforms import constant
 
 EFFORTS = (
     Effort(0.02, 0.05, 500, 1),
-    Effort(0.01, 0.03, 400, 5, lines=1),
+    Effort(0.01, 0.03, 1_500, 5, lines=1),
     Effort(0.005, 0.02, 1_500, 6, lines=2),
     Effort(0.01, 0.05, 1_500, 2),
     Effort(0.003, 0.03, 3_000, 3),

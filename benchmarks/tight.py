@@ -92,7 +92,9 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
         limits = robot.limits
         corners = [known[0]]
         for _ in range(int(random.integers(1, 3))):
-            step = random.uniform(-1.0, 1.0, robot.size) * np.array([1.4, 0.6, 0.7] + [0.8] * (robot.size - 3))
+            step = random.uniform(-1.0, 1.0, robot.size) * np.array(
+                [1.4, 0.6, 0.7] + [0.8] * (robot.size - 3)
+            )
             corners.insert(0, np.clip(corners[0] + step, limits.lower + 0.05, limits.upper - 0.05))
         walk = [_straight(robot, one, next_) for one, next_ in zip(corners[:-1], corners[1:], strict=True)]
         known = np.concatenate((*walk, known[1:]))
@@ -145,7 +147,9 @@ def _drawn_out(robot: Robot, q: Array, kind: str) -> Array | None:
         for _ in range(round(length / STEP)):
             pose = pose.copy()
             pose[:3, 3] += STEP * way
-            got = fit(robot.chain, pose[None], path[-1][None], lower=limits.lower, upper=limits.upper, rounds=15)
+            got = fit(
+                robot.chain, pose[None], path[-1][None], lower=limits.lower, upper=limits.upper, rounds=15
+            )
             if got.total[0] > 1e-8 or np.abs(got.q[0] - path[-1]).max() > 0.08:
                 return None
             path.append(got.q[0])
@@ -160,10 +164,17 @@ def _straight(robot: Robot, one: Array, other: Array) -> Array:
 
 
 def _tool(robot: Robot, kind: str) -> Iterator[Obstacle]:
-    flange_from_tool = np.linalg.inv(flange_poses(robot.chain, robot.home[None])[0]) @ _frame(robot, robot.home)
+    flange_from_tool = np.linalg.inv(flange_poses(robot.chain, robot.home[None])[0]) @ _frame(
+        robot, robot.home
+    )
     parts = (
-        ((SHAFT, SHAFT, LENGTH - HEAD_LENGTH), FOOT), ((HEAD, HEAD, HEAD_LENGTH), FOOT + LENGTH - HEAD_LENGTH)
-    ) if kind == "t-slot" else (((WIDTH, WIDTH, LENGTH), FOOT),)
+        (
+            ((SHAFT, SHAFT, LENGTH - HEAD_LENGTH), FOOT),
+            ((HEAD, HEAD, HEAD_LENGTH), FOOT + LENGTH - HEAD_LENGTH),
+        )
+        if kind == "t-slot"
+        else (((WIDTH, WIDTH, LENGTH), FOOT),)
+    )
     for number, (size, foot) in enumerate(parts):
         placed = flange_from_tool @ _at(np.array([0.0, 0.0, foot + size[2] / 2.0]))
         yield Obstacle(f"STICK{number}", Box(np.array(size)), Mount(placed, on_flange=True), 0.0)
@@ -202,7 +213,9 @@ def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Itera
         for sign in (-1.0, 1.0):
             at = sign * (slot + 0.05)
             parts.append((Box(np.array([0.2, 0.1, WALL])), (-0.03, at, behind - WALL / 2.0)))
-        parts.append((Box(np.array([0.2, 0.2 + 2 * slot, WALL])), (-0.03, 0.0, end + wider / 2.0 + WALL / 2.0)))
+        parts.append(
+            (Box(np.array([0.2, 0.2 + 2 * slot, WALL])), (-0.03, 0.0, end + wider / 2.0 + WALL / 2.0))
+        )
     for number, (shape, at) in enumerate(parts):
         placed = frame @ _at(np.array(at))
         if isinstance(shape, Capsule):

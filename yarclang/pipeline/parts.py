@@ -40,7 +40,7 @@ from yarclang.hir import (
     WaitUntil,
     When,
 )
-from yarclang.motion.avoid.messages import inside
+from yarclang.motion.avoid.messages import inside, parted
 from yarclang.motion.avoid.room import room_of
 from yarclang.motion.avoid.way import SAMPLES, NoWay, Way, find_way
 from yarclang.motion.plan import MotionPlan
@@ -74,7 +74,7 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
     way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
     if isinstance(way, NoWay):
         source = SourceFile("<approach>", "")
-        return Result(None, (Diagnostic("Y0926", f"{_why(way)}", source, None, _BY_HAND),))
+        return Result(None, (Diagnostic("Y0926", _why(robot, way), source, None, _BY_HAND),))
     if not way.is_straight:
         return _round(robot, here, way, cell)
     far = np.abs(there - here)
@@ -106,13 +106,15 @@ def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[Sour
     return source, Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
 
 
-def _why(way: NoWay) -> str:
+def _why(robot: Robot, way: NoWay) -> str:
     if way.start is not None:
         return f"the robot can't leave from where it stands: {inside(way.start)}"
     if way.goal is not None:
         return f"the robot can't go to the start: there, {inside(way.goal)}"
+    if way.parting is not None:
+        return f"there is no way from where the robot stands to the start: {parted(robot, way.parting)}"
     between = f"; on the straight way {inside(way.between)}" if way.between is not None else ""
-    return f"no way from where the robot stands to the start was found, after {SAMPLES:,} samples{between}"
+    return f"no way from where the robot stands to the start was found in {SAMPLES:,} tries{between}"
 
 
 _BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"

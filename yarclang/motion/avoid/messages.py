@@ -11,7 +11,7 @@ from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin, PoseGoal
 from yarclang.motion.avoid.changes import FARTHEST, Change, change_fix, changes_text
 from yarclang.motion.avoid.room import JOINTS, Obstruction
-from yarclang.motion.avoid.way import SAMPLES, NoWay, Way
+from yarclang.motion.avoid.way import SAMPLES, NoWay, Parting, Way
 from yarclang.motion.leading.messages import differs, near_fix
 from yarclang.motion.wording import Message
 from yarclang.robot.model import Robot
@@ -31,8 +31,8 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
     return "Y0920", message, step.origin.span, help_, _as_spline(robot, way, step)
 
 
-def no_way(why: NoWay, origin: Origin) -> Message:
-    """There is no way: what is in the way at the start, the goal, or between."""
+def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
+    """There is no way, or none was found: what is in the way at the start, the goal, or between."""
     if why.start is not None:
         message = f"there is no way from where the robot stands: {inside(why.start)}"
         if why.goal is not None:
@@ -42,10 +42,28 @@ def no_way(why: NoWay, origin: Origin) -> Message:
     if why.goal is not None:
         message = f"there is no way to the target: {inside(why.goal)}"
         return "Y0922", message, origin.span, "move the target away from it; or correct the cell.toml", None
+    if why.parting is not None:
+        message = f"there is no way: {parted(robot, why.parting)}"
+        return (
+            "Y0923",
+            message,
+            origin.span,
+            "take a target on this side, or change the zone in the cell.toml",
+            None,
+        )
     between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
-    message = f"no way round was found: start and target are free, but not between them, after {SAMPLES:,} samples{between}"
+    message = f"no way round was found in {SAMPLES:,} tries, which doesn't prove that there is none: start and target are free{between}"
     help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
     return "Y0923", message, origin.span, help_, None
+
+
+def parted(robot: Robot, parting: Parting) -> str:
+    """Return which zone lies between start and target, and of which joint."""
+    joint, unit = parting.joint, robot.axis_units[parting.joint]
+    return (
+        f"zone {parting.name} forbids {robot.joint_names[joint]} from {parting.lower / unit:.6g} to {parting.upper / unit:.6g} "
+        f"{robot.axis_unit_names[joint]}, and start and target are on either side of it"
+    )
 
 
 def configuration_blocked(

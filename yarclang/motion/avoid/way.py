@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.cell.model import JointWindow
+from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.backing import Retreat, retreats
@@ -48,15 +50,26 @@ class Way:
         return len(self.waypoints) == 1
 
 
+@frozen
+class Parting:
+    """A forbidden window of one joint alone, number `joint` (from 0), between start and goal: `lower` to `upper` [rad or m] of the zone `name`."""
+
+    name: str
+    joint: int
+    lower: float
+    upper: float
+
+
 @frozen(eq=False)
 class NoWay:
-    """Why there is no way: what is in the way at the `start`, or at the `goal`; neither says that nothing was found between, of which `between` is
-    in the straight way.
+    """Why there is no way: what is in the way at the `start`, or at the `goal`; or the zone that parts them for sure. None of these says that nothing was
+    found between, of which `between` is in the straight way.
     """
 
     start: Obstruction | None = None
     goal: Obstruction | None = None
     between: Obstruction | None = None
+    parting: Parting | None = None
 
 
 def find_way(room: Room | None, start: Array, goal: Array, *, is_short: bool = False) -> Way | NoWay:
@@ -73,11 +86,33 @@ def find_way(room: Room | None, start: Array, goal: Array, *, is_short: bool = F
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)
+    parting = _parting(room, start, goal)
+    if parting is not None:
+        return NoWay(between=between, parting=parting)
     for effort in EFFORTS[:1] if is_short else EFFORTS:
         waypoints = _found(room, start, goal, effort)
         if waypoints is not None:
             return Way(constant(waypoints), between)
     return NoWay(between=between)
+
+
+def _parting(room: Room, start: Array, goal: Array) -> Parting | None:
+    """Return the forbidden window of one joint that lies between `start` and `goal` (n,): whatever the other joints do, no motion gets past it."""
+    limits = room.robot.limits
+    for watch in room.watches:
+        window = watch.zone.region
+        if not isinstance(window, JointWindow) or watch.zone.rule != "forbidden":
+            continue
+        narrows = (window.lower > limits.lower) | (window.upper < limits.upper)
+        if np.count_nonzero(narrows) != 1:
+            continue
+        joint = int(np.argmax(narrows))
+        lower, upper = float(window.lower[joint]), float(window.upper[joint])
+        low, high = sorted((float(start[joint]), float(goal[joint])))
+        # a window without width, or with less than what is told apart, parts nothing
+        if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
+            return Parting(watch.zone.name, joint, lower, upper)
+    return None
 
 
 def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | None:

@@ -57,7 +57,7 @@ def avoiding_motion(
                 end, way = other, found
                 break
     if isinstance(way, NoWay):
-        findings.add(*no_way(way, step.origin))
+        findings.add(*no_way(solver.robot, way, step.origin))
         return Led(None, end, None)
     if way.is_straight:
         return Led(JointPath(stands, end), end, end[None])

@@ -1,4 +1,5 @@
-"""The figures of ways round in RESULTS.md: `python benchmarks/avoid.py`, in an environment with yarclang.
+"""The figures of ways round in RESULTS.md: `python benchmarks/avoid.py`, in an environment with yarclang; `tight` measures the tight places alone, which
+need yarclang[test] for the third arm, and `tight peer` puts RRT-Connect with 5 s a problem on the same checker beside them.
 
 A problem is a place among obstacles from which there is a way, known before: the arm is put between two joint positions of a hidden walk, each
 step of which was found free, and obstacles are drawn that leave the walk free and block the straight way.
@@ -8,22 +9,30 @@ from __future__ import annotations
 
 import statistics
 import sys
+import tempfile
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+from click.testing import CliRunner
 
 from yarclang.cell.model import Cell, Mount, Obstacle
+from yarclang.cli.yarc import main as yarc
 from yarclang.collision.free import plain_free_space
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.watched import tool_frame
-from yarclang.motion.avoid.room import Room, room_of
+from yarclang.motion.avoid.room import Room, reaches, room_of
 from yarclang.motion.avoid.way import Way, find_way
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Box, Shape, Sphere
 from yarclang.source import SourceFile
 from yarclang.transforms import rpy_rotation
+
+sys.path.insert(0, str(Path(__file__).parent))
+import arms
+import tight
 
 PROBLEMS = 200
 SEED = 7
@@ -43,6 +52,9 @@ class Problem:
 
 def main() -> None:
     """Measure all, and print the table."""
+    if "tight" in sys.argv[1:]:
+        in_tight_places(with_peer="peer" in sys.argv[1:])
+        return
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     past = [_timed(robot, one) for one in past_a_box(robot)]
@@ -58,6 +70,71 @@ def main() -> None:
     print(f"| their median, and the slowest | {statistics.median(good):.0f} ms, {max(good):.0f} ms | |")
     if len(good) < len(solved) or not all(found for _, found in past):
         sys.exit("a way that is there wasn't found")
+
+
+def in_tight_places(*, with_peer: bool) -> None:
+    """Measure the forty problems of tight.py, once each, and print a row for each kind."""
+    with tempfile.TemporaryDirectory() as folder:
+        panda = Path(folder) / "panda"
+        asked = ["robot", "new", str(arms.DATA / arms.FILES["Panda"]), "--yes", "-o", str(panda)]
+        made = CliRunner().invoke(yarc, asked)
+        assert made.exit_code == 0, made.output
+        robots = tuple(load_robot(name).value for name in ("INDUSTRIAL6", "TRACKED_MANIPULATOR", str(panda)))
+        rows: dict[str, list[tuple[float, bool, bool]]] = {}
+        for one in tight.problems(tuple(robot for robot in robots if robot is not None)):
+            room = _room(one.robot, one.cell)
+            begun = time.perf_counter()
+            found = isinstance(find_way(room, one.start, one.goal), Way)
+            took = time.perf_counter() - begun
+            by_peer = with_peer and _by_peer(room, one)
+            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, found, by_peer))
+    print("| opening | solved | of | slowest | RRT-Connect, 5 s |\n|---|---|---|---|---|")
+    for what, tried in rows.items():
+        peer = sum(by for *_, by in tried) if with_peer else ""
+        print(
+            f"| {what} | {sum(good for _, good, _ in tried)} | {len(tried)} | {max(took for took, *_ in tried):.2f} s | {peer} |"
+        )
+    tried = [one for row in rows.values() for one in row]
+    times = [took for took, good, _ in tried if good]
+    print(
+        f"\n{len(times)} of {len(tried)} solved; median {statistics.median(times):.2f} s, slowest {max(times):.2f} s; "
+        f"slowest without a way {max((took for took, good, _ in tried if not good), default=0.0):.2f} s"
+    )
+
+
+def _by_peer(room: Room, problem: tight.Tight) -> bool:
+    """Whether RRT-Connect of OMPL finds a way within 5 s on the same checker."""
+    from ompl import base, geometric, util
+
+    util.setLogLevel(util.LogLevel.LOG_NONE)
+    util.RNG.setSeed(SEED)
+    size, limits = problem.robot.size, problem.robot.limits
+    scale = reaches(room.scene, problem.robot)
+    bounds = base.RealVectorBounds(size)
+    for joint in range(size):
+        bounds.setLow(joint, float(limits.lower[joint] * scale[joint]))
+        bounds.setHigh(joint, float(limits.upper[joint] * scale[joint]))
+    space = base.RealVectorStateSpace(size)
+    space.setBounds(bounds)
+    space.setLongestValidSegmentFraction(0.01 / space.getMaximumExtent())
+    around = base.SpaceInformation(space)
+    around.setStateValidityChecker(
+        lambda state: room.is_free(np.array([state[at] for at in range(size)]) / scale)
+    )
+    around.setup()
+    task = base.ProblemDefinition(around)
+    ends = []
+    for q in (problem.start, problem.goal):
+        state = space.allocState()
+        for joint in range(size):
+            state[joint] = float(q[joint] * scale[joint])
+        ends.append(state)
+    task.setStartAndGoalStates(*ends)
+    planner = geometric.RRTConnect(around)
+    planner.setProblemDefinition(task)
+    planner.setup()
+    planner.solve(base.timedPlannerTerminationCondition(5.0))
+    return bool(task.hasExactSolution())
 
 
 def past_a_box(robot: Robot) -> list[Problem]:

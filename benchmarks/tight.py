@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -87,7 +88,7 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
         if back is None:
             return None
         built += tuple(_around(robot, kind, other, wider * 1e-3, "B"))
-        known = np.concatenate((back, _straight(robot, back[-1], known[0])[1:-1], known))
+        known = np.concatenate((back, _straight(back[-1], known[0])[1:-1], known))
     else:
         limits = robot.limits
         corners = [known[0]]
@@ -96,7 +97,7 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
                 [1.4, 0.6, 0.7] + [0.8] * (robot.size - 3)
             )
             corners.insert(0, np.clip(corners[0] + step, limits.lower + 0.05, limits.upper - 0.05))
-        walk = [_straight(robot, one, next_) for one, next_ in zip(corners[:-1], corners[1:], strict=True)]
+        walk = [_straight(one, next_) for one, next_ in pairwise(corners)]
         known = np.concatenate((*walk, known[1:]))
     if not _is_free(robot, (*tool, *built), known):
         return None
@@ -106,7 +107,7 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
         one = _body(f"CLUTTER{number}", Box(size + 0.04), _at(at))
         if _is_free(robot, (*tool, one), known):
             bodies.append(_body(one.name, Box(size), _at(at)))
-    straight = _straight(robot, known[0], known[-1])
+    straight = _straight(known[0], known[-1])
     if _is_free(robot, tuple(bodies), straight):
         return None
     return Tight(robot, kind, wider, _cell(bodies), known[0], known[-1], known)
@@ -156,8 +157,8 @@ def _drawn_out(robot: Robot, q: Array, kind: str) -> Array | None:
     return np.array(path)
 
 
-def _straight(robot: Robot, one: Array, other: Array) -> Array:
-    del robot
+def _straight(one: Array, other: Array) -> Array:
+    """The straight way between two joint positions (n,), (k, n)."""
     count = int(np.ceil(np.abs(other - one).max() / 0.005)) + 2
     straight: Array = one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)
     return straight
@@ -197,8 +198,8 @@ def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Itera
         up = (WIDTH + wider) / 2.0
         for sign, thick in ((1.0, 0.03), (-1.0, 0.03)):
             parts.append((Box(np.array([0.5, thick, deep])), (0.0, sign * (up + thick / 2.0), middle)))
-        for sign in (-1.0, 1.0):
-            parts.append((Box(np.array([0.03, 2 * up, 0.03])), (sign * 0.2, 0.0, mouth + 0.015)))
+        legs = Box(np.array([0.03, 2 * up, 0.03]))
+        parts += [(legs, (sign * 0.2, 0.0, mouth + 0.015)) for sign in (-1.0, 1.0)]
     elif kind == "cage":
         bar, gap = 0.008, WIDTH + wider
         radius = 0.13

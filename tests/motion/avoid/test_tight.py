@@ -5,12 +5,17 @@ import pytest
 
 from tests.motion.avoid.cells import LEFT, RIGHT, ROBOT, room
 from tests.motion.avoid.test_way import executed, worst
-from yarclang.cell.model import Mount, Obstacle
+from yarclang.cell.model import Cell, JointWindow, Mount, Obstacle, Zone
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.hir import Origin
 from yarclang.motion.avoid import way as ways
 from yarclang.motion.avoid.backing import FARTHEST, STEP, retreats
+from yarclang.motion.avoid.messages import no_way
+from yarclang.motion.avoid.room import room_of
 from yarclang.motion.avoid.way import NoWay, Way, find_way
 from yarclang.robot.kinematics import flange_poses
 from yarclang.shapes import Box
+from yarclang.source import SourceFile, Span
 
 WIDTH, FOOT, LENGTH, DEEP, WALL = 0.05, 0.03, 0.2, 0.16, 0.02
 
@@ -72,3 +77,39 @@ def test_nothing_leads_out_of_a_closed_box():
     lid = placed("LID", [0.3, WALL, 0.3], [0, 0, 0], flange_poses(ROBOT.chain, LEFT[None])[0])
     around = room(STICK, *box_about(LEFT, 0.01), lid)
     assert [len(one.corners) for one in retreats(around, LEFT, lambda q: False, turns=True)] == [1]
+
+
+def shut(lower, upper):
+    """A room with a zone that forbids joints what is between."""
+    zone = Zone("GATE", "forbidden", JointWindow(np.array(lower), np.array(upper)))
+    cell = Cell(SourceFile("cell.toml", ""), {}, {}, {}, {}, (), (zone,), {})
+    return room_of(ROBOT, cell, tool_frame(ROBOT))
+
+
+def window(**ends):
+    lower, upper = np.full(6, -np.inf), np.full(6, np.inf)
+    for name, (low, high) in ends.items():
+        joint = int(name[1:]) - 1
+        lower[joint], upper[joint] = np.radians(low), np.radians(high)
+    return lower, upper
+
+
+def test_a_window_of_one_joint_between_start_and_goal_is_seen_without_a_search(monkeypatch):
+    monkeypatch.setattr(ways, "_found", lambda *_: pytest.fail("nothing has to be searched for"))
+    why = find_way(shut(*window(J1=(-10, 10))), LEFT, RIGHT)
+    assert isinstance(why, NoWay)
+    assert (why.parting.name, why.parting.joint) == ("GATE", 0)
+    said = no_way(ROBOT, why, Origin("P0010", "MOVEJ_AVOID", SourceFile("a.yarc", ""), Span.on_line(1, 1, 2)))
+    assert said[:2] == (
+        "Y0923",
+        "there is no way: zone GATE forbids J1 from -10 to 10 deg, and start and target are on either side of it",
+    )
+
+
+@pytest.mark.parametrize("ends", [{"J1": (-10, 10), "J2": (-90, 40)}, {"J1": (-10, 10), "J3": (-60, 0)}])
+def test_a_window_of_two_joints_is_gone_round(ends):
+    assert isinstance(find_way(shut(*window(**ends)), LEFT, RIGHT), Way)
+
+
+def test_a_window_beyond_both_ends_parts_nothing():
+    assert find_way(shut(*window(J1=(70, 80))), LEFT, RIGHT).is_straight

@@ -26,6 +26,8 @@ LENGTH, WIDTH, FOOT = 0.2, 0.05, 0.03
 """The tool: a stick of this length and width that begins this far from the flange [m]."""
 HEAD, HEAD_LENGTH, SHAFT = 0.08, 0.03, 0.03
 """The other tool: a head of this width and length on a shaft [m]."""
+DRAWS = 5_000
+"""A problem is found in so many draws, or not at all."""
 DEEP, WALL, STEP = 0.16, 0.02, 0.004
 """How far the tool is in its place, how thick walls are, and how far apart the known way is looked at [m]."""
 OUT = {"INDUSTRIAL6": 1, "TRACKED_MANIPULATOR": 1}
@@ -65,10 +67,11 @@ def problems(robots: tuple[Robot, ...]) -> Iterator[Tight]:
 
 
 def _problem(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight:
-    while True:
+    for _ in range(DRAWS):
         made = _drawn(robot, kind, wider, random)
         if made is not None:
             return made
+    raise RuntimeError(f"no problem {kind}, {wider} mm, for {robot.name} in {DRAWS} draws")
 
 
 def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight | None:
@@ -176,8 +179,8 @@ def _tool(robot: Robot, kind: str) -> Iterator[Obstacle]:
         if kind == "t-slot"
         else (((WIDTH, WIDTH, LENGTH), FOOT),)
     )
-    for number, (size, foot) in enumerate(parts):
-        placed = flange_from_tool @ _at(np.array([0.0, 0.0, foot + size[2] / 2.0]))
+    for number, (size, start) in enumerate(parts):
+        placed = flange_from_tool @ _at(np.array([0.0, 0.0, start + size[2] / 2.0]))
         yield Obstacle(f"STICK{number}", Box(np.array(size)), Mount(placed, on_flange=True), 0.0)
 
 
@@ -202,7 +205,7 @@ def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Itera
         parts += [(legs, (sign * 0.2, 0.0, mouth + 0.015)) for sign in (-1.0, 1.0)]
     elif kind == "cage":
         bar, gap = 0.008, WIDTH + wider
-        radius = 0.13
+        radius = 0.1
         turn = 2.0 * np.arcsin((gap / 2.0 + bar) / radius)
         angles = np.arange(turn / 2.0, 2.0 * np.pi - turn / 4.0, turn)
         for angle in angles.tolist():
@@ -217,8 +220,8 @@ def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Itera
         parts.append(
             (Box(np.array([0.2, 0.2 + 2 * slot, WALL])), (-0.03, 0.0, end + wider / 2.0 + WALL / 2.0))
         )
-    for number, (shape, at) in enumerate(parts):
-        placed = frame @ _at(np.array(at))
+    for number, (shape, place) in enumerate(parts):
+        placed = frame @ _at(np.array(place))
         if isinstance(shape, Capsule):
             turned = np.eye(4)  # its axis along x
             turned[:3, :3] = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])

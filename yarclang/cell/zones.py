@@ -13,12 +13,14 @@ from yarclang.cell.schema import ZoneTable
 from yarclang.cell.windows import joint_window
 from yarclang.robot.kinematics.elbow import elbow_of
 from yarclang.robot.model import Robot
+from yarclang.shapes import Box, Capsule, Cylinder, Sphere
 from yarclang.subjects import Name
 from yarclang.toml.bodies import SIZES
 from yarclang.toml.draft import table_name
 from yarclang.toml.file import did_you_mean
 from yarclang.toml.places import Path
 from yarclang.transforms import constant
+from yarclang.units import MM
 
 _TURNED = ("xyz", "rpy", "quat")
 
@@ -63,7 +65,42 @@ def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None
         return None
     if watch is None or margin is None:
         return None
-    return Zone(table.name.upper(), table.rule, region, speed, watch, (table.margin or 0.0) * margin, posture)
+    zone = Zone(table.name.upper(), table.rule, region, speed, watch, (table.margin or 0.0) * margin, posture)
+    thin = _too_thin(zone)
+    if thin is not None:
+        message, remedy = thin
+        measures.file.say("Y1376", path, f"{table_name(path)} {message}", remedy)
+        return None
+    return zone
+
+
+THINNEST, NARROWEST = 1e-4, 1e-4
+"""A zone to stay out of, or with a rule inside, is at least so thick, with its margins [m], or so wide [rad or m of joints]: several times what a proof can't
+tell from its border, so that no motion gets through.
+"""
+
+
+def _too_thin(zone: Zone) -> tuple[str, str] | None:
+    """Return what is wrong with a zone that a motion could cross without being seen, and the remedy; None where nothing is."""
+    if zone.rule == "allowed" or isinstance(zone.region, HalfSpace):
+        return None
+    if isinstance(zone.region, JointWindow):
+        if float((zone.region.upper - zone.region.lower).min()) >= NARROWEST:
+            return None
+        remedy = f"Make it at least {NARROWEST:g} rad or m wide."
+        return "is so narrow that a joint could get through it without a proof that sees it.", remedy
+    match zone.region.shape:
+        case Box(size=size):
+            thick = float(size.min())
+        case Cylinder(radius=radius, length=length):
+            thick = min(2.0 * radius, length)
+        case Sphere(radius=radius) | Capsule(radius=radius):
+            thick = 2.0 * radius
+    thick += 2.0 * zone.margin
+    if thick >= THINNEST:
+        return None
+    remedy = f"Make it at least {THINNEST / MM:g} mm thick, or give it a margin."
+    return f"is {thick / MM:.3g} mm thick: a point could get through it without a proof that sees it.", remedy
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:

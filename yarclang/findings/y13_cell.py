@@ -59,4 +59,14 @@ FINDINGS = (
         '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_REDY"\nkind = "vacuum"\ngripper = "GRIP"',
         '[inputs]\nPART_READY = "M11"\n\n[[sensors]]\ninput = "PART_READY"\nkind = "vacuum"\ngripper = "GRIP"',
     ),
+    Finding(
+        "Y1376",
+        "zone-too-thin",
+        "error",
+        "a zone is so thin that a motion could cross it unseen",
+        "A proof can't tell what is within 0.01 mm of a zone's border from what is on it. A point could cross a zone that is hardly thicker than that, and nothing would be said: a zone to stay out of, to be "
+        "slow in or to keep a posture in is at least 0.1 mm thick, with its margins on both sides, and a window of joints at least 0.0001 rad or m wide.",
+        '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 0.01, 2000]',
+        '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 10, 2000]',
+    ),
 )

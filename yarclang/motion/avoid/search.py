@@ -21,7 +21,8 @@ from yarclang.robot.model import Limits
 @frozen
 class Effort:
     """How a way is looked for: pairs stay farther apart than their margins by `padding` [m] where they can; `step` [m] is about how far bodies move between
-    two joint positions that are looked at; `samples` are drawn at most, from `seed` on. With so many `lines` the tool is drawn out of start and goal before (`backing`).
+    two joint positions that are looked at; `samples` are drawn at most, from `seed` on. With so many `lines` the tool is drawn out of start and goal before (`backing`);
+    an effort that `is_for_lines` alone is left out where nothing leads out of either.
     """
 
     padding: float
@@ -29,6 +30,7 @@ class Effort:
     samples: int
     seed: int
     lines: int = 0
+    is_for_lines: bool = False
 
 
 @frozen(eq=False)

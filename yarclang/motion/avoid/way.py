@@ -17,8 +17,7 @@ from yarclang.transforms import constant
 EFFORTS = (
     Effort(0.02, 0.05, 500, 1),
     Effort(0.01, 0.03, 1_500, 5, lines=1),
-    Effort(0.005, 0.02, 1_500, 6, lines=2),
-    Effort(0.01, 0.05, 1_500, 2),
+    Effort(0.005, 0.02, 1_500, 6, lines=2, is_for_lines=True),
     Effort(0.003, 0.03, 3_000, 3),
     Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
@@ -125,6 +124,8 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | Non
     out, in_ = ([Retreat(q[None])] for q in (start, goal))
     if effort.lines:
         out, in_ = (retreats(room, q, free, turns=effort.lines > 1) for q in (start, goal))
+        if effort.is_for_lines and len(out) == len(in_) == 1:
+            return None
     ends = [np.array([one.corners[-1] for one in side]) for side in (out, in_)]
     corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free), effort)
     if corners is None:

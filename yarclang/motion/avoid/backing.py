@@ -1,4 +1,4 @@
-"""Straight ways of the tool out of a tight place: along the six axes of the frame that is moved, its orientation kept.
+"""Straight ways of the tool out of a tight place: along the axes of the frame that is moved and those of the flange, its orientation kept.
 
 A search by chance seldom finds the way out of a box that is a few millimetres wider than the tool; the tool's own axes lead out of nearly all places that
 tools are led into. From where a first line ends, or half way there, a second one may lead on: past the rails of a slot, or round a corner.
@@ -92,16 +92,15 @@ def _thinned(corners: Array) -> Array:
 
 
 def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
-    """Return those ways (k, n) that lead on from the ends of others along the six axes, as far as the arm reaches and nothing is in the way."""
+    """Return those ways (k, n) that lead on from the ends of others along the axes, as far as the arm reaches and nothing is in the way."""
     if not begun:
         return []
     chain, limits = room.robot.chain, room.robot.limits
     ends = np.array([one.corners[-1] for one in begun])
-    poses = np.repeat(flange_poses(chain, ends), 6, axis=0)
-    axes = poses[:, :3, :3] @ room.flange_from_moving[:3, :3]
-    signed = np.concatenate((axes[::6].transpose(0, 2, 1), -axes[::6].transpose(0, 2, 1)), axis=1)
-    way = signed.reshape(-1, 3)
-    here = np.repeat(ends, 6, axis=0)
+    own = _directions(room)
+    poses = np.repeat(flange_poses(chain, ends), len(own), axis=0)
+    way = np.einsum("pij,pj->pi", poses[:, :3, :3], np.tile(own, (len(ends), 1)))
+    here = np.repeat(ends, len(own), axis=0)
     ways: list[list[Array]] = [[] for _ in way]
     going = np.arange(len(way))
     before = np.zeros_like(here)
@@ -122,7 +121,18 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
         if not len(going):
             break
     return [
-        np.concatenate((begun[at // 6].corners, np.array(line)))
+        np.concatenate((begun[at // len(own)].corners, np.array(line)))
         for at, line in enumerate(ways)
         if len(line) >= _LEAST
     ]
+
+
+def _directions(room: Room) -> Array:
+    """Return the axes, forth and back, of the frame that is moved and those of the flange that lie otherwise, (d, 3) in the flange's frame."""
+    axes = [*room.flange_from_moving[:3, :3].T]
+    axes += [one for one in np.eye(3) if all(abs(float(one @ other)) < _ALONG for other in axes)]
+    return np.array([*axes, *(-one for one in axes)])
+
+
+_ALONG = 0.999
+"""Directions with a larger cosine between them are one."""

@@ -114,7 +114,7 @@ def _why(robot: Robot, way: NoWay) -> str:
     if way.parting is not None:
         return f"there is no way from where the robot stands to the start: {parted(robot, way.parting)}"
     between = f"; on the straight way {inside(way.between)}" if way.between is not None else ""
-    return f"no way from where the robot stands to the start was found in {SAMPLES:,} tries{between}"
+    return f"no way from where the robot stands to the start was found within {SAMPLES:,} tries{between}"
 
 
 _BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"

@@ -52,7 +52,7 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
             None,
         )
     between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
-    message = f"no way round was found in {SAMPLES:,} tries, which doesn't prove that there is none: start and target are free{between}"
+    message = f"no way round was found within {SAMPLES:,} tries, which doesn't prove that there is none: start and target are free{between}"
     help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
     return "Y0923", message, origin.span, help_, None
 

@@ -290,6 +290,12 @@ HOSTILE = {
     "cycle": robot(link("a"), link("b"), joint("x", "a", "b"), joint("y", "b", "a")),
     "999 joints in a row": deep(999),
     "999 that follow": deep(999, follows("j0")),
+    "100,000 links side by side": robot(
+        arm(), *(link(f"x{n}", shape=False) + joint(f"j{n}", "base_link", f"x{n}") for n in range(100_000))
+    ),
+    "9,000 links side by side": robot(
+        arm(), *(link(f"x{n}", shape=False) + joint(f"j{n}", "base_link", f"x{n}") for n in range(9_000))
+    ),
     "follows itself": robot(link("a"), link("b"), joint("x", "a", "b", more=follows("x"))),
     "a direction and a line": robot(link("a"), link("b"), joint("x\u202e&#10;y", "a", "c\u2066&#10;Y9999")),
 }

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from yarclang.frozen import frozen
 from yarclang.robot.checklist.item import listed
-from yarclang.robot.urdf import MOVING
+from yarclang.robot.urdf import MOST_LINKS, MOVING
 from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 
@@ -43,7 +43,11 @@ def mend(source: SourceFile) -> Mended:
             stray = 0
     urdf = UrdfText(SourceFile(source.name, text))
     parse_xml(urdf)
-    if urdf.root is None or urdf.findings:
+    if (
+        urdf.root is None
+        or urdf.findings
+        or max(len(urdf.root.all(tag)) for tag in ("link", "joint")) > MOST_LINKS
+    ):
         return Mended(source, ())
     mending = _Mending(urdf)
     mending.names(urdf.root)

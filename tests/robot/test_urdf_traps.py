@@ -278,6 +278,22 @@ def test_other_formats_are_named(text, words, tmp_path):
     assert "maker's URDF" in result.output
 
 
+@pytest.mark.parametrize(
+    ("tcp", "words"),
+    [
+        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),
+        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),
+        ("0,0,100,90,0,0", "z of TCP leads neither out nor back along the tool"),
+    ],
+)  # fmt: skip
+def test_the_way_of_the_tools_z_is_said(tcp, words, tmp_path):
+    """By Pinocchio, the tip is 100 mm along z of tool0: out along the tool if TCP isn't turned."""
+    file = written(tmp_path, robot(arm()))
+    result = yarc("robot", "new", file, "--yes", "--tcp", tcp, "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert words in result.output
+
+
 def deep(count: int, more: str = "") -> str:
     links = "".join(link(f"l{number}", shape=False) for number in range(count + 1))
     return robot(links, *(joint(f"j{n}", f"l{n}", f"l{n + 1}", more=more) for n in range(count)))
@@ -295,6 +311,11 @@ HOSTILE = {
     ),
     "9,000 links side by side": robot(
         arm(), *(link(f"x{n}", shape=False) + joint(f"j{n}", "base_link", f"x{n}") for n in range(9_000))
+    ),
+    "20,000 shapes": robot(
+        arm(),
+        link("s", '<collision><geometry><box size="1 1 1"/></geometry></collision>' * 20_000),
+        joint("j", "base_link", "s", kind="fixed"),
     ),
     "follows itself": robot(link("a"), link("b"), joint("x", "a", "b", more=follows("x"))),
     "a direction and a line": robot(link("a"), link("b"), joint("x\u202e&#10;y", "a", "c\u2066&#10;Y9999")),

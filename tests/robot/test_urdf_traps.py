@@ -201,9 +201,10 @@ def test_placeholders_of_limits_are_guesses(tmp_path):
 XMLNS = ' xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
 
-def test_a_stray_property_is_left_out(tmp_path):
+@pytest.mark.parametrize("end", ["/>", "></xacro:property>", ">\n</xacro:property >"])
+def test_a_stray_property_is_left_out(end, tmp_path):
     text = robot(arm())
-    with_it = text.replace(">", f'{XMLNS}><xacro:property name="pi" value="3.14"/>', 1)
+    with_it = text.replace(">", f'{XMLNS}><xacro:property name="pi" value="3.14"{end}', 1)
     judged(text, made(written(tmp_path, with_it), tmp_path / "r"))
 
 
@@ -333,6 +334,13 @@ def test_what_is_hostile_is_refused_quickly(name, tmp_path):
     assert "Y13" in result.output
     assert not any(sign in result.output for sign in "\u202e\u2066")
     assert "\nY9999" not in result.output
+
+
+def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
+    mesh = '<collision><geometry><mesh filename="a&#10;Y9999&#x202e;.stl"/></geometry></collision>'
+    text = robot(arm(), link("s", mesh, shape=False), joint("j", "base_link", "s", kind="fixed"))
+    result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
+    assert "the collision mesh a?Y9999?.stl of s isn't there" in result.output
 
 
 def test_a_hundred_megabytes_are_refused_quickly(tmp_path):

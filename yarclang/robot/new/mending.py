@@ -20,7 +20,9 @@ THIN = 1e-3
 PLACEHOLDER = 1.0
 """Where all joints have the same effort, and none a greater one than this, nobody has looked one up [N m or N]."""
 
-_STRAY = re.compile(r"<xacro:(?:property|arg)\b(?:[^<>\"']|\"[^\"<]*\"|'[^'<]*')*/>")
+_STRAY = re.compile(
+    r"<xacro:(?:property|arg)\b(?:[^<>\"']|\"[^\"<]*\"|'[^'<]*')*(?:/>|>\s*</xacro:(?:property|arg)\s*>)"
+)
 _REFERENCES = {"parent": "link", "child": "link", "mimic": "joint"}
 
 

@@ -201,9 +201,10 @@ def test_placeholders_of_limits_are_guesses(tmp_path):
 XMLNS = ' xmlns:xacro="http://www.ros.org/wiki/xacro"'
 
 
-def test_a_stray_property_is_left_out(tmp_path):
+@pytest.mark.parametrize("end", ["/>", "></xacro:property>", ">\n</xacro:property >"])
+def test_a_stray_property_is_left_out(end, tmp_path):
     text = robot(arm())
-    with_it = text.replace(">", f'{XMLNS}><xacro:property name="pi" value="3.14"/>', 1)
+    with_it = text.replace(">", f'{XMLNS}><xacro:property name="pi" value="3.14"{end}', 1)
     judged(text, made(written(tmp_path, with_it), tmp_path / "r"))
 
 
@@ -278,6 +279,22 @@ def test_other_formats_are_named(text, words, tmp_path):
     assert "maker's URDF" in result.output
 
 
+@pytest.mark.parametrize(
+    ("tcp", "words"),
+    [
+        ("0,0,100", "z of TCP leads out along the tool, into the work; PICKPLACE and PALLET want it back; for these"),
+        ("0,0,100,180,0,0", "z of TCP leads back along the tool, away from the work, as PICKPLACE and PALLET take it"),
+        ("0,0,100,90,0,0", "z of TCP leads neither out nor back along the tool"),
+    ],
+)  # fmt: skip
+def test_the_way_of_the_tools_z_is_said(tcp, words, tmp_path):
+    """By Pinocchio, the tip is 100 mm along z of tool0: out along the tool if TCP isn't turned."""
+    file = written(tmp_path, robot(arm()))
+    result = yarc("robot", "new", file, "--yes", "--tcp", tcp, "-o", tmp_path / "r")
+    assert result.exit_code == 0, result.output
+    assert words in result.output
+
+
 def deep(count: int, more: str = "") -> str:
     links = "".join(link(f"l{number}", shape=False) for number in range(count + 1))
     return robot(links, *(joint(f"j{n}", f"l{n}", f"l{n + 1}", more=more) for n in range(count)))
@@ -290,6 +307,17 @@ HOSTILE = {
     "cycle": robot(link("a"), link("b"), joint("x", "a", "b"), joint("y", "b", "a")),
     "999 joints in a row": deep(999),
     "999 that follow": deep(999, follows("j0")),
+    "100,000 links side by side": robot(
+        arm(), *(link(f"x{n}", shape=False) + joint(f"j{n}", "base_link", f"x{n}") for n in range(100_000))
+    ),
+    "9,000 links side by side": robot(
+        arm(), *(link(f"x{n}", shape=False) + joint(f"j{n}", "base_link", f"x{n}") for n in range(9_000))
+    ),
+    "20,000 shapes": robot(
+        arm(),
+        link("s", '<collision><geometry><box size="1 1 1"/></geometry></collision>' * 20_000),
+        joint("j", "base_link", "s", kind="fixed"),
+    ),
     "follows itself": robot(link("a"), link("b"), joint("x", "a", "b", more=follows("x"))),
     "a direction and a line": robot(link("a"), link("b"), joint("x\u202e&#10;y", "a", "c\u2066&#10;Y9999")),
 }
@@ -306,6 +334,13 @@ def test_what_is_hostile_is_refused_quickly(name, tmp_path):
     assert "Y13" in result.output
     assert not any(sign in result.output for sign in "\u202e\u2066")
     assert "\nY9999" not in result.output
+
+
+def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
+    mesh = '<collision><geometry><mesh filename="a&#10;Y9999&#x202e;.stl"/></geometry></collision>'
+    text = robot(arm(), link("s", mesh, shape=False), joint("j", "base_link", "s", kind="fixed"))
+    result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
+    assert "the collision mesh a?Y9999?.stl of s isn't there" in result.output
 
 
 def test_a_hundred_megabytes_are_refused_quickly(tmp_path):

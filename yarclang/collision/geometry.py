@@ -14,6 +14,7 @@ from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.ply import read_ply
+from yarclang.meshes.stl import stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
@@ -55,6 +56,10 @@ _FAR = 1e5
 """No corner is farther from its mesh's origin than this [m]: coal can't make a hull of what is very large."""
 
 
+_LARGE_STL = 1_000_000
+"""From so many bytes on, the hull of a binary STL is made of its corners, without coal's reader."""
+
+
 class UnreadableError(Exception):
     """A mesh can't be read; the message is the end of a sentence that begins with its name."""
 
@@ -91,7 +96,7 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """The triangles of a file, or their convex hull, where they aren't all in one plane."""
-    model = load_mesh(shape)
+    model = (_outer_model(shape) if hull else None) or load_mesh(shape)
     corners: Array = np.asarray(model.vertices())
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
@@ -120,6 +125,40 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     )
 
 
+def _outer_model(shape: Mesh) -> Any | None:
+    """Return a model of the corners alone that a large binary STL's hull has; None for another file, and for a flat one.
+
+    coal's reader joins equal corners and builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
+    no corners of a hull change nothing of it, so the body is the same.
+    """
+    if shape.path.suffix.lower() != ".stl":
+        return None
+    content = _content(shape)
+    if len(content) < _LARGE_STL or mesh_fault(".stl", content):
+        return None
+    corners = stl_corners(content)
+    if corners is None:
+        return None
+    from scipy.spatial import ConvexHull, QhullError
+
+    corners = corners * (np.array(shape.scale) * shape.unit)
+    if float(np.abs(corners).max()) > _FAR:
+        return None
+    try:
+        outer = corners[ConvexHull(corners).vertices]
+    except QhullError:
+        return None
+    return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+def _content(shape: Mesh) -> bytes:
+    """Return the bytes of a mesh's file; raises `UnreadableError`."""
+    try:
+        return read_whole(shape.path, LARGEST_MESH)
+    except OSError as error:
+        raise UnreadableError(f"can't be read: {reason_of(error)}") from error
+
+
 def load_mesh(shape: Mesh) -> Any:
     """Return coal's model of a mesh [m].
 
@@ -128,10 +167,7 @@ def load_mesh(shape: Mesh) -> Any:
     """
     import coal
 
-    try:
-        content = read_whole(shape.path, LARGEST_MESH)
-    except OSError as error:
-        raise UnreadableError(f"can't be read: {reason_of(error)}") from error
+    content = _content(shape)
     scale = np.array(shape.scale) * shape.unit
     if shape.path.suffix.lower() == ".ply":  # of some that are damaged coal's reader ends the process
         read = read_ply(content)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, cut_off
 
@@ -19,6 +20,14 @@ _WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 def is_binary(content: bytes) -> bool:
     """Return True if a file is as long as the triangles that its head counts."""
     return len(content) >= _HEAD and len(content) == _HEAD + _TRIANGLE.itemsize * _count(content)
+
+
+def stl_corners(content: bytes) -> NDArray[np.float64] | None:
+    """Return the corners (3 T, 3) of all triangles of a binary STL file, in its own unit; None for a file of text."""
+    if not is_binary(content):
+        return None
+    corners = np.frombuffer(content, _TRIANGLE, offset=_HEAD)["corners"]
+    return corners.reshape(-1, 3).astype(np.float64)
 
 
 def stl_fault(content: bytes) -> str:

@@ -26,7 +26,8 @@ UNARMED = ("planar", "floating")
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _ROOT = "universe"
 """Pinocchio's own joint above the root: it takes one of this name for that, and its limits and place from there."""
-_MOST_LINKS = 1000
+MOST_LINKS = 1000
+"""Links of a file, and joints as well."""
 
 
 @frozen
@@ -63,6 +64,8 @@ def read_urdf(source: SourceFile) -> Urdf:
     parse_xml(urdf)
     if urdf.root is not None and not urdf.findings:
         _read_header(urdf, urdf.root)
+        if not _is_small(urdf, urdf.root):
+            return urdf
         sound = _read_links(urdf, urdf.root)
         sound = _read_joints(urdf, urdf.root) and sound
         urdf.sound = sound and _check_tree(urdf)
@@ -81,12 +84,20 @@ def _read_header(urdf: Urdf, root: Element) -> None:
         urdf.say("Y1341", message, 'Write version="1.1".', root, "version")
 
 
+def _is_small(urdf: Urdf, root: Element) -> bool:
+    """Return True if neither links nor joints are too many to read; of more, nothing else is said."""
+    for tag in ("link", "joint"):
+        elements = root.all(tag)
+        if len(elements) > MOST_LINKS:
+            message = f"The URDF has {len(elements):,} {tag}s, more than {MOST_LINKS:,}."
+            remedy = "Keep the links of the arm and what stands on them."
+            urdf.say("Y1341", message, remedy, elements[MOST_LINKS])
+            return False
+    return True
+
+
 def _read_links(urdf: Urdf, root: Element) -> bool:
     links = root.all("link")
-    if len(links) > _MOST_LINKS:
-        message = f"The URDF has {len(links):,} links, more than {_MOST_LINKS:,}."
-        urdf.say("Y1341", message, "Keep the links of the arm and what stands on them.", links[_MOST_LINKS])
-        return False
     if not links and root.tag == "robot":
         urdf.say(
             "Y1342", "<robot> has no <link>.", "A robot needs a link for its base and one a joint.", root

@@ -20,6 +20,8 @@ _SIZES = {
     "cylinder": (("radius", 1), ("length", 1)),
     "capsule": (("radius", 1), ("length", 1)),
 }
+_MOST_SHAPES = 1000
+"""Collision shapes of a file: each costs some ms wherever the robot is read, and each may meet each."""
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -36,7 +38,14 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
     shapes: dict[str, list[str]] = {}
     if urdf.root is None or urdf.root.tag != "robot":
         return shapes
-    for link in urdf.root.all("link"):
+    links = urdf.root.all("link")
+    bodies = [body for link in links for body in link.all("collision")]
+    if len(bodies) > _MOST_SHAPES:
+        message = f"The URDF has {len(bodies):,} collision shapes, more than {_MOST_SHAPES:,}."
+        remedy = "Keep few shapes for each link, or one mesh: its convex hull is what is checked."
+        urdf.say("Y1341", message, remedy, bodies[_MOST_SHAPES])
+        return shapes
+    for link in links:
         found: list[str] = []
         for tag in ("visual", "collision"):
             for body in link.all(tag):

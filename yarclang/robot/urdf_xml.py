@@ -17,6 +17,8 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST, _LARGEST_LIMIT = 1e6, 1e30
 """Bounds against overflow; files use large numbers for limits that there aren't."""
 _DEEPEST = 16
+_MOST_ELEMENTS = 100_000
+"""Elements of a file: a hundred for each of a thousand links."""
 
 
 @dataclass(slots=True)
@@ -132,6 +134,7 @@ def parse_xml(urdf: UrdfText) -> None:
     """Makes the tree of elements under `urdf.root`; what isn't XML, or no URDF, is a finding."""
     parser = expat.ParserCreate("utf-8")
     stack: list[Element] = []
+    count = 0
     text = urdf.text
 
     def here() -> int:
@@ -151,6 +154,13 @@ def parse_xml(urdf: UrdfText) -> None:
         if len(stack) >= _DEEPEST:
             refuse(
                 f"Elements are nested more than {_DEEPEST} deep.", "A URDF needs no more than five levels."
+            )
+        nonlocal count
+        count += 1
+        if count > _MOST_ELEMENTS:
+            refuse(
+                f"The file has more than {_MOST_ELEMENTS:,} elements.",
+                "Keep the links of the arm and what stands on them.",
             )
         at = here()
         element = Element(tag, attributes, at, _tag_end(text, at))

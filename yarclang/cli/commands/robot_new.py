@@ -206,6 +206,7 @@ def _write(folder: Path, made: NewRobot) -> None:
     from yarclang.collision.checklist import flat_meshes, touching_pairs
     from yarclang.collision.scene import scene_of
     from yarclang.robot.bare_links import bare_links
+    from yarclang.robot.checklist.geometry import tool_axis
     from yarclang.robot.description import load_robot
     from yarclang.robot.new.writing import collision_table, guesses
 
@@ -239,6 +240,8 @@ def _write(folder: Path, made: NewRobot) -> None:
     flat = flat_meshes(loaded.value) if loaded.value is not None else ()
     for note in (*_notes(made), *touched, *(f"{one}: the collision check sees no thickness" for one in flat)):
         click.echo(f"  note: {note}", err=True)
+    for item in tool_axis(loaded.value) if loaded.value is not None else ():
+        click.echo(f"  note: {item.found}{f'; {item.remedy}' if item.remedy else ''}", err=True)
     bare = bare_links(loaded.value) if loaded.value is not None else ()
     show_findings((*loaded.diagnostics, *bare))
     click.echo(

@@ -291,11 +291,11 @@ def _frames(robot: Robot) -> Iterator[Item]:
         yield Item(
             "TCP", "note" if same else "ok", found, "give the tool's tip in [frames.TCP]" if same else ""
         )
-    yield from _tool_axis(robot)
+    yield from tool_axis(robot)
     yield Item("frames", "ok", f"on the flange: {', '.join(names)}")
 
 
-def _tool_axis(robot: Robot) -> Iterator[Item]:
+def tool_axis(robot: Robot) -> Iterator[Item]:
     """Which way z of TCP leads, seen from where the tool is mounted: places of PICKPLACE and PALLET depend on it."""
     out = _outwards(robot)
     if out is None:

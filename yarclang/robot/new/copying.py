@@ -73,7 +73,7 @@ def copy_urdf(
             name = mesh.attributes.get("filename", "")
             path = _found(name, file.parent, packages)
             if path is None:
-                without.append((link.attributes.get("name", ""), name))
+                without.append((link.attributes.get("name", ""), _shown(name)))
                 end = urdf.text.index("</collision>", body.end) + len("</collision>")
                 edits.append((body.start, end, "<!-- a collision mesh was here that isn't there -->"))
                 continue

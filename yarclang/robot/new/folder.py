@@ -134,8 +134,9 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     if given.counts is None:
         asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
     if given.tcp is None:
+        text = "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg (PICKPLACE and PALLET want its z back along the tool)"
         rule = f"that of the link {chain.tcp}" if chain.tcp else "FLANGE itself"
-        asked.append(Question("--tcp", "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg", rule))
+        asked.append(Question("--tcp", text, rule))
     if given.home is None:
         text = f"the joint position HOME, {size} values in deg or mm"
         asked.append(Question("--home", text, "near 0, away from limits and singularities"))

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 from yarclang.frozen import frozen
 from yarclang.robot.checklist.item import listed
-from yarclang.robot.urdf import MOVING
+from yarclang.robot.urdf import MOST_LINKS, MOVING
 from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 
@@ -20,7 +20,9 @@ THIN = 1e-3
 PLACEHOLDER = 1.0
 """Where all joints have the same effort, and none a greater one than this, nobody has looked one up [N m or N]."""
 
-_STRAY = re.compile(r"<xacro:(?:property|arg)\b(?:[^<>\"']|\"[^\"<]*\"|'[^'<]*')*/>")
+_STRAY = re.compile(
+    r"<xacro:(?:property|arg)\b(?:[^<>\"']|\"[^\"<]*\"|'[^'<]*')*(?:/>|>\s*</xacro:(?:property|arg)\s*>)"
+)
 _REFERENCES = {"parent": "link", "child": "link", "mimic": "joint"}
 
 
@@ -43,7 +45,11 @@ def mend(source: SourceFile) -> Mended:
             stray = 0
     urdf = UrdfText(SourceFile(source.name, text))
     parse_xml(urdf)
-    if urdf.root is None or urdf.findings:
+    if (
+        urdf.root is None
+        or urdf.findings
+        or max(len(urdf.root.all(tag)) for tag in ("link", "joint")) > MOST_LINKS
+    ):
         return Mended(source, ())
     mending = _Mending(urdf)
     mending.names(urdf.root)

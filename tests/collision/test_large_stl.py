@@ -1,0 +1,96 @@
+"""The hull of a large STL: the same body as by coal's reader, in much less time."""
+
+import time
+
+import numpy as np
+import pytest
+
+from yarclang.collision import geometry
+from yarclang.collision.geometry import UnreadableError, geometry_of
+from yarclang.shapes import Mesh
+
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
+
+
+def scan(triangles, seed=0):
+    """A bumpy, bent body of many triangles [mm], as a binary STL."""
+    rng = np.random.default_rng(seed)
+    side = int((triangles / 2) ** 0.5)
+    up, around = np.meshgrid(
+        np.linspace(0, np.pi, side + 1), np.linspace(0, 2 * np.pi, side + 1), indexing="ij"
+    )
+    radius = 100 * (1 + 0.05 * np.sin(7 * up) * np.cos(5 * around) + 0.01 * rng.random(up.shape))
+    across = radius * np.sin(up)
+    at = np.stack([across * np.cos(around), 0.3 * across * np.sin(around), 3 * radius * np.cos(up)], axis=-1)
+    a, b, c, d = at[:-1, :-1], at[1:, :-1], at[1:, 1:], at[:-1, 1:]
+    rows = np.concatenate([np.stack(three, axis=2).reshape(-1, 9) for three in ((a, b, c), (a, c, d))])
+    records = np.zeros(len(rows), TRIANGLE)
+    records["corners"] = rows
+    return bytes(80) + len(rows).to_bytes(4, "little") + records.tobytes()
+
+
+def mesh(folder, content, scale=(1.0, 1.0, 1.0)):
+    path = folder / "part.stl"
+    path.write_bytes(content)
+    return Mesh(path, 1e-3, "", scale)
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 2.0, 0.5)])
+def test_the_hull_is_that_of_coals_reader(scale, tmp_path, monkeypatch):
+    shape = mesh(tmp_path, scan(30_000), scale)
+    assert shape.path.stat().st_size >= geometry._LARGE_STL
+    quick = geometry_of(shape, hull=True)
+    monkeypatch.setattr(geometry, "_LARGE_STL", 10**9)
+    slow = geometry_of(shape, hull=True)
+    np.testing.assert_array_equal(quick.middle, slow.middle)
+    np.testing.assert_array_equal(quick.half, slow.half)
+    ways = np.random.default_rng(1).normal(size=(1000, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    farthest = [(ways @ one.corners.T).max(axis=1) for one in (quick, slow)]
+    np.testing.assert_allclose(*farthest, atol=1e-12)
+    assert len(quick.corners) > 100
+
+
+def test_all_corners_of_the_file_are_within_the_hull(tmp_path):
+    content = scan(30_000, 3)
+    found = geometry_of(mesh(tmp_path, content), hull=True)
+    corners = (
+        np.frombuffer(content, TRIANGLE, offset=84)["corners"].reshape(-1, 3).astype(float) * 1e-3
+        - found.middle
+    )
+    ways = np.random.default_rng(2).normal(size=(500, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    assert ((ways @ found.corners.T).max(axis=1) >= (ways @ corners.T).max(axis=1) - 1e-12).all()
+
+
+def test_sixty_megabytes_take_seconds(tmp_path):
+    shape = mesh(tmp_path, scan(1_200_000))
+    begun = time.process_time()
+    geometry_of(shape, hull=True)
+    assert time.process_time() - begun < 8
+
+
+def damaged(content, row, value):
+    records = np.frombuffer(content, TRIANGLE, offset=84).copy()
+    records["corners"][row, 4] = value
+    return content[:84] + records.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda content: damaged(content, 500, np.nan), "no finite number"),
+        (lambda content: damaged(content, 500, 3e9), "from its origin"),
+        (lambda content: content[:-1000], "bytes"),
+    ],
+)
+def test_a_large_one_that_is_damaged_is_refused_all_the_same(change, words, tmp_path):
+    with pytest.raises(UnreadableError, match=words):
+        geometry_of(mesh(tmp_path, change(scan(30_000))), hull=True)
+
+
+def test_a_large_plate_without_thickness_stays_flat(tmp_path):
+    records = np.frombuffer(scan(30_000), TRIANGLE, offset=84).copy()
+    records["corners"][:, [2, 5, 8]] = 0.0
+    content = bytes(80) + len(records).to_bytes(4, "little") + records.tobytes()
+    assert geometry_of(mesh(tmp_path, content), hull=True).is_hollow

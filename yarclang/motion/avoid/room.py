@@ -11,7 +11,7 @@ import numpy as np
 from yarclang.cell.model import Cell, JointWindow
 from yarclang.collision.course import Course
 from yarclang.collision.free import free_space, gaps, plain_free_space
-from yarclang.collision.placing import place
+from yarclang.collision.placing import box_gaps, distances, place, relative, sphere_gaps
 from yarclang.collision.proof import clearances
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.travel import arm_lengths
@@ -77,6 +77,27 @@ class Room:
             if found is not None and not found.is_zone:
                 known[key] = found
             yield found
+
+    def clearances(self, q: Array, near: float) -> Array:
+        """Return how much farther than its margin the nearest pair of bodies is apart, or how far the nearest zone is from being broken, at joint positions (N, n): (N,) [m, of a joint window rad or m].
+
+        It is negative where something is in the way, and `near` at most.
+        """
+        scene, left = self.scene, np.full(len(q), near)
+        count = len(scene.pairs.first)
+        if count:
+            placed = place(scene, q)
+            at, pair = np.repeat(np.arange(len(q)), count), np.tile(np.arange(count), len(q))
+            close = np.flatnonzero(sphere_gaps(placed, at, pair) - scene.pairs.margin[pair] < near)
+            at, pair = at[close], pair[close]
+            seen = relative(placed, at, pair)
+            close = np.flatnonzero(box_gaps(scene, pair, seen) - scene.pairs.margin[pair] < near)
+            at, pair = at[close], pair[close]
+            apart = distances(scene, pair, seen.take(close)) - scene.pairs.margin[pair]
+            np.minimum.at(left, at, apart)
+        for watch in self.watches:
+            left = np.minimum(left, slack_at(scene, watch, q) - slack_of(watch))
+        return left
 
     def is_free(self, q: Array) -> bool:
         """Whether nothing is in the way at a joint position (n,), but for the inside of hollow meshes."""

@@ -8,6 +8,7 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import ArcMove, Array, LineMove, PoseDelta, PoseGoal, PoseSplineMove
 from yarclang.motion.cartesian import CartesianPath, FramePath, along
 from yarclang.motion.leading import messages
+from yarclang.motion.leading.clearing import kept_clear
 from yarclang.motion.leading.led import NOWHERE, FrameWay, Led
 from yarclang.motion.leading.solving import Solver
 from yarclang.motion.paths.arc import NoArc, arc_through
@@ -36,6 +37,7 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
     legs = frame.legs if isinstance(frame, PoseSpline | AtConstantSpeed) else 1
     path = along(robot.chain, robot.limits, tool, frame, stands, legs=legs, reason="any")
     if isinstance(path, CartesianPath):
+        path = kept_clear(solver, step, path)
         return Led(path, path.end, path.end[None])
     end = solver.nearest(goal, stands, step, findings)
     if end is None:  # nor is it from elsewhere

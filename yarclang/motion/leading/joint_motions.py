@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 
 from yarclang.diagnostics import Collector
@@ -49,8 +51,8 @@ def avoiding_motion(
     room = solver.room(step)
     way = find_way(room, stands, end, is_short=solver.is_again)
     if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
-        others = solver.others(step.goal, stands, step) if is_free(step.goal) else []
-        for other in others[: _CONFIGURATIONS - 1]:
+        others = solver.others(step.goal, stands, step) if is_free(step.goal) else iter(())
+        for other in islice(others, _CONFIGURATIONS - 1):
             found = find_way(room, stands, other, is_short=solver.is_again)
             if isinstance(found, Way):
                 findings.add(*configuration_without_way(solver.robot, step, other, end, way))

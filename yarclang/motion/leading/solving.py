@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -126,13 +126,14 @@ class Solver:
         distance = np.square(turns - near).sum(axis=1)
         return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
 
-    def others(self, goal: PoseGoal, near: Array, step: Motion) -> list[Array]:
-        """The solutions behind the nearest at which nothing is in the way, the nearest to `near` first."""
+    def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
+        """Yield the solutions after the nearest at which nothing is in the way, the nearest to `near` first; none is asked before somebody wants it."""
         room = self.room(step)
         others = self.solutions(goal, near)[1:]
         if room is None:
-            return others
-        return [q for q, found in zip(others, room.obstructions(others), strict=True) if found is None]
+            yield from others
+            return
+        yield from (q for q, found in zip(others, room.obstructions(others), strict=True) if found is None)
 
 
 _SEEDS = 6

@@ -42,8 +42,7 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         return np.empty((0, chain.size))
     scale = weights(chain, limits) / np.pi
     here = np.repeat(q, 2 * spare, axis=0)
-    jacobian = _scaled_jacobians(chain, q, scale)
-    spaces = np.linalg.svd(jacobian)[2][:, 6:]
+    spaces = null_spaces(chain, q, scale)
     way = np.concatenate((spaces, -spaces), axis=1).reshape(-1, chain.size)
     found = []
     for _ in range(ROUNDS):
@@ -60,9 +59,15 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         here, way = moved.q[going], way[going]
         found.append(here)
         # on in the same direction
-        null = np.linalg.svd(_scaled_jacobians(chain, here, scale))[2][:, 6:]
+        null = null_spaces(chain, here, scale)
         way = np.einsum("nki,nk->ni", null, np.einsum("nki,ni->nk", null, way))
     return np.concatenate(found) if found else np.empty((0, chain.size))
+
+
+def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:
+    """Return the directions (m, k, n), orthonormal, in which joint positions (m, n) leave the flange at rest, each joint's way counted in units of `scale` (n,) [rad or m]."""
+    directions: Array = np.linalg.svd(_scaled_jacobians(chain, q, scale))[2][:, 6:]
+    return directions
 
 
 def reaches(chain: Chain, base_from_flange: Array, q: Array) -> bool:

@@ -160,7 +160,7 @@ def track(
     if outside is not None:
         return outside
     if strand.end == "whole":
-        bend = sealed(_spline(strand.s, strand.q)) if chain.size > 6 else None
+        bend = sealed(spline_bends(strand.s, strand.q)) if chain.size > 6 else None
         return Track(sealed(strand.s), sealed(strand.q), bend)
     if reason == "any":
         return Broken(float(strand.s[-1]), "reach", sealed(strand.q[-1]), is_measured=False)
@@ -276,8 +276,8 @@ def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> 
     return bool(inside.any(axis=1).all())
 
 
-def _spline(s: Array, q: Array) -> Array:
-    """Second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
+def spline_bends(s: Array, q: Array) -> Array:
+    """Return the second derivatives (M, n) of the natural cubic spline through `q` (M, n) at `s` (M,)."""
     from scipy.linalg import solveh_banded
 
     width = np.diff(s)

@@ -1,0 +1,64 @@
+"""Lines of arms with spare joints stay away from bodies, zones and singularities: by motions that leave the moving frame where it belongs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.hir import Array, Motion
+from yarclang.motion.avoid.room import Room
+from yarclang.motion.cartesian import CartesianPath, flange_poses_of
+from yarclang.motion.leading.solving import Solver
+from yarclang.motion.singular import NEAR, nearest_singularity
+from yarclang.robot.kinematics.bending import bent
+from yarclang.robot.kinematics.singularity import smallest_singular_values
+
+_PLACES = 65
+"""Places of a path that are asked whether something is in the way, at least: three for each place at which the arm was followed."""
+
+_WANTED = 0.02
+"""Bodies shall stay farther apart than their margins by this where they can [m]; zones as well."""
+
+_CLEAR = 1.5 * NEAR
+"""The smallest singular value from which on there is nothing to win."""
+
+_SINGULAR = 0.5
+"""What a singularity costs against bodies that touch."""
+
+
+def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
+    """Return another way along a path on which nothing is in the way and no singularity costs much, where the least motion of the joints is no such way and one is found; else the path itself."""
+    robot = solver.robot
+    if robot.size <= 6:
+        return path
+    room = solver.room(step)
+    is_blocked = room is not None and not _is_free(room, path)
+    velocity = robot.limits.velocity
+    if not is_blocked and nearest_singularity(path, velocity) is None:
+        return path
+
+    def cost(q: Array) -> Array:
+        smallest = smallest_singular_values(robot.chain, q, path.flange_from_moving)
+        total: Array = _SINGULAR * np.maximum(1.0 - smallest / _CLEAR, 0.0)
+        if room is not None:
+            total = total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)
+        return total
+
+    poses = flange_poses_of(path.frame, path.flange_from_moving)
+    better = path
+    for followed in bent(robot.chain, robot.limits, poses, path.followed, cost):
+        other = replace(path, followed=followed)
+        if room is not None and not _is_free(room, other):
+            continue
+        if nearest_singularity(other, velocity) is None:
+            return other
+        if is_blocked and better is path:
+            better = other
+    return better
+
+
+def _is_free(room: Room, path: CartesianPath) -> bool:
+    """Return True if nothing is in the way at places of a path, from the second on: it begins where the robot stands anyway."""
+    places = np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s)))[1:]
+    return all(room.is_free(q) or room.obstruction(q) is None for q in path.followed.at(places))

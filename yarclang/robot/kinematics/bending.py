@@ -1,0 +1,172 @@
+"""Another way along a path for an arm with more joints than a pose needs: the same poses, with less of some cost.
+
+The whole path is moved at once through the null spaces of its samples, as an elastic band: downhill of the cost, smoothed along the path, and back
+onto the poses by iteration (as CHOMP does: Zucker et al., IJRR 32(9-10), 2013). So a joint begins to move long before the place where that counts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from yarclang.progress import go_on
+from yarclang.robot.kinematics.inverse import reached_within
+from yarclang.robot.kinematics.numeric import fit
+from yarclang.robot.kinematics.redundant import null_spaces, weights
+from yarclang.robot.kinematics.track import Track, spline_bends
+from yarclang.robot.kinematics.within import EDGE, beyond, clear_of_limits
+from yarclang.robot.model import Array, Chain, Limits
+from yarclang.transforms import sealed
+
+FEWEST, MOST = 33, 257
+"""Samples of a path."""
+
+MOVE = 0.05
+"""How far a joint moves from sample to sample on the way as it was, about [rad or m] ..."""
+
+FARTHEST = 0.15
+"""... and at most on the way that is found: `Track` allows 0.2."""
+
+PROBE = 0.01
+"""How far to both sides the cost is asked [rad, or m by weights]."""
+
+LARGEST, SMALLEST = 0.15, 0.004
+"""The steps that are tried [rad, or m by weights]."""
+
+ROUNDS = 30
+"""The most steps from one start."""
+
+NUDGE, NUDGES = 0.2, 4
+"""A start besides the path itself is moved to one side by so many steps of this size [rad, or m by weights]."""
+
+STIFF = 0.01
+"""How much the band resists being bent, against being stretched [squares of the path's length]."""
+
+Cost = Callable[[Array], Array]
+
+
+def bent(
+    chain: Chain, limits: Limits, pose_at: Callable[[Array], Array], followed: Track, cost: Cost
+) -> Iterator[Track]:
+    """Yield ways along a path with the same start, within limits, of less cost than the one known: first what is downhill of that, then what is beside it.
+
+    None is asked for before somebody wants it. An arm without a spare joint has none.
+
+    Args:
+        chain: the arm, n joints.
+        limits: its limits.
+        pose_at: base_from_flange (N, 4, 4) for path places (N,).
+        followed: the way that is known.
+        cost: of joint positions (N, n), (N,); 0 where there is nothing to win, never negative.
+    """
+    if chain.size <= 6:
+        return
+    way = np.abs(np.diff(followed.q, axis=0)).max(axis=1).sum()
+    s = np.linspace(0.0, 1.0, int(np.clip(np.ceil(way / MOVE), FEWEST, MOST)))
+    band = _Band(chain, limits, pose_at(s), followed, s, cost)
+    if (known := band.onto(followed.at(s))) is None:
+        return
+    least = float(cost(known).sum())
+    for number in range(1 + 2 * (chain.size - 6)):
+        start = band.beside(known, number) if number else known
+        found = None if start is None else band.relaxed(start)
+        if found is not None and float(cost(found).sum()) < least:
+            yield Track(sealed(s), sealed(found), sealed(spline_bends(s, found)))
+
+
+class _Band:
+    """Joint positions at the samples of one path."""
+
+    __slots__ = ("chain", "cost", "high", "limits", "low", "poses", "scale", "smooth", "start")
+
+    def __init__(
+        self, chain: Chain, limits: Limits, poses: Array, followed: Track, s: Array, cost: Cost
+    ) -> None:
+        self.chain, self.limits, self.poses, self.cost = chain, limits, poses, cost
+        self.start = followed.q[0]
+        self.scale = weights(chain, limits) / np.pi
+        self.smooth = _smoothing(len(s))
+        # no nearer to limits than before, or clear of them
+        low, high = clear_of_limits(limits, self.start)
+        self.low = np.maximum(np.minimum(low, followed.q.min(axis=0)), limits.lower)
+        self.high = np.minimum(np.maximum(high, followed.q.max(axis=0)), limits.upper)
+
+    def onto(self, q: Array) -> Array | None:
+        """Return joint positions (M, n) next to some that stand at the poses, with the path's start; None where that can't be without jumps or within limits."""
+        found = fit(self.chain, self.poses, q, lower=self.low, upper=self.high, rounds=15)
+        placed = found.q
+        placed[0] = self.start
+        if found.total[1:].max() >= reached_within(self.chain):
+            return None
+        if (
+            np.abs(np.diff(placed, axis=0)).max() > FARTHEST
+            or np.abs(beyond(self.limits, placed)).max() > EDGE
+        ):
+            return None
+        return placed
+
+    def relaxed(self, q: Array) -> Array:
+        """Return joint positions (M, n) downhill of some."""
+        costs, step = self.cost(q), LARGEST
+        for _ in range(ROUNDS):
+            go_on()
+            if costs[1:].max() <= 0.0:
+                break
+            way = self._downhill(q, costs)
+            size = float(np.abs(way).max())
+            if size < 1e-12:
+                break
+            trial = self.onto(q + way * (step / size) * self.scale)
+            tried = None if trial is None else self.cost(trial)
+            if trial is None or tried is None or tried.sum() >= costs.sum():
+                step *= 0.5
+                if step < SMALLEST:
+                    break
+                continue
+            q, costs, step = trial, tried, min(1.5 * step, LARGEST)
+        return q
+
+    def beside(self, q: Array, number: int) -> Array | None:
+        """Return joint positions (M, n) to one side of some, the later ones farther: side `number` from 1; None where there are none."""
+        direction, sign = (number - 1) // 2, 1.0 if number % 2 else -1.0
+        share = np.minimum(np.linspace(0.0, 3.0, len(q)), 1.0)[:, None]
+        before: Array | None = None
+        moved = None
+        for _ in range(NUDGES):
+            ways = null_spaces(self.chain, q, self.scale)
+            way = ways[:, direction].copy()
+            # one sense all along, and the one of the step before
+            for place in range(1, len(way)):
+                along = ways[place].T @ (ways[place] @ way[place - 1])
+                way[place] = along / max(float(np.linalg.norm(along)), 1e-9)
+            if before is not None and float((way * before).sum()) < 0.0:
+                way = -way
+            before = way
+            nudged = self.onto(q + sign * NUDGE * share * way * self.scale)
+            if nudged is None:
+                break
+            q = moved = nudged
+        return moved
+
+    def _downhill(self, q: Array, costs: Array) -> Array:
+        """Return the way (M, n) downhill of the costs (M,) through the null spaces, smoothed along the path [rad, or m by weights]."""
+        null = null_spaces(self.chain, q, self.scale)
+        at = np.flatnonzero(costs > 0.0)
+        aside = PROBE * null[at] * self.scale
+        sides = np.stack((q[at, None] + aside, q[at, None] - aside))
+        over, under = self.cost(sides.reshape(-1, self.chain.size)).reshape(sides.shape[:3])
+        way = np.zeros_like(q)
+        way[at] = np.einsum("ak,akn->an", under - over, null[at])
+        way[0] = 0.0
+        way[1:] = self.smooth @ way[1:]
+        smoothed: Array = np.einsum("akn,ak->an", null, np.einsum("akn,an->ak", null, way))
+        return smoothed
+
+
+def _smoothing(count: int) -> Array:
+    """Return the matrix (count - 1, count - 1) that spreads what is wanted at the samples after the first along the path, as a stiff band held at its start does."""
+    width = 1.0 / (count - 1)
+    slope = (np.eye(count - 1) - np.eye(count - 1, k=-1)) / width
+    bend = np.diff(slope, axis=0) / width
+    return np.asarray(np.linalg.inv((slope.T @ slope + STIFF * bend.T @ bend) * width), dtype=np.float64)

@@ -27,15 +27,15 @@ def report(name: str, verdict: Verdict) -> str:
 def main(arguments: list[str]) -> int:
     """Verify a text by its proof; return the exit status."""
     if len(arguments) != 2:
-        print("usage: python -m yarclang.verify NAME.pmc NAME.proof.json", file=sys.stderr)
+        sys.stderr.write("usage: python -m yarclang.verify NAME.pmc NAME.proof.json\n")
         return USAGE
     try:
         text, proof = (Path(one).read_bytes() for one in arguments)
     except OSError as error:
-        print(f"{error.filename}: {error.strerror}", file=sys.stderr)
+        sys.stderr.write(f"{error.filename}: {error.strerror}\n")
         return USAGE
     verdict = verify(text, proof)
-    print(report(arguments[0], verdict), file=sys.stderr if verdict.refused else sys.stdout)
+    (sys.stderr if verdict.refused else sys.stdout).write(f"{report(arguments[0], verdict)}\n")
     return status_of(verdict)
 
 

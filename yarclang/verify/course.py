@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from yarclang.verify.exact import Refused, need
+from yarclang.verify.exact import RefusedError, need
 from yarclang.verify.reader import PRINTED, STEPS, Entry, Item, Text
 
 Point = tuple[int, ...]
@@ -127,7 +127,7 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
                 behind is None or behind.kind != "run", f"line {item.line} comes before the motion has ended"
             )
         if item.kind == "run":
-            step = _sequence(text, number, item, standing, waiting, found, done, step)
+            step = _sequence(number, item, standing, waiting, found, done, step)
         elif item.kind == "stand":
             need(
                 behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID after no barrier"
@@ -158,7 +158,6 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
 
 
 def _sequence(
-    text: Text,
     number: int,
     item: Item,
     standing: _Standing,
@@ -316,4 +315,4 @@ def check_start(text: Text, robot: dict[str, Any], start: list[Fraction]) -> Non
     need([axis for axis, _ in numbers] == robot["axes"], "the header's start has other axes")
     for at, (_, said) in zip(text.start, numbers, strict=True):
         if abs(Fraction(at, PRINTED) - Fraction(said)) > Fraction(1, 10**9):
-            raise Refused("the header says another start than the text has")
+            raise RefusedError("the header says another start than the text has")

@@ -16,14 +16,14 @@ ONE = 1 << BITS
 SLACK = ONE >> 44
 
 
-class Refused(Exception):
+class RefusedError(Exception):
     """The text or its proof isn't what it should be: what, where, and by how much."""
 
 
 def need(holds: bool, reason: str) -> None:
     """Refuse text or proof for a reason unless something holds."""
     if not holds:
-        raise Refused(reason)
+        raise RefusedError(reason)
 
 
 def fixed(number: Fraction | int) -> int:

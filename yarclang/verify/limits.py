@@ -8,6 +8,7 @@ parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T; the posi
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 from yarclang.verify.course import Moved
@@ -52,8 +53,8 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
     for joint, name in enumerate(robot["joints"]):
         c = [point[joint] for point in control]
         _check_travel(c, robot["lower"][joint], robot["upper"][joint], f"{row.entry.title}: {name}")
-        steps = [b - a for a, b in zip(c, c[1:], strict=False)]
-        bends = [b - a for a, b in zip(steps, steps[1:], strict=False)]
+        steps = [b - a for a, b in pairwise(c)]
+        bends = [b - a for a, b in pairwise(steps)]
         jerks = [bends[k - row.first + 1] - bends[k - row.first] for k in judged]
         most = {
             "velocity": Fraction(_fastest(steps), PRINTED) / time,
@@ -64,7 +65,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
             _hold(what, peak / robot[what][joint], f"{row.entry.title}: {name}", shares)
     for motor, counts in zip(robot["motors"], robot["counts"], strict=True):
         turned = [sum(a * b for a, b in zip(counts, point, strict=True)) for point in control]
-        fastest = _fastest([b - a for a, b in zip(turned, turned[1:], strict=False)]) / time / PRINTED
+        fastest = _fastest([b - a for a, b in pairwise(turned)]) / time / PRINTED
         limit = robot["motor_velocity"][robot["motors"].index(motor)]
         _hold("motor speed", fastest / limit, f"{row.entry.title}: motor {motor}", shares)
 
@@ -99,7 +100,7 @@ def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | No
     if inside(c):
         return
     for a, b, e, f in zip(c, c[1:], c[2:], c[3:], strict=False):
-        pieces = [
+        pieces: list[tuple[Fraction, ...]] = [
             (
                 Fraction(a + 4 * b + e, 6),
                 Fraction(2 * b + e, 3),

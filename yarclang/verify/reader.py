@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass, field
 from typing import NoReturn
 
-from yarclang.verify.exact import Refused
+from yarclang.verify.exact import RefusedError
 
 PRINTED = 10**12
 """Positions are integers in 1e-12 deg or mm: the decimals of a text, exactly."""
@@ -92,7 +92,7 @@ class Text:
 def exactly(printed: str, scale: int = PRINTED) -> int:
     """Return a printed decimal number in units of 1 / scale, a power of ten that has all its decimals."""
     whole, _, decimals = printed.partition(".")
-    power = scale // 10 ** len(decimals)
+    power: int = scale // 10 ** len(decimals)
     return int(whole + decimals) * power
 
 
@@ -101,7 +101,9 @@ class _Reading:
 
     def __init__(self, text: str, axes: list[str]) -> None:
         if re.search(r"[^\n\x20-\x7e]", text) or not text.endswith("\n"):
-            raise Refused("the text has a character that is no printable ASCII, or its last line has no end")
+            raise RefusedError(
+                "the text has a character that is no printable ASCII, or its last line has no end"
+            )
         self.lines = text[:-1].split("\n")
         self.at = 0
         self.decimals = 0
@@ -110,7 +112,7 @@ class _Reading:
     def refuse(self, reason: str) -> NoReturn:
         """Refuse the line that was taken last."""
         shown = self.lines[self.at - 1] if self.at <= len(self.lines) else "the text's end"
-        raise Refused(f"line {self.at} of the text, {shown[:60]!r}: {reason}")
+        raise RefusedError(f"line {self.at} of the text, {shown[:60]!r}: {reason}")
 
     def peek(self) -> str:
         """Return the next line; empty at the end."""
@@ -172,7 +174,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     if [entry.step for entry in entries] != list(range(len(entries))):
         reading.refuse("the map's commands aren't numbered from 0 on")
     while reading.peek().startswith("; barrier"):
-        line, what, kind, step, condition, _ = reading.match(_BARRIER).groups()
+        line, what, kind, step, _, _ = reading.match(_BARRIER).groups()
         if int(line) in barriers or int(step) >= len(entries) or entries[int(step)].first:
             reading.refuse("a second barrier of a line, or one of a command that isn't there or moves")
         barriers[int(line)] = (what, int(step), kind)
@@ -195,7 +197,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     reading.expect("DWELL0", "SPLINE1")
     course, arms = _read_course(reading, barriers)
     if reading.at != len(reading.lines):
-        raise Refused(f"line {reading.at + 1} of the text comes after CLOSE")
+        raise RefusedError(f"line {reading.at + 1} of the text comes after CLOSE")
     version, robot, fingerprint, _, start_said, duration, _ = said
     head = (version, robot, fingerprint, start_said, duration, entries, barriers, registers, safe)
     return Text(*head, (low, full, words), start, course, arms, reading.decimals)

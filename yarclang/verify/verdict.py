@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 from yarclang.verify import course, joints
 from yarclang.verify.arm import Arm, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, Refused, above, length, need
+from yarclang.verify.exact import ONE, RefusedError, length, need
 from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
@@ -53,7 +53,7 @@ def verify(text: bytes, proof: bytes) -> Verdict:
     verdict = Verdict()
     try:
         _verify(text, _read_proof(proof), verdict)
-    except Refused as refusal:
+    except RefusedError as refusal:
         verdict.refused = str(refusal)
     except _MALFORMED as error:
         verdict.refused = f"the proof isn't in its form: {type(error).__name__} {error}"[:300]
@@ -75,7 +75,7 @@ def _read_proof(proof: bytes) -> dict[str, Any]:
         return dict(pairs)
 
     def refuse(constant: str) -> NoReturn:
-        raise Refused(f"{constant} is no number")
+        raise RefusedError(f"{constant} is no number")
 
     read_ = json.loads(
         proof, parse_float=number, parse_int=number, parse_constant=refuse, object_pairs_hook=once
@@ -112,8 +112,8 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     course.check_variables(content, robot, program["outputs"])
     verdict.checked += [
         "every line of the text has the form that its place allows, and the controller keeps all segment times",
-        "the course: the told commands, dwells, outputs, barriers and registers, in the told order, each at rest or in "
-        "the middle of a blend; ways that meet, and passes of a loop, end at one place; RAPIDs lead to where it stands",
+        "the told commands, dwells, outputs, barriers and registers, in the told order, at rest or in a blend's middle",
+        "ways that meet, and passes of a loop, end at one place; a RAPID leads to the start, or to where the robot stands",
         "the guard, and that nothing but the told outputs is assigned",
         "start, as told and as the header says it",
     ]

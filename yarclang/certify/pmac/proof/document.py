@@ -69,8 +69,8 @@ def proof_of(
     _, course = follow(told)
     motions, steps = dict[str, Any](), list[dict[str, Any]]()
     places = {place.step: (row, place) for row, place in enumerate(layout.places)}
-    begins = flange_poses(robot.chain, layout.begins) if len(places) else np.empty((0, 4, 4))
-    for number, (step, entry) in enumerate(zip(program.steps, told.entries, strict=True)):
+    begins = flange_poses(robot.chain, layout.begins) if places else np.empty((0, 4, 4))
+    for number, entry in enumerate(told.entries):
         steps.append({"title": entry.title})
         if number not in places:
             continue
@@ -154,11 +154,9 @@ def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claim
     if timing.duration is not None:
         told["duration"] = float(f"{timing.duration:.13g}")
     if timing.speed is not None:
-        told["speed"] = [
-            None if one is None else float(one) for one in (timing.speed.length, timing.speed.angle)
-        ]
+        told["speed"] = _speed(timing.speed)
     if timing.ceiling is not None:
-        told["ceiling"] = float(timing.ceiling)
+        told["ceiling"] = float(f"{timing.ceiling / MM:.13g}")
     if place.any_jerk:
         told["any_jerk"] = True
     match motion:
@@ -179,6 +177,12 @@ def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claim
             told |= {"move": "timetable", "unchecked": "its path and time, a timetable"}
             told.pop("duration", None)
     return told
+
+
+def _speed(speed: hir.Reading) -> list[float | None]:
+    """Return a speed as one of the frame's origin [mm/s] and as one of its turn [deg/s]."""
+    read_as = (speed.length, MM), (speed.angle, DEG)
+    return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]
 
 
 def _through(place: Place, begin: _Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:

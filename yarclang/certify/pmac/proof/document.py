@@ -27,7 +27,7 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 from yarclang.verify.course import follow
 from yarclang.verify.reader import read
-from yarclang.verify.verdict import FORM
+from yarclang.verify.verdict import FORM, verify
 
 
 class NoProofError(Exception):
@@ -53,7 +53,7 @@ def proof_of(
         claims: the planner's.
 
     Raises:
-        NoProofError: the text is for another buffer, or the arm has joints that the checker doesn't know.
+        NoProofError: the text is for another buffer, the arm has joints that the checker doesn't know, or the checker doesn't follow the proof.
     """
     if content.target != "rotary":
         raise NoProofError(
@@ -96,7 +96,11 @@ def proof_of(
         },
         "motions": motions,
     }
-    return json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n"
+    made = json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n"
+    verdict = verify(text.encode("ascii"), made.encode("ascii"))
+    if verdict.refused:
+        raise NoProofError(f"the checker doesn't follow the proof of this text: {verdict.refused}")
+    return made
 
 
 class _Begin:

@@ -6,7 +6,7 @@ from pathlib import Path
 from yarclang.verify.verdict import Verdict, verify
 
 ACCEPTED, REFUSED, USAGE, UNCHECKED = 0, 1, 2, 3
-"""The exit status: all was checked; refused; wrong usage; nothing wrong was found, and something wasn't checked."""
+"""The exit status: all was checked; refused; wrong usage; nothing is wrong, and something wasn't checked."""
 
 
 def status_of(verdict: Verdict) -> int:

@@ -1,7 +1,8 @@
 """Where the arm is, how fast its frames move, and how strongly their way can bend.
 
-The proof tells the arm as steps: the first leads from the base to the first joint, each following one from a joint to
-the next, the last to the flange. A joint turns about the z axis of its frame, or slides along it. All in fixed-point.
+The proof tells the arm as steps: the first leads from the base to the first joint, each following one from a
+joint to the next, the last to the flange. A joint turns about the z axis of its frame, or slides along it.
+All in fixed-point.
 """
 
 from collections.abc import Sequence
@@ -14,12 +15,12 @@ from yarclang.verify.exact import BITS, ONE, PI, above, fixed, length, need, sin
 Vector = list[int]
 SQUARE_ROOT_OF_2 = above(Fraction(14143, 10000))
 _UNEVEN = ONE >> 40
-"""Rotations are as exact as this; lengths of vectors that they turn grow by less than their 2**-30th, which is added."""
+"""Rotations are as exact as this: they make vectors longer by less than 2**-30, which is added."""
 
 
 @dataclass
 class Frame:
-    """A frame in {B}: `origin` and its velocity `rate`; `axes` are the three columns of its rotation, `spin` is theirs."""
+    """A frame in {B}: `origin` and its velocity `rate`; the columns `axes` of its rotation, their `spin`."""
 
     origin: Vector
     axes: list[Vector]
@@ -42,7 +43,7 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
 
 
 def placed(numbers: Sequence[Fraction]) -> tuple[list[Vector], Vector]:
-    """Read a frame, told as three rows of a rotation and, at the end of each, of its origin [m]; return columns and origin."""
+    """Read a frame, three rows of a rotation with the origin [m] at their ends; return columns and origin."""
     need(len(numbers) == 12, "a frame isn't told by 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
     for i in range(3):
@@ -107,10 +108,10 @@ class Arm:
         return Frame(origin, axes, rate, spin)
 
     def reaches(self, tool: tuple[list[Vector], Vector], travel: Sequence[int]) -> list[int]:
-        """Return how far the origin of a frame on the flange can ever be from the axis of each joint that turns.
+        """Return how far a frame on the flange can ever be from the axis of each joint that turns.
 
-        From the frame backwards, the point of each axis nearest to the last point: between two axes only turns lie, so
-        the ways add up; a joint that slides adds its `travel`.
+        From the frame backwards, the point of each axis nearest to the last point: between two axes only
+        turns lie, so the ways add up; a joint that slides adds its `travel`.
         """
         found = [0] * len(self.turns)
         columns, offset = self.steps[-1]
@@ -130,12 +131,13 @@ class Arm:
     def bends(
         self, reach: Sequence[int], w: Sequence[int], a: Sequence[int], j: Sequence[int]
     ) -> tuple[int, int]:
-        """Return bounds of the fourth derivatives of a frame's origin and of its rotation matrix (Frobenius norm).
+        """Return bounds of the fourth derivatives of a frame's origin and rotation matrix (Frobenius norm).
 
-        Each joint has a constant jerk, and |q'|, |q''|, |q'''| of at most w, a, j. By Faa di Bruno, with the sums W, A, J of
-        these up to a joint, B = W^4 + 6 W^2 A + 3 A^2 + 4 W J counts chains of cross products with axes, none longer than
-        the reach of the joint nearest to the frame: the sum of reach (B - B before). A joint that slides is innermost, and
-        once: the derivative of B in its direction. A product of [axis]x has the Frobenius norm sqrt 2 at most.
+        Each joint has a constant jerk, and |q'|, |q''|, |q'''| of at most w, a, j. By Faa di Bruno, with the
+        sums W, A, J of these up to a joint, B = W^4 + 6 W^2 A + 3 A^2 + 4 W J counts chains of cross products
+        with axes, none longer than the reach of the joint nearest to the frame: the sum of reach (B - B
+        before). A joint that slides is innermost, and once: the derivative of B in its direction. A product
+        of [axis]x has the Frobenius norm sqrt 2 at most.
         """
         sum_w = sum_a = sum_j = before = origin = 0
         for joint, turns in enumerate(self.turns):

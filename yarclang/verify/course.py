@@ -1,4 +1,4 @@
-"""What stands between the motions: where the robot stands, rest, the guard, what is assigned, and how long it takes."""
+"""What stands between the motions: rest, ways, the guard, what is assigned, and how long it takes."""
 
 import re
 from dataclasses import dataclass, field
@@ -16,15 +16,16 @@ _OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
 """Variables that belong to guard and motors: no inputs, and no outputs."""
 _NAMED = re.compile(r"(?<![A-Z0-9_$])[MPQ][0-9]{1,4}(?![0-9])")
 _LATE, _AHEAD = Fraction(1, 10), 2
-"""How late the guard may notice an empty buffer [s], and how many lines the controller has taken out of it."""
+"""How late the guard may be [s], and how many lines the controller has taken out of the buffer."""
 
 
 @dataclass
 class Moved:
     """A command of the map, and the segments that it has of its sequence.
 
-    Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and lasts `steps` / 4096 ms;
-    `first` and `last` (not included) are the command's. A command without moves has none, and stands at `begin`.
+    Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and lasts `steps` / 4096
+    ms; `first` and `last` (not included) are the command's. A command without moves has none, and stands at
+    `begin`.
     """
 
     entry: Entry
@@ -45,7 +46,7 @@ class Moved:
 
 @dataclass
 class _Open:
-    """A WHEN or a loop that isn't ended: where it began, where its first way or an EXIT ended, if that gets there."""
+    """A WHEN or a loop that isn't ended: where it began, and where its first way or an EXIT ended."""
 
     loop: bool
     before: Point
@@ -55,7 +56,7 @@ class _Open:
 
 
 class _Standing:
-    """Where the robot stands; `over` if no way leads here. Ways that meet, and passes of a loop, end at one place."""
+    """Where the robot stands; `over` if no way leads here. Ways that meet end at one place."""
 
     def __init__(self, at: Point, slack: int) -> None:
         self.at, self.slack, self.over = at, slack, False
@@ -109,10 +110,11 @@ class _Standing:
 
 
 def follow(text: Text) -> tuple[list[Moved], list[str]]:
-    """Return the commands with their segments, and what the text does, in order: moves, dwells, puts, barriers.
+    """Return the commands with their segments, and all that the text does, in order.
 
-    The controller begins a sequence at rest where it stands, S, and ends it at rest in its last point E: its control
-    points are S, S, S, the points, E, E (TUM 289). Outputs and barriers come at rest, or an output in a blend's middle.
+    The controller begins a sequence at rest where it stands, S, and ends it at rest in its last point E: its
+    control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers come at rest, or an output in
+    a blend's middle.
     """
     moving = [entry for entry in text.entries if entry.first]
     found: list[Moved] = []
@@ -249,7 +251,7 @@ def check_duration(text: Text) -> bool:
 
 
 def check_guard(text: Text, robot: dict[str, Any]) -> None:
-    """Check that a host that dies leaves enough motion in the buffer for a hold, and that no hold comes at a motion's end."""
+    """Check that a host that dies leaves lines for a hold, and that no hold comes at a motion's end."""
     low, full, words = text.marks
     runs = [item for item in text.course if item.kind == "run"]
     smallest = 3 * (robot["i8"] + 1) * Fraction(robot["i10"], 8_388_608)
@@ -286,7 +288,7 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
 
 
 def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:
-    """Check that nothing but outputs is assigned, and that no variable of guard or motors is asked or assigned."""
+    """Check that nothing but outputs is assigned, and no variable of guard or motors asked."""
     puts = [
         what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
     ]

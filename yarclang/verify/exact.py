@@ -1,11 +1,12 @@
-"""Numbers. What is read from text and proof is exact: integers and fractions. What needs roots, sines or many products
-is fixed-point: an integer x stands for x / 2**128.
+"""Numbers. What is read from text and proof is exact: integers and fractions. What needs roots, sines or many
+products is fixed-point: an integer x stands for x / 2**128.
 
-Each product and quotient of fixed-point numbers is off by less than one unit, a sine or cosine by less than 2**10.
-A chain of at most 16 joints, with steps no longer than 64 m, turns below 1024 rad and rates below 1024 per s
-(`arm.py` refuses others), multiplies errors by at most 4 a joint, adds them up over at most 32 steps, and multiplies
-them once by a length and once by a rate: 2**(10 + 32 + 5 + 6 + 10) units, and less than 2**-60 of anything that is
-computed of a pose or its velocity. `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every bound that is compared.
+Each product and quotient of fixed-point numbers is off by less than one unit, a sine or cosine by less than
+2**10. A chain of at most 16 joints, with steps no longer than 64 m, turns below 1024 rad and rates below 1024
+per s (`arm.py` refuses others), multiplies errors by at most 4 a joint, adds them up over at most 32 steps,
+and multiplies them once by a length and once by a rate: 2**(10 + 32 + 5 + 6 + 10) units, and less than 2**-60
+of anything that is computed of a pose or its velocity. `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every
+bound that is compared.
 """
 
 from fractions import Fraction

@@ -1,4 +1,4 @@
-"""How far joints are from their programmed way: straight lines, and natural cubic splines through way-points."""
+"""How far joints are from their way: straight lines, and natural cubic splines through way-points."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -12,15 +12,15 @@ from yarclang.verify.reader import PRINTED
 
 _FINE = 1 << 64
 _NEAREST = ONE >> 13
-"""Way-points of a spline that are nearer to each other (about 1e-4 rad or m) aren't judged: rounding would count."""
+"""Way-points of a spline nearer to each other (about 1e-4 rad or m) are refused: rounding would count."""
 _EQUAL = ONE // 10**9
 
 
 def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]) -> list[int]:
     """Return bounds of the distance of each joint from a straight line to a goal [deg or mm].
 
-    With control points S + s D + r, the motion is S + s D of the mean of their s, and the mean of their r away. The s
-    that come nearest are taken, made to grow from 0 to 1: any prove the same.
+    With control points S + s D + r, the motion is S + s D of the mean of their s, and the mean of their r
+    away. The s that come nearest are taken, made to grow from 0 to 1: any prove the same.
     """
     control = motion.row.control[motion.row.first : motion.row.last + 3]
     start = control[0]
@@ -61,7 +61,7 @@ class Spline:
         self.bend = [self._bends(joint) for joint in range(len(points[0]))]
 
     def _bends(self, joint: int) -> list[int]:
-        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), with no second derivative at the ends (Thomas)."""
+        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), with M = 0 at both ends (Thomas)."""
         h = self.steps
         slope = [
             ((b[joint] - a[joint]) << BITS) // step for (a, b), step in zip(pairwise(self.y), h, strict=True)
@@ -94,7 +94,7 @@ class Spline:
         return max((k for k, begin in enumerate(self.s[:-1]) if begin <= s), default=0)
 
     def derivatives(self, joint: int, low: int, high: int) -> tuple[int, int, int]:
-        """Return bounds of the second and the third derivative between two parameters, and by how much the third jumps."""
+        """Return bounds of the second and third derivatives on a stretch, and by how much the third jumps."""
         bend, first, last = self.bend[joint], self.span(low), self.span(high)
         second = max(abs(one) for one in bend[first : last + 2])
         thirds = [((bend[k + 1] - bend[k]) << BITS) // self.steps[k] for k in range(first, last + 1)]
@@ -105,8 +105,8 @@ class Spline:
 def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]) -> list[int]:
     """Return bounds of the distance of each joint from the natural spline through way-points.
 
-    As for frames; where s passes a way-point, the third derivative of e jumps by s'^3 times that of the spline, which
-    the cubic misses by d^3 / 192 times the jump.
+    As for frames; where s passes a way-point, the third derivative of e jumps by s'^3 times that of the
+    spline, which the cubic misses by d^3 / 192 times the jump.
     """
     spline = Spline(points)
     whole = spline.s[-1]

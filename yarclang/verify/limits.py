@@ -1,9 +1,10 @@
-"""Limits of joints and motors at every instant, exactly: on a segment of a B-spline all of them are polynomials.
+"""Limits of joints and motors at every instant, exactly: on a segment all of them are polynomials.
 
-With the control points c0 to c3 of a segment of T seconds, and their differences D1, D2, D3: the jerk is
-(D3 - 2 D2 + D1) / T^3; the acceleration goes straight from (D2 - D1) / T^2 to (D3 - D2) / T^2; the velocity is the
-parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T; the position the cubic with the Bezier points
-(c0 + 4 c1 + c2) / 6, (2 c1 + c2) / 3, (c1 + 2 c2) / 3, (c1 + 4 c2 + c3) / 6. Each lies within its Bezier points.
+With the control points c0 to c3 of a segment of T seconds, and their differences D1, D2, D3: the jerk is (D3
+- 2 D2 + D1) / T^3; the acceleration goes straight from (D2 - D1) / T^2 to (D3 - D2) / T^2; the velocity is
+the parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T; the position the cubic with the
+Bezier points (c0 + 4 c1 + c2) / 6, (2 c1 + c2) / 3, (c1 + 2 c2) / 3, (c1 + 4 c2 + c3) / 6. Each lies within
+its Bezier points.
 """
 
 from collections.abc import Sequence
@@ -16,7 +17,7 @@ from yarclang.verify.exact import need
 from yarclang.verify.reader import PRINTED
 
 _ROUNDED = 1 + Fraction(1, 10**9)
-"""Numbers of a text are rounded to its last digit: so much more than a limit is allowed, and 1e-9 deg or mm of travel."""
+"""Numbers of a text are rounded: so much more than a limit is allowed, and 1e-9 deg or mm of travel."""
 _HALVINGS = 12
 
 Shares = dict[str, Fraction]
@@ -90,7 +91,7 @@ def _fastest(steps: Sequence[Any]) -> Fraction:
 
 
 def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | None, who: str) -> None:
-    """Check the range of a joint: by control points, else by Bezier points, which are halved as often as needed."""
+    """Check the range of a joint: by control points, else by Bezier points of halves of segments."""
     low = None if lower is None else lower * PRINTED - PRINTED // 10**9
     high = None if upper is None else upper * PRINTED + PRINTED // 10**9
 

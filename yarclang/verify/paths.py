@@ -1,10 +1,11 @@
 """How far a motion is from its programmed path, in order of time, and all of the path.
 
-For any s(t) that grows from 0 to 1, the distance e(t) of where the robot is from the path's place at s(t) bounds the
-distance of both ways. The proof gives s and s' at the ends of equal pieces of each segment; between them s is the cubic
-with these values, which grows if its Bezier points do. With e and e' at both ends of a piece of d seconds, e stays
-within the four Bezier points of its cubic but for d^4 / 384 times its largest fourth derivative: the arm's, and the path's
-|P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4 |s' s'''|), with F2 to F4 its derivatives over s.
+For any s(t) that grows from 0 to 1, the distance e(t) of where the robot is from the path's place at s(t)
+bounds the distance of both ways. The proof gives s and s' at the ends of equal pieces of each segment;
+between them s is the cubic with these values, which grows if its Bezier points do. With e and e' at both ends
+of a piece of d seconds, e stays within the four Bezier points of its cubic but for d^4 / 384 times its
+largest fourth derivative: the arm's, and the path's |P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4
+|s' s'''|), with F2 to F4 its derivatives over s.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -23,12 +24,12 @@ SHARE = 10**10
 _SAME = ONE >> 30
 """A turn leads to its goal but for this: 1e-9 rad."""
 _ROUND = ONE >> 42
-"""An arc begins, ends, passes its via point, and is round but for this: 2e-13 m, or less than 1e-9 m anywhere."""
+"""An arc passes its three points, and is round, but for this: 2e-13 m, less than 1e-9 m anywhere."""
 
 
 @dataclass
 class Piece:
-    """A piece of a segment, of `d` seconds: s and s' at both ends, and bounds of |s'|, |s''|, |s'''| (fixed-point)."""
+    """A piece of a segment, of `d` seconds: s and s' at both ends, and bounds of |s'|, |s''|, |s'''|."""
 
     d: Fraction
     s: tuple[int, int]
@@ -122,7 +123,7 @@ def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
 
 
 def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: Sequence[int], d: int) -> int:
-    """Return the length of the longest of the four Bezier points of the cubic with these values and rates at both ends."""
+    """Return the longest of the four Bezier points of the cubic with these values and rates at its ends."""
     inner = [x + (d * v >> BITS) // 3 for x, v in zip(e, e_rate, strict=True)]
     outer = [x - (d * v >> BITS) // 3 for x, v in zip(f, f_rate, strict=True)]
     return max(length(*e), length(*inner), length(*outer), length(*f)) + SLACK
@@ -150,7 +151,7 @@ class Turn:
         self.derivatives = [times(SQUARE_ROOT_OF_2, *[self.angle + _SAME] * k) for k in (2, 3, 4)]
 
     def at(self, s: int) -> tuple[list[Vector], list[Vector]]:
-        """Return the columns of the rotation R0 + sin K R0 + (1 - cos) K^2 R0 at s, and their derivatives over s."""
+        """Return the columns of R0 + sin K R0 + (1 - cos) K^2 R0 at s, and their derivatives over s."""
         sine, cosine = sine_and_cosine(s * self.angle >> BITS)
         columns, slopes = [], []
         for base, once, twice in zip(self.start, self.once, self.twice, strict=True):
@@ -180,7 +181,7 @@ def line(start: Vector, goal: Vector) -> tuple[Place, list[int]]:
 
 
 def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple[Place, list[int]]:
-    """Return an arc of less than a whole turn, told by its centre, spoke, side and sweep; it passes `via` between its ends."""
+    """Return an arc of less than a turn by its centre, spoke, side and sweep; it passes `via`."""
     centre, spoke, side = ([fixed(x) for x in told[name]] for name in ("centre", "spoke", "side"))
     sweep = fixed(told["sweep"])
     radius = length(*spoke)
@@ -245,7 +246,7 @@ def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any]) -> t
 def _error(
     frame: Frame, place: Place, turn: Turn, s: int, rate: int
 ) -> tuple[list[int], list[int], list[int], list[int]]:
-    """Return where a frame is minus where its path is at s, and the time derivative; the same of the nine of its rotation."""
+    """Return where a frame is minus where its path is at s, with the rate; the same of its rotation."""
     p, slope = place(s)
     e = [a - b for a, b in zip(frame.origin, p, strict=True)]
     e_rate = [v - (rate * b >> BITS) for v, b in zip(frame.rate, slope, strict=True)]
@@ -258,6 +259,6 @@ def _error(
 
 
 def chord_of(angle: int) -> int:
-    """Return the largest chord, as of `frame_path`, of a turn by an angle: 2 sqrt 2 sin(angle / 2), not too large."""
+    """Return the chord, as of `frame_path`, of a turn by an angle, not too large: 2 sqrt 2 sin(angle / 2)."""
     sine, _ = sine_and_cosine(min(angle, PI) // 2)
     return 2 * (sine * 14142 // 10000) - SLACK

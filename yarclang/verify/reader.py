@@ -1,4 +1,4 @@
-"""Reads a text for the rotary buffer of a Turbo PMAC. Every line must have the one form that is allowed in its place."""
+"""Reads a text for the rotary buffer of a Turbo PMAC. A line must have the one form allowed in its place."""
 
 import re
 from dataclasses import dataclass, field
@@ -31,8 +31,8 @@ _ENTRY = (
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
 )
 _BARRIER = (
-    r"; barrier ([0-9]{1,9}) ((wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) ([0-9]{1,9}) "
-    r"(\S{1,4000}) (\S+) .+)"
+    r"; barrier ([0-9]{1,9}) ((wait|hold|when|else|end|set|stop|abort|say|loop|next|exit|endloop) "
+    r"([0-9]{1,9}) (\S{1,4000}) (\S+) .+)"
 )
 _REGISTER = r"; register .+"
 _VALUE = r"(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)"
@@ -41,7 +41,7 @@ _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 
 @dataclass
 class Entry:
-    """A command of the map: its move lines (0 for none), the segments of the blend after it, if its jerk is free."""
+    """A command of the map: its move lines (0: none), the segments of its blend, if its jerk is free."""
 
     step: int
     title: str
@@ -53,10 +53,11 @@ class Entry:
 
 @dataclass
 class Item:
-    """What the text does at one place, by its line: `kind` is run, dwell, put, barrier, or stand (a slow RAPID).
+    """What the text does at one place: `kind` is run, dwell, put, barrier, or stand (a slow RAPID).
 
-    A run has the segment time `steps` [1/4096 ms], its `points` with their `lines`, and `puts` (line, what) between them.
-    `what` of a barrier is its line of the map, of a dwell its printed time [ms], of a put VARIABLE=VALUE.
+    A run has the segment time `steps` [1/4096 ms], its `points` with their `lines`, and `puts` (line, what)
+    between them. `what` of a barrier is its line of the map, of a dwell its printed time [ms], of a put
+    VARIABLE=VALUE.
     """
 
     kind: str

@@ -21,7 +21,7 @@ FORM = 1
 ALWAYS_UNCHECKED = (
     "collisions of the robot with itself and with its cell, zones, and parts that are carried",
     "torques",
-    "that the program and the robot's numbers, as this report tells them, are those of the source and of the robot's files",
+    "that program and robot's numbers, as told here, are those of the source and of the robot's files",
 )
 _MALFORMED = (
     KeyError,
@@ -32,6 +32,7 @@ _MALFORMED = (
     ZeroDivisionError,
     RecursionError,
     OverflowError,
+    MemoryError,
 )
 
 
@@ -39,7 +40,8 @@ _MALFORMED = (
 class Verdict:
     """What was found. `refused` says why the text or its proof is wrong, and is empty if it isn't.
 
-    `checked` and `unchecked` say what was decided and what wasn't, `told` what the proof says of robot and program.
+    `checked` and `unchecked` say what was decided and what wasn't, `told` what the proof says of robot and
+    program.
     """
 
     refused: str = ""
@@ -111,9 +113,9 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     course.check_guard(content, robot)
     course.check_variables(content, robot, program["outputs"])
     verdict.checked += [
-        "every line of the text has the form that its place allows, and the controller keeps all segment times",
-        "the told commands, dwells, outputs, barriers and registers, in the told order, at rest or in a blend's middle",
-        "ways that meet, and passes of a loop, end at one place; a RAPID leads to the start, or to where the robot stands",
+        "every line has the form that its place allows, and the controller keeps all segment times",
+        "the told commands, dwells, outputs, barriers, registers, in order, at rest or in a blend's middle",
+        "ways that meet, and passes of a loop, end at one place; a RAPID leads to where the robot stands",
         "the guard, and that nothing but the told outputs is assigned",
         "start, as told and as the header says it",
     ]
@@ -151,6 +153,9 @@ def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
     ):
         need(len(robot[name]) == size, f"the robot has another number of {name} than joints")
     need(all(kind in ("turns", "slides") for kind in robot["kinds"]), "a joint that neither turns nor slides")
+    ends = [one for one in (*robot["lower"], *robot["upper"]) if one is not None]
+    counts = [one for row in robot["counts"] for one in row]
+    need(all(isinstance(one, Fraction) for one in (*ends, *counts)), "a number is none")
     for name in ("velocity", "acceleration", "jerk", "motor_velocity"):
         need(
             all(isinstance(one, Fraction) and one > 0 for one in robot[name]),
@@ -174,15 +179,14 @@ def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
 def _shown(value: Any) -> str:
     if isinstance(value, list):
         return f"[{', '.join(map(_shown, value))}]"
+    if isinstance(value, dict):
+        return " ".join(f"{name} {_shown(one)}" for name, one in value.items())
     return f"{float(value):.12g}" if isinstance(value, Fraction) else str(value)
 
 
 def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
     for at, low, high, name in zip(start, robot["lower"], robot["upper"], robot["joints"], strict=True):
-        past = max(
-            (low or 0) * PRINTED - at if low is not None else 0,
-            at - high * PRINTED if high is not None else 0,
-        )
+        past = max(0 if low is None else low * PRINTED - at, 0 if high is None else at - high * PRINTED)
         need(past <= PRINTED // 10**9, f"the text starts with {name} beyond its range")
 
 
@@ -215,8 +219,9 @@ def _check_motions(
                 verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
     if alone:
         verdict.checked.append(
-            f"{alone} motions from rest to rest ({still} of them lead nowhere) take their times and follow their told paths, "
-            f"in order of time and all of them, within their told tolerances, at most {float(widest[0]):g} mm and "
+            f"{alone} motions from rest to rest ({still} of them lead nowhere) take their times and follow their "
+            f"paths, "
+            f"in order of time and all of them, within their tolerances, at most {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg"
         )
     if together:
@@ -261,7 +266,7 @@ def _check_path(row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, 
         most, chord = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
         need(
             most <= limits[0],
-            f"{title}: shown to be within {most / ONE * 1000:.6g} mm of its path, not within {float(position):g}",
+            f"{title}: shown to be within {most / ONE * 1000:.6g} mm of its path, no less",
         )
         need(chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
         return ""

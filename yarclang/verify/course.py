@@ -174,15 +174,16 @@ def _sequence(
     control = [start, start, start, *points, points[-1], points[-1]]
     place, before = 0, None
     puts = list(item.puts)
+    numbers = {line: k for k, line in enumerate(item.lines)}
     while place < len(points):
         need(bool(waiting), f"the moves from line {item.lines[place]} on belong to no command")
         entry = waiting.pop(0)
         need(step < entry.step, f"command {entry.step} isn't in the order of the map")
         need(
-            entry.first == item.lines[place] and entry.last in item.lines,
+            entry.first == item.lines[place] and entry.last in numbers,
             f"command {entry.step} has other lines",
         )
-        behind = item.lines.index(entry.last) + 1
+        behind = numbers[entry.last] + 1
         need(behind > place, f"the lines of command {entry.step} end before they begin")
         last = behind + (2 if behind == len(points) else 0)
         rests = len(set(control[last : last + 3])) == 1

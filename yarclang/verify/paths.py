@@ -12,11 +12,24 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
+from math import isqrt
 from typing import Any
 
 from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Frame, Vector, cross, dot, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import BITS, ONE, PI, SLACK, above, fixed, length, need, sine_and_cosine, times
+from yarclang.verify.exact import (
+    BITS,
+    ONE,
+    PI,
+    SLACK,
+    above,
+    fixed,
+    length,
+    need,
+    root,
+    sine_and_cosine,
+    times,
+)
 from yarclang.verify.reader import PRINTED
 
 SHARE = 10**10
@@ -204,11 +217,15 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     return at, [times(radius + _SAME, *[sweep + 1] * k) for k in (2, 3, 4)]
 
 
-def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any]) -> tuple[int, int]:
-    """Return bounds of the distance of a frame from its path, a line or an arc, and of its turn as a chord.
+def frame_path(
+    motion: Motion, told: dict[str, Any], proof: dict[str, Any]
+) -> tuple[int, int, list[tuple[int, int]]]:
+    """Return bounds of the distance of a frame from its path, of its turn as a chord, and of its speeds on pieces.
 
-    The chord is the Frobenius norm of the difference of both rotations, 2 sqrt 2 sin(angle / 2).
+    The path is a line or an arc. The chord is the Frobenius norm of the difference of both rotations,
+    2 sqrt 2 sin(angle / 2).
     """
+    control = motion.row.control[motion.row.first : motion.row.last + 3]
     tool = placed(told["tool"])
     columns, goal = placed(told["pose"])
     start = motion.arm.frame(*motion.at(0, 0), tool)
@@ -217,15 +234,15 @@ def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any]) -> t
         place, bends = arc(start.origin, goal, proof, [fixed(x) for x in told["via"]])
     else:
         place, bends = line(start.origin, goal)
-    travel = [
-        max(abs(point[joint]) for point in motion.row.control) for joint in range(len(motion.arm.turns))
-    ]
+    travel = [max(abs(point[joint]) for point in control) for joint in range(len(motion.arm.turns))]
     slides = [
         0 if turns else in_si(x, PRINTED, turns) + 1
         for x, turns in zip(travel, motion.arm.turns, strict=True)
     ]
     reach = motion.arm.reaches(tool, slides)
     most = chord = 0
+    speeds = []
+    here = start
     begin = fixed(Fraction(proof["rates"][0], SHARE))
     segment, arm_bends, error = -1, (0, 0), _error(start, place, turn, 0, begin)
     for piece in pieces_of(motion, proof["s"], proof["rates"]):
@@ -239,8 +256,45 @@ def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any]) -> t
         most = max(most, farthest(*error[:2], *then[:2], d) + off)
         off = times(rest, arm_bends[1] + path_bend(turn.derivatives, piece.bends)) // 384 + 1
         chord = max(chord, farthest(*error[2:], *then[2:], d) + off)
-        error = then
-    return most, chord
+        speeds.append(speeds_on(here, frame, d, arm_bends[0]))
+        error, here = then, frame
+    return most, chord, speeds
+
+
+def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
+    """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
+
+    The velocity is that of the cubic with both places and velocities, a parabola with the Bezier points v, m, w,
+    but for sqrt(3) / 216 d^3 times the fourth derivative. The square of its length lies within its Bezier points.
+    """
+    v, w = begin.rate, end.rate
+    ways = zip(begin.origin, end.origin, v, w, strict=True)
+    m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in ways]
+    squares = (dot(v, v), dot(v, m), (dot(v, w) + 2 * dot(m, m)) // 3, dot(m, w), dot(w, w))
+    rest = times(d, d, d, bend) * 9 // 1000 + SLACK  # sqrt(3) / 216 = 0.0080
+    return max(isqrt(max(min(squares), 0) << BITS) - rest, 0), root(max(squares)) + rest
+
+
+def check_speeds(told: dict[str, Any], speeds: Sequence[tuple[int, int]], title: str) -> str:
+    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what isn't checked."""
+    off = Fraction(1, 1000)
+    least, most = min(low for low, _ in speeds), max(high for _, high in speeds)
+    if "ceiling" in told:
+        need(most <= fixed(told["ceiling"] / 1000 * (1 + off)), f"{title}: faster than its ceiling")
+    if "speed" not in told:
+        return ""
+    top, kept = told["speed"][0], told.get("kept", Fraction(1))
+    need(0 < kept <= 1, f"{title}: a share of a speed beyond 1")
+    if top is None:
+        return "its speed, which is a turn's"
+    need(most <= fixed(top / 1000 * (1 + off)), f"{title}: faster than its speed")
+    slow = above(top * kept / 1000 * (1 - off))
+    steady = [k for k, (low, _) in enumerate(speeds) if low >= slow]
+    if not steady:
+        return "its speed, which it keeps on no whole piece, as a turn does"
+    least = min(low for low, _ in speeds[steady[0] : steady[-1] + 1])
+    need(least >= slow, f"{title}: slower than its speed between its ramps")
+    return ""
 
 
 def _error(

@@ -13,7 +13,7 @@ from yarclang.verify.arm import Arm, in_si, placed
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import ONE, RefusedError, length, need
 from yarclang.verify.limits import check_limits
-from yarclang.verify.paths import Motion, chord_of, frame_path
+from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
 
 FORM = 1
@@ -207,7 +207,7 @@ def _check_motions(
             continue
         _check_time(row, told)
         widest = (max(widest[0], told["tolerance"][0]), max(widest[1], told["tolerance"][1]))
-        reason = _check_path(row, told, proof["motions"].get(str(row.entry.step)), arm, title)
+        reason = _check_path(row, told, proof["motions"].get(str(row.entry.step)), arm, verdict)
         if reason:
             verdict.unchecked.append(f"{title}: {reason}")
             continue
@@ -215,13 +215,12 @@ def _check_motions(
         if row.entry.any_jerk:
             verdict.unchecked.append(f"{title}: its jerk, which has no limit")
         for name in ("speed", "ceiling"):
-            if name in told:
+            if name in told and told["move"] not in ("line", "arc"):
                 verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
     if alone:
         verdict.checked.append(
-            f"{alone} motions from rest to rest ({still} of them lead nowhere) take their times and follow their "
-            f"paths, "
-            f"in order of time and all of them, within their tolerances, at most {float(widest[0]):g} mm and "
+            f"{alone} motions from rest to rest ({still} of them lead nowhere) keep their times, speeds and "
+            f"paths, in order of time and all of them, within their tolerances, at most {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg"
         )
     if together:
@@ -248,8 +247,11 @@ def _check_time(row: Moved, told: dict[str, Any]) -> None:
         )
 
 
-def _check_path(row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, arm: Arm, title: str) -> str:
-    """Check a motion from rest to rest; return why it isn't checked, or nothing."""
+def _check_path(
+    row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, arm: Arm, verdict: Verdict
+) -> str:
+    """Check a motion from rest to rest; return why its path isn't checked, or nothing."""
+    title = row.entry.title
     kind, (position, angle) = told["move"], told["tolerance"]
     need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
     allowed = [in_si(angle if turns else position, 1, turns) for turns in arm.turns]
@@ -263,12 +265,15 @@ def _check_path(row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, 
             return "an arc that leads nowhere" if kind == "arc" else ""
         if proof is None:
             return "its path, of which the proof says nothing"
-        most, chord = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
+        most, chord, speeds = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
         need(
             most <= limits[0],
             f"{title}: shown to be within {most / ONE * 1000:.6g} mm of its path, no less",
         )
         need(chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
+        slow = check_speeds(told, speeds, title)
+        if slow:
+            verdict.unchecked.append(f"{title}: {slow}")
         return ""
     points = [start]
     for goal in told["through"]:

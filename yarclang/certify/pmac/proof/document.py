@@ -159,6 +159,9 @@ def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claim
         told["duration"] = float(f"{timing.duration:.13g}")
     if timing.speed is not None:
         told["speed"] = _speed(timing.speed)
+        kept = claims.kept.get(place.step, 1.0)
+        if kept < 1.0:
+            told["kept"] = float(kept)
     if timing.ceiling is not None:
         told["ceiling"] = float(f"{timing.ceiling / MM:.13g}")
     if place.any_jerk:

@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.claims import Claims
-from yarclang.certify.motion.bounds import HERMITE, Cubics
+from yarclang.certify.motion.bounds import HERMITE, HERMITE_RATE, Cubics
 from yarclang.certify.motion.pieces import Pieces, arm_bounds, frame_motion
 from yarclang.certify.motion.programmed import Arcs, Lines, Motion
 from yarclang.certify.motion.project import guess_by_length, project
@@ -21,6 +21,8 @@ from yarclang.verify.paths import SHARE
 _REMAINDER = 0.2
 """Pieces are so short that what lies between their ends costs at most about this share of the tolerance."""
 _MOST_PIECES = 64
+_SHARP = 2e-4
+"""What lies between the ends of pieces costs at most about this share of a programmed speed."""
 
 
 def frame_proof(
@@ -44,6 +46,10 @@ def frame_proof(
     # a chord is about sqrt 2 times the angle, and the programmed turn adds as much as the executed one
     need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
     count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
+    if (speed := motion.timing.speed) is not None and speed.length:
+        # the bounds of a speed are within a part of what it may be off
+        most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
+        count = min(max(count, math.ceil(most)), _MOST_PIECES)
     cut = Pieces.cut(cubics, owner, np.full(place.size, count))
     executed = frame_motion(robot.chain, cut, frame[None])
     told: dict[str, Any] = {}

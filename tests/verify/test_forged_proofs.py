@@ -157,3 +157,26 @@ def test_what_happens_between_motions_is_what_is_told():
         forged = table(MOTIONS)
         forged["program"][name] = value
         assert refused(text, forged), name
+
+
+SPEEDS = """DEFAULT {TCP} (mm,deg,s) {B}
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]
+P0020 MOVEL 150 1174.4 1176 0 0 0 [V 50]
+P0030 MOVEL 0 1174.4 1176 0 0 0 [V<=80]
+"""
+
+
+def test_speeds_are_neither_exceeded_nor_missed():
+    text, _ = made(SPEEDS)
+    assert refused(text, table(SPEEDS)) == ""
+    speed, ceiling = ("program", "steps", 1, "speed", 0), ("program", "steps", 2, "ceiling")
+    assert "faster than its speed" in refused(text, changed(table(SPEEDS), speed, lambda _: 49.9))
+    assert "faster than its ceiling" in refused(text, changed(table(SPEEDS), ceiling, lambda _: 60))
+    forged = changed(table(SPEEDS), speed, lambda _: 50.2)
+    verdict = verify(text.encode(), json.dumps(forged).encode())
+    assert verdict.refused or any("its speed, which it keeps on no" in one for one in verdict.unchecked)
+    kept = table(SPEEDS)
+    kept["program"]["steps"][1]["kept"] = 0.5
+    assert refused(text, kept) == ""
+    kept["program"]["steps"][1]["kept"] = 1.5
+    assert "beyond 1" in refused(text, kept)

@@ -220,7 +220,7 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
 def frame_path(
     motion: Motion, told: dict[str, Any], proof: dict[str, Any]
 ) -> tuple[int, int, list[tuple[int, int]]]:
-    """Return bounds of the distance of a frame from its path, of its turn as a chord, and of its speeds on pieces.
+    """Return how far a frame is from its path at most, how far turned (as a chord), and its speeds on pieces.
 
     The path is a line or an arc. The chord is the Frobenius norm of the difference of both rotations,
     2 sqrt 2 sin(angle / 2).
@@ -264,8 +264,8 @@ def frame_path(
 def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
     """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
 
-    The velocity is that of the cubic with both places and velocities, a parabola with the Bezier points v, m, w,
-    but for sqrt(3) / 216 d^3 times the fourth derivative. The square of its length lies within its Bezier points.
+    The velocity is that of the cubic with both places and velocities, a parabola with the Bezier points v, m,
+    w, but for sqrt(3) / 216 d^3 times the fourth derivative. The square of its length is within its own.
     """
     v, w = begin.rate, end.rate
     ways = zip(begin.origin, end.origin, v, w, strict=True)

@@ -220,8 +220,8 @@ def _check_motions(
     if alone:
         verdict.checked.append(
             f"{alone} motions from rest to rest ({still} of them lead nowhere) keep their times, speeds and "
-            f"paths, in order of time and all of them, within their tolerances, at most {float(widest[0]):g} mm and "
-            f"{float(widest[1]):g} deg"
+            f"paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
+            f"{float(widest[1]):g} deg at most"
         )
     if together:
         verdict.unchecked.append(

@@ -60,13 +60,21 @@ def test_what_is_not_decided_is_named():
     ]
     assert own(judged(WAYS)) == ["the header's duration, since ways part"]
     timed = "P0010 MOVEJ_TIMED 1 0 0 0 0 0 [1]; 0 0 0 0 0 0 [2] (deg,s)"
-    assert own(judged(timed)) == ["P0010 MOVEJ_TIMED 1: its path and time, a timetable"]
+    assert own(judged(timed)) == [
+        "P0010 MOVEJ_TIMED 1: its jerk, and that of its blends, which has no limit",
+        "P0010 MOVEJ_TIMED 1: its path and time, a timetable",
+    ]
     spoken = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]\nP0020 MOVEL 100 1174.4 1176 0 0 0 [V 50]"
     assert own(judged(spoken)) == []
     turned = spoken.replace("MOVEL 100 1174.4 1176 0 0 0 [V 50]", "DMOVE 0 0 0 0 0 30 [V 20]")
     assert own(judged(turned)) == [
         "P0020 DMOVE 3: its speed, which it keeps on no whole piece, as a turn does"
     ]
+
+
+def test_a_jerk_without_a_limit_is_named():
+    free = "P0010 MOVEJ_TOPP 30 0 0 0 0 0 [MIN] (deg,s)"
+    assert own(judged(free)) == ["P0010 MOVEJ_TOPP 1: its jerk, and that of its blends, which has no limit"]
 
 
 def test_it_tells_of_which_robot_and_program_it_was_told():

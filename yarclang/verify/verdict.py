@@ -202,6 +202,8 @@ def _check_motions(
             continue
         title = row.entry.title
         _tell(title, told, verdict)
+        if row.entry.any_jerk:
+            verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
         if row.before is not None or row.entry.blend is not None:
             together += 1
             continue
@@ -212,8 +214,6 @@ def _check_motions(
             verdict.unchecked.append(f"{title}: {reason}")
             continue
         alone, still = alone + 1, still + (not row.control)
-        if row.entry.any_jerk:
-            verdict.unchecked.append(f"{title}: its jerk, which has no limit")
         for name in ("speed", "ceiling"):
             if name in told and told["move"] not in ("line", "arc"):
                 verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")

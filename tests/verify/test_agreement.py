@@ -1,0 +1,55 @@
+"""Where the judge refuses a text, the small checker does: one number of a move is changed, by little or by much."""
+
+import hashlib
+import json
+import re
+
+import numpy as np
+import pytest
+from programs import compiled
+
+from tests.verify.proof_forging import MOTIONS
+from yarclang.certify.certifying import certify
+from yarclang.pipeline.proofs import proof_of
+from yarclang.pipeline.stages import claims_of
+from yarclang.verify.verdict import verify
+
+TRIES = 60
+
+
+@pytest.fixture(scope="module")
+def made_whole():
+    found, _ = compiled(MOTIONS, "INDUSTRIAL6")
+    assert found is not None
+    proof = proof_of(found)
+    assert proof.value is not None
+    return found, json.loads(proof.value)
+
+
+def test_what_the_judge_refuses_is_refused(made_whole):
+    found, proof = made_whole
+    lines = found.text.split("\n")
+    moves = [k for k, line in enumerate(lines) if re.match(r"X-?[0-9].*C-?[0-9]", line)]
+    random = np.random.default_rng(34)
+    agreed, refused, stricter = 0, 0, 0
+    for _ in range(TRIES):
+        k, axis = int(random.choice(moves)), str(random.choice(list("XYZABC")))
+        way = float(random.choice([-1, 1])) * 10.0 ** random.uniform(-5.0, -0.5)
+        changed = re.sub(
+            rf"{axis}(-?[0-9.]+)", lambda one, by=way, name=axis: f"{name}{float(one[1]) + by:.6f}", lines[k]
+        )
+        text = "\n".join([*lines[:k], changed, *lines[k + 1 :]])
+        judged = certify(
+            text, found.program, found.plan.robot, found.certificate.tolerance, claims_of(found.plan)
+        )
+        wrong = judged.value is None or any(one.is_error for one in judged.diagnostics)
+        forged = proof | {"text": hashlib.sha256(text.encode()).hexdigest()}
+        verdict = verify(text.encode(), json.dumps(forged).encode())
+        assert verdict.refused or not wrong, (changed, [one.message for one in judged.diagnostics])
+        agreed += bool(verdict.refused) == wrong
+        refused += wrong
+        stricter += bool(verdict.refused) and not wrong
+    # both kinds were drawn, and the checker, whose s(t) is that of the unchanged text, is stricter by little
+    assert refused > 20
+    assert TRIES - refused > 10
+    assert stricter < TRIES / 4

@@ -1,6 +1,9 @@
 """Proofs with a wrong number, for another text, robot or version, or in another form, are refused."""
 
+import functools
 import json
+import operator
+import random
 
 import pytest
 
@@ -144,6 +147,14 @@ def test_a_motion_without_its_proof_is_named_as_unchecked():
     assert not verdict.refused
     title = proof["program"]["steps"][int(step)]["title"]
     assert any(one.startswith(f"{title}: its path") for one in verdict.unchecked)
+    text, _ = made(SPEEDS)
+    verdict = verify(text.encode(), json.dumps(table(SPEEDS) | {"motions": {}}).encode())
+    assert [one for one in verdict.unchecked if "P0020" in one or "P0030" in one] == [
+        "P0020 MOVEL 3: its speed of [50, 50]",
+        "P0020 MOVEL 3: its path, of which the proof says nothing",
+        "P0030 MOVEL 4: its ceiling of 80",
+        "P0030 MOVEL 4: its path, of which the proof says nothing",
+    ]
 
 
 def test_what_happens_between_motions_is_what_is_told():
@@ -180,3 +191,49 @@ def test_speeds_are_neither_exceeded_nor_missed():
     assert refused(text, kept) == ""
     kept["program"]["steps"][1]["kept"] = 1.5
     assert "beyond 1" in refused(text, kept)
+
+
+VALUES = [
+    None,
+    True,
+    "",
+    "x",
+    "9" * 50,
+    [],
+    {},
+    [1],
+    [[]],
+    {"q": 1},
+    -1,
+    0,
+    1e30,
+    -1e30,
+    1e99,
+    0.5,
+    [None] * 6,
+]
+
+
+def parts(value, path=()):
+    """Yield the places of all parts of a proof."""
+    yield from [path] if path else []
+    inner = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, one in inner:
+        yield from parts(one, (*path, name))
+
+
+def test_whatever_stands_in_a_proof_is_judged_without_a_traceback():
+    text, _ = made(BLENDED)
+    draw, refusals = random.Random(34), 0
+    for _ in range(150):
+        proof = table(BLENDED)
+        places = list(parts(proof))
+        for _ in range(draw.choice((1, 1, 2, 4))):
+            *outer, name = draw.choice(places)
+            try:
+                inner = functools.reduce(operator.getitem, outer, proof)
+                inner[name] = draw.choice(VALUES)
+            except (KeyError, IndexError, TypeError):
+                continue  # changed away before
+        refusals += bool(refused(text, proof))
+    assert refusals > 100

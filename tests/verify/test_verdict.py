@@ -82,6 +82,12 @@ def test_it_tells_of_which_robot_and_program_it_was_told():
     fingerprint = robot_of("INDUSTRIAL6").fingerprint
     assert f"robot INDUSTRIAL6 {fingerprint}" in told
     assert "robot velocity: [60, 60, 60, 60, 60, 60]" in told
+    assert [one for one in told if one.startswith("between")] == [
+        "between motions: put M20=1",
+        "between motions: barrier wait 4 M11=1 5 DOOR",
+        "between motions: dwell 500",
+        "between motions: put M20=0",
+    ]
     assert any(
         one.startswith("P0020 MOVEL 5: line; tolerance [0.02, 0.002]; duration 4; pose [") for one in told
     )

@@ -11,7 +11,7 @@ from typing import Any, NoReturn
 from yarclang.verify import course, joints
 from yarclang.verify.arm import Arm, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, RefusedError, length, need
+from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need
 from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
@@ -131,6 +131,9 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     _check_stands(content.start, robot)
     shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
+    for name in ("start", "outputs", "safe", "registers"):
+        verdict.told.append(f"program {name}: {_shown(program[name])}")
+    verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
     _check_motions(rows, program, proof, arm, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
 
@@ -210,13 +213,13 @@ def _check_motions(
         _check_time(row, told)
         widest = (max(widest[0], told["tolerance"][0]), max(widest[1], told["tolerance"][1]))
         reason = _check_path(row, told, proof["motions"].get(str(row.entry.step)), arm, verdict)
+        for name in ("speed", "ceiling"):
+            if name in told and (reason or told["move"] not in ("line", "arc")):
+                verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
         if reason:
             verdict.unchecked.append(f"{title}: {reason}")
             continue
         alone, still = alone + 1, still + (not row.control)
-        for name in ("speed", "ceiling"):
-            if name in told and told["move"] not in ("line", "arc"):
-                verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
     if alone:
         verdict.checked.append(
             f"{alone} motions from rest to rest ({still} of them lead nowhere) keep their times, speeds and "
@@ -324,6 +327,6 @@ def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, i
     ]
     chord = length(*flat)
     need(
-        off <= limits[0] and chord <= limits[1],
+        off + SLACK <= limits[0] and chord + SLACK <= limits[1],
         f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far",
     )

@@ -72,6 +72,16 @@ def test_what_is_not_decided_is_named():
     ]
 
 
+def test_motions_that_the_checker_could_not_tell_exactly_are_named():
+    near = "P0010 MOVEJ_SPLINE 10 0 0 0 0 0; 10.005 0 0 0 0 0; 20 0 5 0 0 0 [8] (deg,s)"
+    assert own(judged(near)) == ["P0010 MOVEJ_SPLINE 1: its path, a spline with way-points side by side"]
+    begun = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [4]\n"
+    beside = f"{begun}P0020 MOVEC 0.5 1174.39 1176; 100 1100 1176 0 0 0 [4]"
+    assert own(judged(beside)) == [
+        "P0020 MOVEC 3: its path, an arc whose via point is beside one of its ends"
+    ]
+
+
 def test_a_jerk_without_a_limit_is_named():
     free = "P0010 MOVEJ_TOPP 30 0 0 0 0 0 [MIN] (deg,s)"
     assert own(judged(free)) == ["P0010 MOVEJ_TOPP 1: its jerk, and that of its blends, which has no limit"]

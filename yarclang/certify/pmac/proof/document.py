@@ -79,7 +79,9 @@ def proof_of(
         steps[-1] |= _told(place, begin, robot, tolerance, claims)
         if place.size and place.before is None and place.behind is None and "unchecked" not in steps[-1]:
             proof = _proof(layout, place, begin, robot, tolerance, claims)
-            if proof is not None:
+            if isinstance(proof, str):
+                steps[-1]["unchecked"] = proof
+            elif proof is not None:
                 motions[str(number)] = proof
     document = {
         "form": FORM,
@@ -216,7 +218,8 @@ def _through(place: Place, begin: _Begin, robot: Robot, claims: Claims) -> Itera
 
 def _proof(
     layout: Layout, place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claims: Claims
-) -> dict[str, Any] | None:
+) -> dict[str, Any] | str | None:
+    """Return what makes a motion checkable; why it can't be checked; None for one that needs nothing."""
     motion = place.motion
     if isinstance(motion, hir.LineMove | hir.ArcMove):
         start, goal = goal_pose(motion.goal, begin.flange)

@@ -21,14 +21,18 @@ from yarclang.verify.paths import SHARE
 _REMAINDER = 0.2
 """Pieces are so short that what lies between their ends costs at most about this share of the tolerance."""
 _MOST_PIECES = 64
+_BESIDE = 0.011
+"""The share of an arc that the checker wants between its via point and its ends, and a little more."""
+_NEAREST = 2e-4
+"""The distance that the checker wants between way-points of a spline [rad or m], and a little more."""
 _SHARP = 2e-4
 """What lies between the ends of pieces costs at most about this share of a programmed speed."""
 
 
 def frame_proof(
     layout: Layout, place: Place, start: Array, goal: Array, frame: Array, robot: Robot, tolerance: Tolerance
-) -> dict[str, Any]:
-    """Return the proof of a line or an arc.
+) -> dict[str, Any] | str:
+    """Return the proof of a line or an arc; why there is none, for an arc whose via point doesn't say exactly where its circle is.
 
     Args:
         layout: the text's segments.
@@ -57,6 +61,8 @@ def frame_proof(
     if isinstance(motion, hir.ArcMove):
         paths = Arcs.through(start[None], motion.via[None], goal[None], frame[None])
         told = _arc(paths, motion.via)
+        if not _BESIDE < told["via"] < 1.0 - _BESIDE:
+            return "its path, an arc whose via point is beside one of its ends"
     else:
         paths = Lines.between(start[None], goal[None], frame[None])
     s, rate = _projected(paths, executed, cut, tolerance)
@@ -88,8 +94,8 @@ def _projected(
 
 def spline_proof(
     layout: Layout, place: Place, points: Array, weights: Array, claims: Claims
-) -> dict[str, Any] | None:
-    """Return the proof of a natural spline in joint space; None for one that leads nowhere.
+) -> dict[str, Any] | str | None:
+    """Return the proof of a natural spline in joint space; None for one that leads nowhere; why there is none, for way-points side by side.
 
     Args:
         layout: the text's segments.
@@ -101,6 +107,8 @@ def spline_proof(
     spline = NaturalSpline.through(points)
     if len(spline.y) == 1:
         return None
+    if np.diff(spline.s).min() < _NEAREST:
+        return "its path, a spline with way-points side by side"
     cubics = layout.cubics(place.first, place.last)
     count = _pieces(_spline_need(cubics, spline, weights))
     cut = Pieces.cut(cubics, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))

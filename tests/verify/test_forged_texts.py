@@ -84,7 +84,7 @@ def test_every_changed_number_of_a_move_is_refused():
     lines = text.split("\n")
     moves = [k for k, line in enumerate(lines) if re.match(r"X-?[0-9].*C-?[0-9]", line)]
     assert len(moves) > 200
-    for k in moves[3::29]:
+    for k in moves[3::67]:
         for axis in "XYZABC":
             moved = re.sub(
                 rf"({axis})(-?[0-9.]+)", lambda found: f"{found[1]}{float(found[2]) + 0.05:.6f}", lines[k]
@@ -98,7 +98,7 @@ def test_every_missing_line_is_refused():
     optional = [k for k, line in enumerate(lines) if line.startswith("; longest")]
     blended = 0
     for k in range(len(lines)):
-        if k in optional or (blended := blended + 1) % 3:
+        if k in optional or (blended := blended + 1) % 7:
             continue
         forged = "\n".join(lines[:k] + lines[k + 1 :]) + "\n"
         assert refused_text(BLENDED, forged), lines[k]

@@ -127,23 +127,18 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     step = -1
     for number, item in enumerate(text.course):
         if item.kind in ("put", "barrier"):
-            need(
-                behind is None or behind.kind != "run", f"line {item.line} comes before the motion has ended"
-            )
+            need(behind is None or behind.kind != "run", f"line {item.line} comes before a motion's end")
         if item.kind == "run":
             step = _sequence(number, item, standing, waiting, found, done, step)
         elif item.kind == "stand":
-            need(
-                behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID after no barrier"
-            )
+            need(behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID elsewhere")
             standing.same(item.points[0], standing.at, item.line)
             standing.at = item.points[0]
         elif item.kind == "barrier":
             kind = text.barriers[item.line][2]
             need(step < item.step, f"line {item.line} isn't in the order of the map")
-            need(
-                not standing.over or kind in ("else", "end", "endloop"), f"line {item.line} is never reached"
-            )
+            reached = not standing.over or kind in ("else", "end", "endloop")
+            need(reached, f"line {item.line} is never reached")
             step = item.step
             standing.passes(kind, item.line)
             done.append(f"barrier {item.what}")
@@ -181,10 +176,8 @@ def _sequence(
         need(bool(waiting), f"the moves from line {item.lines[place]} on belong to no command")
         entry = waiting.pop(0)
         need(step < entry.step, f"command {entry.step} isn't in the order of the map")
-        need(
-            entry.first == item.lines[place] and entry.last in numbers,
-            f"command {entry.step} has other lines",
-        )
+        fits = entry.first == item.lines[place] and entry.last in numbers
+        need(fits, f"command {entry.step} has other lines")
         behind = numbers[entry.last] + 1
         need(behind > place, f"the lines of command {entry.step} end before they begin")
         last = behind + (2 if behind == len(points) else 0)
@@ -194,24 +187,16 @@ def _sequence(
         one = Moved(entry, standing.at, end, control, item.steps, place, last, before, number)
         blend = entry.blend
         need(blend is not None or rests, f"command {entry.step} doesn't end at rest")
-        need(
-            blend is None or behind < len(points),
-            f"command {entry.step} is to flow on, and its sequence ends",
-        )
+        need(blend is None or behind < len(points), f"command {entry.step} flows on into nothing")
         need((blend or 0) % 2 == 0, f"command {entry.step} has a blend without a middle")
-        need(
-            ((before or 0) + (blend or 0)) // 2 <= last - place,
-            f"command {entry.step} is shorter than its blends",
-        )
+        longest = (last - place) * 2 + 1
+        need((before or 0) + (blend or 0) <= longest, f"command {entry.step} is shorter than its blends")
         found.append(one)
         done.append(f"move {entry.step}")
         for line, what in list(puts):
             off = bisect(item.lines, line) - behind
             if off <= 1:
-                need(
-                    off >= -1 and blend is not None,
-                    f"line {line} sets an output elsewhere than in a blend's middle",
-                )
+                need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
                 done.append(f"put {what}")
                 puts.pop(0)
         standing.at, place, before, step = end, behind, blend, entry.step
@@ -246,10 +231,8 @@ def check_duration(text: Text) -> bool:
     need(said is not None, "the header has no duration of a text whose ways don't part")
     if said is not None:
         off = abs(Fraction(said[1]) - seconds)
-        need(
-            off <= Fraction(1, 1999) and (said[2] or "") == count,
-            "the header says another duration than the text has",
-        )
+        same = off <= Fraction(1, 1999) and (said[2] or "") == count
+        need(same, "the header says another duration than the text has")
     return True
 
 
@@ -259,16 +242,12 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
     runs = [item for item in text.course if item.kind == "run"]
     smallest = 3 * (robot["i8"] + 1) * Fraction(robot["i10"], 8_388_608)
     for run in runs:
-        need(
-            Fraction(run.steps, STEPS) >= smallest * (1 - Fraction(1, 10**9)),
-            f"line {run.line}: TM below {smallest} ms",
-        )
+        long = Fraction(run.steps, STEPS) >= smallest * (1 - Fraction(1, 10**9))
+        need(long, f"line {run.line}: TM below {float(smallest):.6g} ms")
     if runs:
         ahead = low * Fraction(min(run.steps for run in runs), STEPS * 1000)
-        need(
-            ahead * (1 + Fraction(1, 10**9)) >= robot["hold_time"] / 2 + _LATE,
-            "I16 lines are too short for a hold",
-        )
+        enough = ahead * (1 + Fraction(1, 10**9)) >= robot["hold_time"] / 2 + _LATE
+        need(enough, "I16 lines are too short for a hold")
     need(low < full, "I17 isn't above I16")
     need(full + _AHEAD <= words // (len(robot["axes"]) + 2), "the buffer can't hold I17 lines")
     need(words >= robot["rotary_words"], "the buffer is smaller than the robot's is to be")
@@ -298,9 +277,7 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
     asked = [name for what, _, _ in text.barriers.values() for name in _NAMED.findall(what.split()[2])]
     for name in [*asked, *outputs]:
         own = _OWN.fullmatch(name) or name in robot["feedback"] or int(name[1:]) > 8191
-        need(
-            not own and name[1:] == str(int(name[1:])), f"{name} is a variable of guard, motors or positions"
-        )
+        need(not own and name[1:] == str(int(name[1:])), f"{name} is a variable of the guard or of motors")
     for what, _, kind in text.barriers.values():
         into, assigns, _ = what.split()[2].partition(":=")
         if kind == "set" and assigns and not into.startswith("$"):

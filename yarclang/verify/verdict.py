@@ -6,6 +6,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import chain
 from typing import Any, NoReturn
 
 from yarclang.verify import course, joints
@@ -16,6 +17,7 @@ from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
 
+_LIMITS = ("velocity", "acceleration", "jerk", "motor_velocity")
 FORM = 1
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
@@ -66,10 +68,8 @@ def _read_proof(proof: bytes) -> dict[str, Any]:
     """Read a proof: all its numbers are exact, no name stands twice."""
 
     def number(printed: str) -> Fraction:
-        need(
-            re.fullmatch(r"-?[0-9]{1,30}(\.[0-9]{1,30})?([eE][-+]?[0-9]{1,2})?", printed) is not None,
-            "a number too long",
-        )
+        found = re.fullmatch(r"-?[0-9]{1,30}(\.[0-9]{1,30})?([eE][-+]?[0-9]{1,2})?", printed)
+        need(found is not None, "a number is too long")
         return Fraction(printed)
 
     def once(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
@@ -98,18 +98,11 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     arm = Arm(robot)
     course.check_start(content, robot, program["start"])
     rows, done = course.follow(content)
-    need(
-        [entry.title for entry in content.entries] == [step["title"] for step in program["steps"]],
-        "other commands",
-    )
-    need(
-        done == program["course"],
-        "the text does something else between its motions, or in another order, than told",
-    )
-    need(
-        (content.safe, content.registers) == (program["safe"], program["registers"]),
-        "other safe values or registers",
-    )
+    titles = [step["title"] for step in program["steps"]]
+    need([entry.title for entry in content.entries] == titles, "the text has other commands than told")
+    need(done == program["course"], "the text does something else than told, or in another order")
+    same = (content.safe, content.registers) == (program["safe"], program["registers"])
+    need(same, "the text has other safe values or registers than told")
     course.check_guard(content, robot)
     course.check_variables(content, robot, program["outputs"])
     verdict.checked += [
@@ -125,9 +118,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append("the header's duration, since ways part")
     for row, step in zip(rows, program["steps"], strict=True):
         free = bool(step.get("any_jerk", False))
-        need(
-            free or not row.entry.any_jerk, f"{row.entry.title}: the map frees its jerk, the program doesn't"
-        )
+        need(free or not row.entry.any_jerk, f"{row.entry.title}: its jerk is free, and isn't told to be")
     _check_stands(content.start, robot)
     shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
@@ -142,36 +133,20 @@ def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
     """Check the form of the robot's numbers, and tell them."""
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")
-    for name in (
-        "axes",
-        "kinds",
-        "motors",
-        "counts",
-        "motor_velocity",
-        "velocity",
-        "acceleration",
-        "jerk",
-        "lower",
-        "upper",
-    ):
+    for name in f"axes kinds motors counts {' '.join(_LIMITS)} lower upper".split():
         need(len(robot[name]) == size, f"the robot has another number of {name} than joints")
     need(all(kind in ("turns", "slides") for kind in robot["kinds"]), "a joint that neither turns nor slides")
     ends = [one for one in (*robot["lower"], *robot["upper"]) if one is not None]
     counts = [one for row in robot["counts"] for one in row]
     need(all(isinstance(one, Fraction) for one in (*ends, *counts)), "a number is none")
-    for name in ("velocity", "acceleration", "jerk", "motor_velocity"):
-        need(
-            all(isinstance(one, Fraction) and one > 0 for one in robot[name]),
-            f"a limit of {name} that isn't above 0",
-        )
+    for name in _LIMITS:
+        positive = all(isinstance(one, Fraction) and one > 0 for one in robot[name])
+        need(positive, f"a limit of {name} that isn't above 0")
     for name in ("coordinate_system", "i8", "i10", "rotary_words"):
         need(robot[name].denominator == 1, f"{name} is no integer")
         robot[name] = int(robot[name])
     robot["motors"] = [int(one) for one in robot["motors"]]
-    need(
-        robot["i8"] >= 0 and robot["i10"] > 0 and robot["hold_time"] > 0,
-        "the controller's times aren't above 0",
-    )
+    need(robot["i8"] >= 0 and robot["i10"] > 0 and robot["hold_time"] > 0, "a time that isn't above 0")
     need(len(set(robot["axes"])) == size and all(re.fullmatch("[A-Z]", one) for one in robot["axes"]), "axes")
     verdict.told.append(f"robot {robot['name']} {robot['fingerprint']}")
     for name, value in robot.items():
@@ -244,10 +219,8 @@ def _check_time(row: Moved, told: dict[str, Any]) -> None:
     if "duration" in told and row.control:
         segments = row.last - row.first
         off = abs(segments * row.seconds - told["duration"])
-        need(
-            off <= Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9),
-            f"{row.entry.title}: it takes another time",
-        )
+        allowed = Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9)
+        need(off <= allowed, f"{row.entry.title}: it takes another time")
 
 
 def _check_path(
@@ -269,10 +242,7 @@ def _check_path(
         if proof is None:
             return "its path, of which the proof says nothing"
         most, chord, speeds = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
-        need(
-            most <= limits[0],
-            f"{title}: shown to be within {most / ONE * 1000:.6g} mm of its path, no less",
-        )
+        need(most <= limits[0], f"{title}: within {most / ONE * 1000:.6g} mm of its path, no less")
         need(chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
         slow = check_speeds(told, speeds, title)
         if slow:
@@ -286,10 +256,8 @@ def _check_path(
     last = told["through"][-1]
     if not row.control:
         for point in points:
-            need(
-                all(abs(a - b) <= t for a, b, t in zip(point, start, allowed, strict=True)),
-                f"{title}: it doesn't move",
-            )
+            there = all(abs(a - b) <= t for a, b, t in zip(point, start, allowed, strict=True))
+            need(there, f"{title}: it doesn't move")
         return ""
     if kind == "joint":
         goal = [Fraction(one, PRINTED) for one in row.end] if last["q"] is None else last["q"]
@@ -309,10 +277,8 @@ def _check_path(
 def _pieces(proof: dict[str, Any]) -> int:
     """Return into how many pieces segments are cut; make the proof's s and s' integers."""
     for name in ("s", "rates"):
-        need(
-            all(one.denominator == 1 and abs(one) < 10**30 for one in proof[name]),
-            f"{name} isn't in integers",
-        )
+        integers = all(one.denominator == 1 and abs(one) < 10**30 for one in proof[name])
+        need(integers, f"{name} isn't in integers")
         proof[name] = [int(one) for one in proof[name]]
     return int(proof["pieces"])
 
@@ -322,11 +288,6 @@ def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, i
     columns, origin = placed(told["pose"])
     frame = arm.frame(q, [0] * len(q), placed(told["tool"]))
     off = length(*(a - b for a, b in zip(frame.origin, origin, strict=True)))
-    flat = [
-        a - b for one, two in zip(frame.axes, columns, strict=True) for a, b in zip(one, two, strict=True)
-    ]
-    chord = length(*flat)
-    need(
-        off + SLACK <= limits[0] and chord + SLACK <= limits[1],
-        f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far",
-    )
+    pairs = zip(chain(*frame.axes), chain(*columns), strict=True)
+    near = off + SLACK <= limits[0] and length(*(a - b for a, b in pairs)) + SLACK <= limits[1]
+    need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")

@@ -8,8 +8,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "yarclang"
 
-OWN = ("backend_pmac", "certify/pmac", "pmac", "runtime/pmac", "simulator")
-"""The rooms of the kind."""
+OWN = ("backend_pmac", "certify/pmac", "pmac", "runtime/pmac", "simulator", "verify")
+"""The rooms of the kind; `verify` checks its texts."""
 
 WORDS = re.compile(
     r"turbo|pmac|\.pmc\b|rotary|\bP81\d\d\b|(?-i:\bM[1-9]\d*\b)|\bixx?\d\d\b|\bi8\b|\bi10\b|SPLINE1|DWELL0|\bBSTART\b",

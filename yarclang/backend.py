@@ -22,8 +22,10 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.source import SourceFile
 
 if TYPE_CHECKING:
+    from yarclang.certify.claims import Claims
     from yarclang.certify.read.reader import Reader
     from yarclang.certify.read.text import ControllerText
+    from yarclang.hir import Program
     from yarclang.runtime.inspection import Item
     from yarclang.runtime.live import Live, Source
     from yarclang.runtime.scripts import Scripts
@@ -193,6 +195,8 @@ class Backend:
         settings: returns what it is told once about a robot.
         live: returns how live motions are written; None: it has none.
         bench: returns the simulator of `yarc sim`; without it, there is none.
+        proof: returns the proof of a text that was certified, for a checker that knows no other room; a finding, if there is none. It is given the text, what the judge has
+            read, the program, the robot, the tolerance and the planner's claims. Without it, no text has a proof.
         purposes: tells what each line of a text is for; without it, the moves that the header lists are known, and no other line.
     """
 
@@ -209,6 +213,7 @@ class Backend:
     settings: Callable[[], Settings] = lambda: NO_SETTINGS
     live: Callable[[], LiveWriting | None] = lambda: None
     bench: Callable[[], Bench] | None = None
+    proof: Callable[[str, ControllerText, Program, Robot, Tolerance, Claims], str | Diagnostic] | None = None
     purposes: Callable[[Sequence[str], int, Sequence[Listed], Mapping[int, int]], Iterator[Stretch]] = (
         moves_alone
     )

@@ -18,8 +18,10 @@ from yarclang.pmac.requests import PORT
 from yarclang.robot.model import Array, Robot, Tolerance
 
 if TYPE_CHECKING:
+    from yarclang.certify.claims import Claims
     from yarclang.certify.read.reader import Reader
     from yarclang.certify.read.text import ControllerText
+    from yarclang.hir import Program
     from yarclang.runtime.scripts import Scripts
     from yarclang.simulated_cell.playing import SimulatedCell
 
@@ -90,6 +92,17 @@ def _purposes(
     return purposes(lines, begin, commands, barriers)
 
 
+def _proof(
+    text: str, content: ControllerText, program: Program, robot: Robot, tolerance: Tolerance, claims: Claims
+) -> str | Diagnostic:
+    from yarclang.certify.pmac.proof.document import NoProofError, proof_of
+
+    try:
+        return proof_of(text, content, program, robot, tolerance, claims)
+    except NoProofError as error:
+        return Diagnostic("Y1196", str(error), program.source)
+
+
 BACKEND = Backend(
     kind=KIND,
     suffix=".pmc",
@@ -104,5 +117,6 @@ BACKEND = Backend(
     live=_live,
     bench=_bench,
     simulated=_simulated,
+    proof=_proof,
     purposes=_purposes,
 )

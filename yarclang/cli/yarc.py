@@ -40,6 +40,7 @@ _COMMANDS = {
     "sim": "Simulate a Turbo PMAC on a TCP port.",
     "status": "Say how a run is going, or a controller is.",
     "stop": "End a run, or whatever a controller does.",
+    "verify": "Check a text by its proof, with a small checker.",
     "view": "Show a program or a run in three dimensions.",
 }
 

@@ -59,6 +59,11 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
 )
 @click.option(
+    "--proof",
+    is_flag=True,
+    help="Write what `yarc verify` checks a text by, as NAME.proof.json beside it.",
+)
+@click.option(
     "--full",
     is_flag=True,
     help="Show every command in the table, with all columns, however long the program and narrow the terminal.",
@@ -71,6 +76,7 @@ def main(
     output: str | None,
     out_dir: Path | None,
     certificate: Path | None,
+    proof: bool,
     full: bool,
     strict: bool,
     jobs: int | None,
@@ -82,12 +88,16 @@ def main(
     It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
+    if proof and output == "-":
+        raise click.UsageError("--proof writes beside the text, which goes to standard output")
     one_for_products()
     seldom_look_for_garbage()
     destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
     results = [(destination, file) for file, destination in destinations.items()]
     if certificate is not None:
         results.append((str(certificate), "the certificate"))
+    if proof:
+        results += [(_proof_beside(one), f"the proof of {file}") for file, one in destinations.items()]
     refuse_collisions(files, results)
     from yarclang.cli.work import Progress, options_from
     from yarclang.parallel import on_cores
@@ -104,7 +114,7 @@ def main(
                 if compiled is not None:
                     if output is None:
                         destination = _called(destination, compiled)
-                    diagnostics += _write(compiled, destination, certificate)
+                    diagnostics += _write(compiled, destination, certificate, with_proof=proof)
             except Exception as error:
                 if not is_failure(error):
                     raise
@@ -162,13 +172,26 @@ def _compiled(file: str, options: Options, strict: bool) -> tuple[Compiled | Non
     return compiled, diagnostics
 
 
-def _write(compiled: Compiled, destination: str, certificate: Path | None) -> tuple[Diagnostic, ...]:
-    """Write text and certificate: both, or neither."""
+def _proof_beside(destination: str) -> str:
+    return str(Path(destination).with_suffix(".proof.json"))
+
+
+def _write(
+    compiled: Compiled, destination: str, certificate: Path | None, *, with_proof: bool
+) -> tuple[Diagnostic, ...]:
+    """Write text, certificate and proof: all, or none."""
     from yarclang.cli.work import write_all, write_standard_output
 
     files: list[tuple[Path, str]] = []
     if destination != "-":
         files.append((Path(destination), compiled.text))
+    if with_proof:
+        from yarclang.pipeline.proofs import proof_of
+
+        proof = proof_of(compiled)
+        if proof.value is None:
+            return proof.diagnostics
+        files.append((Path(_proof_beside(destination)), proof.value))
     if certificate is not None:
         from yarclang.report.certificate_json import certificate_pieces
 

@@ -213,4 +213,13 @@ FINDINGS: tuple[Finding, ...] = (
         "The judge reads robot.toml and URDF with a reader of its own and computes poses and torques with formulas of its own. At some places of every "
         "motion it asks Pinocchio as well. Where they disagree, one of them has an error, and nothing is proved. Report it, with the robot's files.",
     ),
+    Finding(
+        "Y1196",
+        "no-proof",
+        "error",
+        "no proof can be written of this text",
+        "`yarcc --proof` writes a proof that `yarc verify` follows with a small checker of its own. There is none for texts that are downloaded into a program buffer, for kinds of controllers "
+        "without such a checker, for an arm with a joint that turns and slides at once, and for a text that the checker doesn't follow: its bounds are a little wider than the certificate's, so that a motion "
+        "that needs all of its tolerance may be refused. Compile without --proof, with a wider tolerance, or with shorter segments (--tm).",
+    ),
 )

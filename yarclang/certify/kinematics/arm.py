@@ -75,6 +75,15 @@ def axes_of(chain: Chain) -> Lines:
     return Lines(axes, points, turns, slides)
 
 
+def steps_of(chain: Chain) -> tuple[Array, ...]:
+    """Return the constant steps (4, 4) of a chain: from {B} to the first joint's frame, from each to the next, and from the last to the flange.
+
+    Each joint turns about the z axis of its frame, or slides along it.
+    """
+    steps = _steps(chain)
+    return (steps.hinges[0], *(one.T for one in steps.into))
+
+
 def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
     """Follow a chain from the base on.
 

@@ -1,0 +1,99 @@
+"""Texts with their proofs, and forgeries of both. A forger has the checker: the hash of a forged text is put into its proof."""
+
+import copy
+import hashlib
+import json
+from functools import cache
+
+from programs import compiled
+
+from yarclang.pipeline.proofs import proof_of
+from yarclang.verify.verdict import verify
+
+MOTIONS = """DEFAULT {TCP} [MIN] (mm,deg,s) {B}
+OUTPUT LAMP M20 OFF
+INPUT DOOR M11
+P0010 MOVEJ 10 -5 -40 5 30 0 [2]
+P0020 MOVEL 150 1074.4 1250 10 -5 20 [4]
+P0030 SET LAMP ON
+P0040 MOVEC 50 1150 1200; -60 1174.4 1176 0 0 0 [4]
+P0050 WAIT DOOR ON [5]
+P0060 MOVEJ_SPLINE 20 0 -30 0 30 0; 0 -5 -20 10 40 5; -10 5 -20 0 30 0 [8]
+P0070 DMOVE 0 0 -30 0 0 5 [2]
+P0080 WAIT [0.5]
+P0090 SET LAMP OFF
+P0100 MOVEJ_RPY 0 1174.4 1176 0 0 0
+P0110 STOP
+"""
+"""All kinds of motions that are checked, outputs, a wait and a dwell."""
+
+BLENDED = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+OUTPUT LAMP M20
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
+P0020 MOVEL 150 1174.4 1176 0 0 0 BLEND 20
+P0030 SET LAMP ON
+P0040 MOVEL 150 1074.4 1176 0 0 0
+P0050 STOP
+"""
+
+WAYS = """DEFAULT (deg,s)
+INPUT DOOR M11
+P0010 MOVEJ 10 0 0 0 0 0 [2]
+WHEN DOOR ON
+  P0020 MOVEJ 20 0 0 0 0 0 [2]
+ELSE
+  P0030 MOVEJ 15 0 0 0 0 0 [2]
+  P0040 MOVEJ 20 0 0 0 0 0 [2]
+END
+P0050 MOVEJ 0 0 0 0 0 0 [2]
+P0060 STOP
+"""
+
+
+@cache
+def made(program, robot="INDUSTRIAL6"):
+    """Return text and proof of a program."""
+    found, diagnostics = compiled(program, robot)
+    assert found is not None, [one.message for one in diagnostics]
+    proof = proof_of(found)
+    assert proof.value is not None, proof.diagnostics
+    return found.text, proof.value
+
+
+def table(program):
+    """Return the proof of a program as a table that may be changed."""
+    return json.loads(made(program)[1])
+
+
+def refused(text, proof):
+    """Return why a text with a proof (a table) is refused; empty if it isn't."""
+    return verify(text.encode(), json.dumps(proof).encode()).refused
+
+
+def refused_text(program, forged):
+    """Return why a forged text is refused with its program's proof, into which its hash was put."""
+    proof = table(program)
+    proof["text"] = hashlib.sha256(forged.encode()).hexdigest()
+    return refused(forged, proof)
+
+
+def numbers(value, path=()):
+    """Yield the places of all numbers of a proof."""
+    if isinstance(value, dict):
+        for name, one in value.items():
+            yield from numbers(one, (*path, name))
+    elif isinstance(value, list):
+        for place, one in enumerate(value):
+            yield from numbers(one, (*path, place))
+    elif isinstance(value, int | float) and not isinstance(value, bool):
+        yield path
+
+
+def changed(proof, path, change):
+    """Return a copy of a proof in which the number at a place is changed."""
+    forged = copy.deepcopy(proof)
+    inner = forged
+    for name in path[:-1]:
+        inner = inner[name]
+    inner[path[-1]] = change(inner[path[-1]])
+    return forged

@@ -1,0 +1,169 @@
+"""The shares of programmed paths over time that a proof carries. Any that grow from 0 to 1 prove something: good ones prove most."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.claims import Claims
+from yarclang.certify.motion.bounds import HERMITE, HERMITE_RATE, Cubics
+from yarclang.certify.motion.pieces import Pieces, arm_bounds, frame_motion
+from yarclang.certify.motion.programmed import Arcs, Lines, Motion
+from yarclang.certify.motion.project import guess_by_length, project
+from yarclang.certify.motion.spline import NaturalSpline
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.robot.model import Array, Robot, Tolerance
+from yarclang.verify.paths import SHARE
+
+_REMAINDER = 0.2
+"""Pieces are so short that what lies between their ends costs at most about this share of the tolerance."""
+_MOST_PIECES = 64
+_BESIDE = 0.011
+"""The share of an arc that the checker wants between its via point and its ends, and a little more."""
+_NEAREST = 2e-4
+"""The distance that the checker wants between way-points of a spline [rad or m], and a little more."""
+_SHARP = 2e-4
+"""What lies between the ends of pieces costs at most about this share of a programmed speed."""
+
+
+def frame_proof(
+    layout: Layout, place: Place, start: Array, goal: Array, frame: Array, robot: Robot, tolerance: Tolerance
+) -> dict[str, Any] | str:
+    """Return the proof of a line or an arc; why there is none, for an arc whose via point doesn't say exactly where its circle is.
+
+    Args:
+        layout: the text's segments.
+        place: the motion, with segments.
+        start: base_from_moving (4, 4) where the path begins.
+        goal: base_from_moving (4, 4) where it ends.
+        frame: flange_from_moving (4, 4).
+        robot: the arm.
+        tolerance: of this motion.
+    """
+    motion = place.motion
+    cubics = layout.cubics(place.first, place.last)
+    owner = np.zeros(place.size, dtype=np.int64)
+    origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
+    # a chord is about sqrt 2 times the angle, and the programmed turn adds as much as the executed one
+    need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
+    count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
+    if (speed := motion.timing.speed) is not None and speed.length:
+        # the bounds of a speed are within a part of what it may be off
+        most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
+        count = min(max(count, math.ceil(most)), _MOST_PIECES)
+    cut = Pieces.cut(cubics, owner, np.full(place.size, count))
+    executed = frame_motion(robot.chain, cut, frame[None])
+    told: dict[str, Any] = {}
+    paths: Lines | Arcs
+    if isinstance(motion, hir.ArcMove):
+        paths = Arcs.through(start[None], motion.via[None], goal[None], frame[None])
+        told = _arc(paths, motion.via)
+        if not _BESIDE < told["via"] < 1.0 - _BESIDE:
+            return "its path, an arc whose via point is beside one of its ends"
+    else:
+        paths = Lines.between(start[None], goal[None], frame[None])
+    s, rate = _projected(paths, executed, cut, tolerance)
+    axis, angle = paths.turns.axis[0], float(paths.turns.theta[0])
+    if not axis.any():
+        axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
+    return {"axis": axis.tolist(), "angle": angle, **told, **_growing(s, rate, cut.d, count)}
+
+
+def _arc(paths: Arcs, via: Array) -> dict[str, Any]:
+    centre, spoke, side, sweep = paths.centre[0], paths.spoke[0], paths.side[0], float(paths.sweep[0])
+    away = via - centre
+    share = float(np.arctan2(away @ side, away @ spoke)) % (2.0 * np.pi) / sweep
+    return {
+        "centre": centre.tolist(),
+        "spoke": spoke.tolist(),
+        "side": side.tolist(),
+        "sweep": sweep,
+        "via": share,
+    }
+
+
+def _projected(
+    paths: Lines | Arcs, executed: Motion, cut: Pieces, tolerance: Tolerance
+) -> tuple[Array, Array]:
+    one = np.array([tolerance.position]), np.array([tolerance.angle])
+    return paths.project(executed, cut.owner, *one)
+
+
+def spline_proof(
+    layout: Layout, place: Place, points: Array, weights: Array, claims: Claims
+) -> dict[str, Any] | str | None:
+    """Return the proof of a natural spline in joint space; None for one that leads nowhere; why there is none, for way-points side by side.
+
+    Args:
+        layout: the text's segments.
+        place: the motion, with segments.
+        points: (m, n) where it begins, and its way-points [rad or m].
+        weights: (n,) one over the tolerance of each joint.
+        claims: the planner's; a claimed law is taken if it covers the motion.
+    """
+    spline = NaturalSpline.through(points)
+    if len(spline.y) == 1:
+        return None
+    if np.diff(spline.s).min() < _NEAREST:
+        return "its path, a spline with way-points side by side"
+    cubics = layout.cubics(place.first, place.last)
+    count = _pieces(_spline_need(cubics, spline, weights))
+    cut = Pieces.cut(cubics, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
+    end = float(spline.s[-1])
+    law = claims.laws.get(place.step)
+    if law is not None and law.shape == (place.size + 3,) and np.isfinite(law).all():
+        shares = Cubics.of_spline(law[:, None], np.arange(place.size), layout.time[place.first : place.last])
+        along = Pieces.cut(shares, np.zeros(place.size, dtype=np.int64), np.full(place.size, count))
+        return _growing(along.q[:, 0], along.rate[:, 0], cut.d, count)
+    guess, pace = guess_by_length(_Weighed(spline, weights), cut.q * weights, spline.s)
+    s, rate = project(_Weighed(spline, weights), cut.q * weights, cut.rate * weights, guess, pace, cut.d)
+    return _growing(s / end, rate / end, cut.d, count)
+
+
+class _Weighed:
+    """A spline in joints that count the same."""
+
+    def __init__(self, spline: NaturalSpline, weights: Array) -> None:
+        self._spline, self._weights = spline, weights
+
+    def at(self, s: Array) -> tuple[Array, Array]:
+        """Return y and y' at `s` (N,)."""
+        y, slope = self._spline.at(s)
+        return y * self._weights, slope * self._weights
+
+
+def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float:
+    """Return about what lies between the ends of whole segments, as a share of the tolerance."""
+    steepest = np.maximum(np.abs(np.diff(spline.y, axis=0)).max(axis=1) / np.diff(spline.s), 1e-3).min()
+    w = cubics.velocity_peaks().max(axis=1) / steepest
+    a = cubics.acceleration_peaks().max(axis=1) / steepest
+    j = cubics.jerk_peaks().max(axis=1) / steepest
+    bend = (np.abs(spline.bend) * weights).max()
+    third = (np.abs(np.diff(spline.bend, axis=0)) / np.diff(spline.s)[:, None] * weights).max()
+    fourth = 6.0 * w * w * a * third + (3.0 * a * a + 4.0 * w * j) * bend
+    return float((HERMITE * cubics.h**4 * fourth + cubics.h**3 * w**3 * third / 96.0).max())
+
+
+def _pieces(need: float) -> int:
+    """Return into how many pieces segments are cut, so that `need`, which falls with the fourth power of it, is small."""
+    return int(np.clip(math.ceil((need / _REMAINDER) ** 0.25), 1, _MOST_PIECES))
+
+
+def _growing(s: Array, rate: Array, d: Array, pieces: int) -> dict[str, Any]:
+    """Return s and s' as integers, changed by little so that the cubics between them grow from 0 to 1."""
+    share = np.clip(s, 0.0, 1.0)
+    share[0], share[-1] = 0.0, 1.0
+    share = np.round(np.maximum.accumulate(share) * SHARE)
+    # the inner Bezier points of a piece lie in order if both rates take no more than all of the way between them
+    rate = np.maximum(rate, 0.0) * SHARE
+    way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]
+    allowed = np.minimum(1.0, way * (1.0 - 1e-12) / np.maximum(both, 1e-300))
+    rate *= np.minimum(np.append(allowed, 1.0), np.append(1.0, allowed))
+    return {
+        "pieces": pieces,
+        "s": [int(one) for one in share],
+        "rates": [int(one) for one in np.floor(rate)],
+    }

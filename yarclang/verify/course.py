@@ -1,0 +1,297 @@
+"""What stands between the motions: rest, ways, the guard, what is assigned, and how long it takes."""
+
+import re
+from bisect import bisect
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from yarclang.verify.exact import RefusedError, need
+from yarclang.verify.reader import PRINTED, STEPS, Entry, Item, Text
+
+Point = tuple[int, ...]
+
+PARTING = ("when", "else", "end", "loop", "next", "exit", "endloop", "stop", "abort")
+"""Barriers at which ways part, meet, begin anew and end."""
+_OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
+"""Variables that belong to guard and motors: no inputs, and no outputs."""
+_NAMED = re.compile(r"(?<![A-Z0-9_$])[MPQ][0-9]{1,4}(?![0-9])")
+_LATE, _AHEAD = Fraction(1, 10), 2
+"""How late the guard may be [s], and how many lines the controller has taken out of the buffer."""
+
+
+@dataclass
+class Moved:
+    """A command of the map, and the segments that it has of its sequence.
+
+    Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and lasts `steps` / 4096
+    ms; `first` and `last` (not included) are the command's. A command without moves has none, and stands at
+    `begin`.
+    """
+
+    entry: Entry
+    begin: Point
+    end: Point
+    control: list[Point] = field(default_factory=list)
+    steps: int = 0
+    first: int = 0
+    last: int = 0
+    before: int | None = None
+    run: int = -1
+
+    @property
+    def seconds(self) -> Fraction:
+        """The duration of a segment [s]."""
+        return Fraction(self.steps, STEPS * 1000)
+
+
+@dataclass
+class _Open:
+    """A WHEN or a loop that isn't ended: where it began, and where its first way or an EXIT ended."""
+
+    loop: bool
+    before: Point
+    other: Point | None = None
+    over: bool = False
+    parted: bool = False
+
+
+class _Standing:
+    """Where the robot stands; `over` if no way leads here. Ways that meet end at one place."""
+
+    def __init__(self, at: Point, slack: int) -> None:
+        self.at, self.slack, self.over = at, slack, False
+        self.open: list[_Open] = []
+
+    def same(self, one: Point, other: Point, line: int) -> None:
+        """Refuse two places that are farther apart than the last printed digit."""
+        apart = max(abs(a - b) for a, b in zip(one, other, strict=True))
+        need(apart <= self.slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
+
+    def _innermost(self, loop: bool, line: int) -> _Open:
+        need(bool(self.open) and self.open[-1].loop == loop, f"line {line} ends or parts what isn't open")
+        return self.open[-1]
+
+    def passes(self, kind: str, line: int) -> None:
+        """Go through a barrier of a kind."""
+        if kind in ("when", "loop"):
+            self.open.append(_Open(kind == "loop", self.at))
+        elif kind in ("stop", "abort"):
+            self.over = True
+        elif kind == "else":
+            when = self._innermost(False, line)
+            need(not when.parted, f"line {line} is a second ELSE")
+            when.other, when.parted, when.over = self.at, True, self.over
+            self.at, self.over = when.before, False
+        elif kind == "end":
+            when = self._innermost(False, line)
+            self.open.pop()
+            other = when.before if when.other is None else when.other
+            if self.over and not when.over:
+                self.at, self.over = other, False
+            elif not when.over:
+                self.same(self.at, other, line)
+        elif kind in ("next", "exit"):
+            loops = [one for one in self.open if one.loop]
+            need(bool(loops), f"line {line} belongs to a loop, and none is open")
+            loop, over, self.over = loops[-1], self.over, True
+            if kind == "next" and not over:
+                self.same(self.at, loop.before, line)
+            elif kind == "exit" and not over and loop.other is None:
+                loop.other = self.at
+            elif kind == "exit" and not over and loop.other is not None:
+                self.same(self.at, loop.other, line)
+        elif kind == "endloop":
+            loop = self._innermost(True, line)
+            self.open.pop()
+            if loop.other is not None and not self.over:
+                self.same(self.at, loop.other, line)
+            elif loop.other is not None:
+                self.at, self.over = loop.other, False
+
+
+def follow(text: Text) -> tuple[list[Moved], list[str]]:
+    """Return the commands with their segments, and all that the text does, in order.
+
+    The controller begins a sequence at rest where it stands, S, and ends it at rest in its last point E: its
+    control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers come at rest, or an output in
+    a blend's middle.
+    """
+    moving = [entry for entry in text.entries if entry.first]
+    found: list[Moved] = []
+    done: list[str] = []
+    standing = _Standing(text.start, min(PRINTED // 10**text.decimals, PRINTED // 500))
+    waiting = list(moving)
+    behind: Item | None = None
+    step = -1
+    for number, item in enumerate(text.course):
+        if item.kind in ("put", "barrier"):
+            need(behind is None or behind.kind != "run", f"line {item.line} comes before a motion's end")
+        if item.kind == "run":
+            step = _sequence(number, item, standing, waiting, found, done, step)
+        elif item.kind == "stand":
+            need(behind is not None and behind.kind == "barrier", f"line {item.line}: a RAPID elsewhere")
+            standing.same(item.points[0], standing.at, item.line)
+            standing.at = item.points[0]
+        elif item.kind == "barrier":
+            kind = text.barriers[item.line][2]
+            need(step < item.step, f"line {item.line} isn't in the order of the map")
+            reached = not standing.over or kind in ("else", "end", "endloop")
+            need(reached, f"line {item.line} is never reached")
+            step = item.step
+            standing.passes(kind, item.line)
+            done.append(f"barrier {item.what}")
+        elif item.kind == "put" or Fraction(item.what) > 0:
+            done.append(f"{item.kind} {item.what}")
+        behind = item
+    need(not waiting, "the map has a command whose moves aren't there")
+    need(not standing.open, "a way or a loop of the text has no end")
+    by_step = {one.entry.step: one for one in found}
+    at, rows = text.start, []
+    for entry in text.entries:  # a command without moves stands where the one before it ended
+        one = by_step.get(entry.step) or Moved(entry, at, at)
+        at = one.end
+        rows.append(one)
+    return rows, done
+
+
+def _sequence(
+    number: int,
+    item: Item,
+    standing: _Standing,
+    waiting: list[Entry],
+    found: list[Moved],
+    done: list[str],
+    step: int,
+) -> int:
+    """Give the segments of a sequence to its commands; return the last command's step."""
+    need(not standing.over, f"line {item.line} is never reached")
+    start, points = standing.at, item.points
+    control = [start, start, start, *points, points[-1], points[-1]]
+    place, before = 0, None
+    puts = list(item.puts)
+    numbers = {line: k for k, line in enumerate(item.lines)}
+    while place < len(points):
+        need(bool(waiting), f"the moves from line {item.lines[place]} on belong to no command")
+        entry = waiting.pop(0)
+        need(step < entry.step, f"command {entry.step} isn't in the order of the map")
+        fits = entry.first == item.lines[place] and entry.last in numbers
+        need(fits, f"command {entry.step} has other lines")
+        behind = numbers[entry.last] + 1
+        need(behind > place, f"the lines of command {entry.step} end before they begin")
+        last = behind + (2 if behind == len(points) else 0)
+        rests = len(set(control[last : last + 3])) == 1
+        knots = [a + 4 * b + c for a, b, c in zip(*control[last : last + 3], strict=True)]
+        end = control[last + 2] if rests else tuple(knot // 6 for knot in knots)
+        one = Moved(entry, standing.at, end, control, item.steps, place, last, before, number)
+        blend = entry.blend
+        need(blend is not None or rests, f"command {entry.step} doesn't end at rest")
+        need(blend is None or behind < len(points), f"command {entry.step} flows on into nothing")
+        need((blend or 0) % 2 == 0, f"command {entry.step} has a blend without a middle")
+        longest = (last - place) * 2 + 1
+        need((before or 0) + (blend or 0) <= longest, f"command {entry.step} is shorter than its blends")
+        found.append(one)
+        done.append(f"move {entry.step}")
+        for line, what in list(puts):
+            off = bisect(item.lines, line) - behind
+            if off <= 1:
+                need(off >= -1 and blend is not None, f"line {line}: an output not in a blend's middle")
+                done.append(f"put {what}")
+                puts.pop(0)
+        standing.at, place, before, step = end, behind, blend, entry.step
+    need(not puts, "an output is set after the last blend of a sequence")
+    return step
+
+
+def seconds_of(text: Text) -> tuple[Fraction, int] | None:
+    """Return how long moves and dwells take [s], and how often is waited; None where ways part."""
+    total, waits = Fraction(0), 0
+    for item in text.course:
+        if item.kind == "run":
+            total += Fraction((len(item.points) + 2) * item.steps, STEPS * 1000)
+        elif item.kind == "dwell":
+            total += Fraction(item.what) / 1000
+        elif item.kind == "barrier":
+            kind = text.barriers[item.line][2]
+            if kind in PARTING:
+                return None
+            waits += kind in ("wait", "hold")
+    return total, waits
+
+
+def check_duration(text: Text) -> bool:
+    """Check the header's duration; return False where ways part, and it isn't checked."""
+    found = seconds_of(text)
+    if found is None:
+        return False
+    seconds, waits = found
+    count = f" and {waits} wait{'s' * (waits != 1)}" if waits else ""
+    said = re.match(r"([0-9]{1,9}\.[0-9]{3}) s( and [0-9]{1,9} waits?)?(?=,|$)", text.duration)
+    need(said is not None, "the header has no duration of a text whose ways don't part")
+    if said is not None:
+        off = abs(Fraction(said[1]) - seconds)
+        same = off <= Fraction(1, 1999) and (said[2] or "") == count
+        need(same, "the header says another duration than the text has")
+    return True
+
+
+def check_guard(text: Text, robot: dict[str, Any]) -> None:
+    """Check that a host that dies leaves lines for a hold, and that no hold comes at a motion's end."""
+    low, full, words = text.marks
+    runs = [item for item in text.course if item.kind == "run"]
+    smallest = 3 * (robot["i8"] + 1) * Fraction(robot["i10"], 8_388_608)
+    for run in runs:
+        long = Fraction(run.steps, STEPS) >= smallest * (1 - Fraction(1, 10**9))
+        need(long, f"line {run.line}: TM below {float(smallest):.6g} ms")
+    if runs:
+        ahead = low * Fraction(min(run.steps for run in runs), STEPS * 1000)
+        enough = ahead * (1 + Fraction(1, 10**9)) >= robot["hold_time"] / 2 + _LATE
+        need(enough, "I16 lines are too short for a hold")
+    need(low < full, "I17 isn't above I16")
+    need(full + _AHEAD <= words // (len(robot["axes"]) + 2), "the buffer can't hold I17 lines")
+    need(words >= robot["rotary_words"], "the buffer is smaller than the robot's is to be")
+    barriers = [item.line for item in text.course if item.kind == "barrier"]
+    lines = [line for run in runs for line in run.lines]
+    for begin, end in pairwise([0, *barriers, 1 << 62]):
+        moves = lines[bisect(lines, begin) : bisect(lines, end)]
+        arms = [arm for arm in text.arms if begin <= arm[0] < end]
+        if len(moves) <= full + _AHEAD:
+            need(not arms, f"a stretch of {len(moves)} moves arms or disarms the guard")
+            continue
+        armed = [on for _, on in arms] == [True, False]
+        need(armed, f"the guard isn't armed and disarmed once from line {begin} on")
+        left = len(moves) - bisect(moves, arms[1][0])
+        need(arms[0][0] < moves[0], f"line {arms[0][0]}: the guard is armed late")
+        need(low <= left <= low + _AHEAD, f"line {arms[1][0]}: the guard is off too early or late")
+
+
+def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:
+    """Check that nothing but outputs is assigned, and no variable of guard or motors asked."""
+    puts = [
+        what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
+    ]
+    for put in [*filter(None, puts), *text.safe]:
+        need(put.partition("=")[0] in outputs, f"{put}: no output of the program")
+    need(len({put.partition("=")[0] for put in text.safe}) == len(text.safe), "an output has two safe values")
+    asked = [name for what, _, _ in text.barriers.values() for name in _NAMED.findall(what.split()[2])]
+    for name in [*asked, *outputs]:
+        own = _OWN.fullmatch(name) or name in robot["feedback"] or int(name[1:]) > 8191
+        need(not own and name[1:] == str(int(name[1:])), f"{name} is a variable of the guard or of motors")
+    for what, _, kind in text.barriers.values():
+        into, assigns, _ = what.split()[2].partition(":=")
+        if kind == "set" and assigns and not into.startswith("$"):
+            need(set(into.split(",")) <= set(outputs), f"{into}: no output of the program")
+
+
+def check_start(text: Text, robot: dict[str, Any], start: list[Fraction]) -> None:
+    """Check the start against the program's and the header's, to the last printed digit."""
+    exact = min(Fraction(1, 2 * 10**text.decimals), Fraction(1, 1000)) + Fraction(1, 10**9)
+    for at, meant in zip(text.start, start, strict=True):
+        need(abs(Fraction(at, PRINTED) - meant) <= exact, "the text starts elsewhere than the program")
+    numbers = re.findall(r"([A-Z])(-?[0-9]+(?:\.[0-9]+)?)", text.start_said)
+    need("".join(map("".join, numbers)) == text.start_said, "the header's start can't be read")
+    need([axis for axis, _ in numbers] == robot["axes"], "the header's start has other axes")
+    for at, (_, said) in zip(text.start, numbers, strict=True):
+        if abs(Fraction(at, PRINTED) - Fraction(said)) > Fraction(1, 10**9):
+            raise RefusedError("the header says another start than the text has")

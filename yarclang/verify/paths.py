@@ -1,0 +1,318 @@
+"""How far a motion is from its programmed path, in order of time, and all of the path.
+
+For any s(t) that grows from 0 to 1, the distance e(t) of where the robot is from the path's place at s(t)
+bounds the distance of both ways. The proof gives s and s' at the ends of equal pieces of each segment;
+between them s is the cubic with these values, which grows if its Bezier points do. With e and e' at both ends
+of a piece of d seconds, e stays within the four Bezier points of its cubic but for d^4 / 384 times its
+largest fourth derivative: the arm's, and the path's |P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4
+|s' s'''|), with F2 to F4 its derivatives over s.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import isqrt
+from typing import Any
+
+from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Frame, Vector, cross, dot, in_si, placed
+from yarclang.verify.course import Moved
+from yarclang.verify.exact import (
+    BITS,
+    ONE,
+    PI,
+    SLACK,
+    above,
+    fixed,
+    length,
+    need,
+    root,
+    sine_and_cosine,
+    times,
+)
+from yarclang.verify.reader import PRINTED
+
+SHARE = 10**10
+"""The proof's s and s' are integers in 1e-10, per s."""
+_SAME = ONE >> 30
+"""A turn leads to its goal but for this: 1e-9 rad."""
+_ROUND = ONE >> 42
+"""An arc passes its three points, and is round, but for this: 2e-13 m, less than 1e-9 m anywhere."""
+
+
+@dataclass
+class Piece:
+    """A piece of a segment, of `d` seconds: s and s' at both ends, and bounds of |s'|, |s''|, |s'''|."""
+
+    d: Fraction
+    s: tuple[int, int]
+    rates: tuple[int, int]
+    bends: tuple[int, int, int]
+    segment: int
+    place: tuple[int, int]
+
+
+class Motion:
+    """A motion of the text in SI: joint positions and rates at the ends of pieces, bounds on segments."""
+
+    def __init__(self, row: Moved, arm: Arm, pieces: int) -> None:
+        need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
+        self.row, self.arm, self.pieces = row, arm, pieces
+        self.count = row.last - row.first
+
+    def at(self, segment: int, place: int) -> tuple[list[int], list[int]]:
+        """Return joint positions and rates at the end of so many pieces of a segment of the motion."""
+        k, i = self.pieces, place
+        a, b, c, e = self.row.control[self.row.first + segment : self.row.first + segment + 4]
+        w = k - i
+        shares = (
+            w**3,
+            3 * i**3 - 6 * i * i * k + 4 * k**3,
+            -3 * i**3 + 3 * i * i * k + 3 * i * k * k + k**3,
+            i**3,
+        )
+        steps = (w * w, k * k + 2 * i * k - 2 * i * i, i * i)
+        rate = Fraction(1, 1) / self.row.seconds
+        q, rates = [], []
+        for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
+            here = shares[0] * f0 + shares[1] * f1 + shares[2] * f2 + shares[3] * f3
+            q.append(in_si(here, 6 * k**3 * PRINTED, turns))
+            move = steps[0] * (f1 - f0) + steps[1] * (f2 - f1) + steps[2] * (f3 - f2)
+            rates.append(in_si(move * rate.numerator, 2 * k * k * PRINTED * rate.denominator, turns))
+        return q, rates
+
+    def bounds(self, segment: int) -> tuple[list[int], list[int], list[int]]:
+        """Return bounds of |q'|, |q''| and |q'''| of each joint on a segment."""
+        a, b, c, e = self.row.control[self.row.first + segment : self.row.first + segment + 4]
+        time = self.row.seconds
+        w, bend, jerk = [], [], []
+        for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
+            one, two, three = f1 - f0, f2 - f1, f3 - f2
+            w.append(_si_above(max(abs(one + two), 2 * abs(two), abs(two + three)), time, 2, turns))
+            bend.append(_si_above(max(abs(two - one), abs(three - two)), time**2, 1, turns))
+            jerk.append(_si_above(abs(three - 2 * two + one), time**3, 1, turns))
+        return w, bend, jerk
+
+
+def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
+    return in_si(number * time.denominator, PRINTED * time.numerator * divisor, turns) + (ONE >> 100)
+
+
+def pieces_of(motion: Motion, shares: Sequence[int], rates: Sequence[int]) -> Iterator[Piece]:
+    """Yield the pieces of a motion; s begins with 0, ends with 1, and never goes back."""
+    count = motion.count * motion.pieces
+    need(len(shares) == len(rates) == count + 1, "the proof has another number of places than pieces and one")
+    need(shares[0] == 0 and shares[-1] == SHARE, "s doesn't lead from the start of the path to its end")
+    d = motion.row.seconds / motion.pieces
+    for k in range(count):
+        points = [
+            Fraction(shares[k]),
+            shares[k] + rates[k] * d / 3,
+            shares[k + 1] - rates[k + 1] * d / 3,
+            Fraction(shares[k + 1]),
+        ]
+        steps = [b - a for a, b in pairwise(points)]
+        need(min(steps) >= 0, f"s goes back on piece {k}")
+        s1 = max(steps) * 3 / d
+        bends = [(b - a) * 6 / d**2 for a, b in pairwise(steps)]
+        s3 = abs(bends[1] - bends[0]) / d
+        most = (above(s1 / SHARE), above(max(map(abs, bends)) / SHARE), above(s3 / SHARE))
+        ends = (fixed(Fraction(shares[k], SHARE)), fixed(Fraction(shares[k + 1], SHARE)))
+        slopes = (fixed(Fraction(rates[k], SHARE)), fixed(Fraction(rates[k + 1], SHARE)))
+        segment, place = divmod(k, motion.pieces)
+        yield Piece(d, ends, slopes, most, segment, (place, place + 1))
+
+
+def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
+    """Return the bound of |P(s(t))''''| by those of the second to the fourth derivative of P over s."""
+    second, third, last = derivatives
+    w, a, j = bends
+    square = times(w, w)
+    return (
+        times(last, times(square, square))
+        + 6 * times(third, times(square, a))
+        + times(second, 3 * times(a, a) + 4 * times(w, j))
+    )
+
+
+def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: Sequence[int], d: int) -> int:
+    """Return the longest of the four Bezier points of the cubic with these values and rates at its ends."""
+    inner = [x + (d * v >> BITS) // 3 for x, v in zip(e, e_rate, strict=True)]
+    outer = [x - (d * v >> BITS) // 3 for x, v in zip(f, f_rate, strict=True)]
+    return max(length(*e), length(*inner), length(*outer), length(*f)) + SLACK
+
+
+class Turn:
+    """A turn from one rotation to another one about a told axis by a told angle of half a turn at most."""
+
+    def __init__(
+        self, start: list[Vector], goal: list[Vector], axis: Sequence[Fraction], angle: Fraction
+    ) -> None:
+        self.axis, self.angle = [fixed(one) for one in axis], fixed(angle)
+        need(
+            abs(dot(self.axis, self.axis) - ONE) < _SAME and 0 <= self.angle <= PI + _SAME,
+            "a turn without an axis",
+        )
+        self.start = start
+        self.once = [cross(self.axis, column) for column in start]
+        self.twice = [cross(self.axis, column) for column in self.once]
+        for column, meant in zip(self.at(ONE)[0], goal, strict=True):
+            need(
+                max(abs(a - b) for a, b in zip(column, meant, strict=True)) < _SAME,
+                "a turn doesn't lead to its goal",
+            )
+        self.derivatives = [times(SQUARE_ROOT_OF_2, *[self.angle + _SAME] * k) for k in (2, 3, 4)]
+
+    def at(self, s: int) -> tuple[list[Vector], list[Vector]]:
+        """Return the columns of R0 + sin K R0 + (1 - cos) K^2 R0 at s, and their derivatives over s."""
+        sine, cosine = sine_and_cosine(s * self.angle >> BITS)
+        columns, slopes = [], []
+        for base, once, twice in zip(self.start, self.once, self.twice, strict=True):
+            columns.append(
+                [
+                    a + ((b * sine + c * (ONE - cosine)) >> BITS)
+                    for a, b, c in zip(base, once, twice, strict=True)
+                ]
+            )
+            slopes.append(
+                [
+                    ((b * cosine + c * sine) >> BITS) * self.angle >> BITS
+                    for b, c in zip(once, twice, strict=True)
+                ]
+            )
+        return columns, slopes
+
+
+Place = Callable[[int], tuple[Vector, Vector]]
+"""A path of the origin: its place at s, and the derivative over s."""
+
+
+def line(start: Vector, goal: Vector) -> tuple[Place, list[int]]:
+    """Return a straight line, and its second to fourth derivatives: none."""
+    way = [b - a for a, b in zip(start, goal, strict=True)]
+    return lambda s: ([a + (s * w >> BITS) for a, w in zip(start, way, strict=True)], way), [0, 0, 0]
+
+
+def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple[Place, list[int]]:
+    """Return an arc of less than a turn by its centre, spoke, side and sweep; it passes `via`."""
+    centre, spoke, side = ([fixed(x) for x in told[name]] for name in ("centre", "spoke", "side"))
+    sweep = fixed(told["sweep"])
+    radius = length(*spoke)
+    need(
+        0 < sweep < 2 * PI and Fraction(1, 100) < told["via"] < Fraction(99, 100) and radius < 64 * ONE,
+        "an arc is told by other numbers",
+    )
+    need(abs(dot(spoke, side)) < _ROUND, "an arc isn't a circle's")
+    need(abs(dot(spoke, spoke) - dot(side, side)) < _ROUND, "an arc isn't a circle's")
+
+    def at(s: int) -> tuple[Vector, Vector]:
+        sine, cosine = sine_and_cosine(s * sweep >> BITS)
+        triple = list(zip(centre, spoke, side, strict=True))
+        place = [c + ((cosine * a + sine * b) >> BITS) for c, a, b in triple]
+        return place, [((cosine * b - sine * a) >> BITS) * sweep >> BITS for _, a, b in triple]
+
+    for s, meant in ((0, start), (fixed(told["via"]), via), (ONE, goal)):
+        off = length(*(a - b for a, b in zip(at(s)[0], meant, strict=True)))
+        need(off < _ROUND, f"an arc isn't where it is to be: {off / ONE:.3g} m away")
+    return at, [times(radius + _SAME, *[sweep + 1] * k) for k in (2, 3, 4)]
+
+
+def frame_path(
+    motion: Motion, told: dict[str, Any], proof: dict[str, Any]
+) -> tuple[int, int, list[tuple[int, int]]]:
+    """Return how far a frame is from its path at most, how far turned (as a chord), and its speeds on pieces.
+
+    The path is a line or an arc. The chord is the Frobenius norm of the difference of both rotations,
+    2 sqrt 2 sin(angle / 2).
+    """
+    control = motion.row.control[motion.row.first : motion.row.last + 3]
+    tool = placed(told["tool"])
+    columns, goal = placed(told["pose"])
+    start = motion.arm.frame(*motion.at(0, 0), tool)
+    turn = Turn(start.axes, columns, proof["axis"], proof["angle"])
+    if told["move"] == "arc":
+        place, bends = arc(start.origin, goal, proof, [fixed(x) for x in told["via"]])
+    else:
+        place, bends = line(start.origin, goal)
+    travel = [max(abs(point[joint]) for point in control) for joint in range(len(motion.arm.turns))]
+    slides = [
+        0 if turns else in_si(x, PRINTED, turns) + 1
+        for x, turns in zip(travel, motion.arm.turns, strict=True)
+    ]
+    reach = motion.arm.reaches(tool, slides)
+    most = chord = 0
+    speeds = []
+    here = start
+    begin = fixed(Fraction(proof["rates"][0], SHARE))
+    segment, arm_bends, error = -1, (0, 0), _error(start, place, turn, 0, begin)
+    for piece in pieces_of(motion, proof["s"], proof["rates"]):
+        if piece.segment != segment:
+            segment, arm_bends = piece.segment, motion.arm.bends(reach, *motion.bounds(piece.segment))
+        frame = motion.arm.frame(*motion.at(segment, piece.place[1]), tool)
+        then = _error(frame, place, turn, piece.s[1], piece.rates[1])
+        d = above(piece.d)
+        rest = times(d, d, d, d)
+        off = times(rest, arm_bends[0] + path_bend(bends, piece.bends)) // 384 + 1
+        most = max(most, farthest(*error[:2], *then[:2], d) + off)
+        off = times(rest, arm_bends[1] + path_bend(turn.derivatives, piece.bends)) // 384 + 1
+        chord = max(chord, farthest(*error[2:], *then[2:], d) + off)
+        speeds.append(speeds_on(here, frame, d, arm_bends[0]))
+        error, here = then, frame
+    return most, chord, speeds
+
+
+def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
+    """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
+
+    The velocity is that of the cubic with both places and velocities, a parabola with the Bezier points v, m,
+    w, but for sqrt(3) / 216 d^3 times the fourth derivative. The square of its length is within its own.
+    """
+    v, w = begin.rate, end.rate
+    ways = zip(begin.origin, end.origin, v, w, strict=True)
+    m = [(3 * (b - a) << BITS) // d - x - y for a, b, x, y in ways]
+    squares = (dot(v, v), dot(v, m), (dot(v, w) + 2 * dot(m, m)) // 3, dot(m, w), dot(w, w))
+    rest = times(d, d, d, bend) * 9 // 1000 + SLACK  # sqrt(3) / 216 = 0.0080
+    return max(isqrt(max(min(squares), 0) << BITS) - rest, 0), root(max(squares)) + rest
+
+
+def check_speeds(told: dict[str, Any], speeds: Sequence[tuple[int, int]], title: str) -> str:
+    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what isn't checked."""
+    off = Fraction(1, 1000)
+    least, most = min(low for low, _ in speeds), max(high for _, high in speeds)
+    if "ceiling" in told:
+        need(most <= fixed(told["ceiling"] / 1000 * (1 + off)), f"{title}: faster than its ceiling")
+    if "speed" not in told:
+        return ""
+    top, kept = told["speed"][0], told.get("kept", Fraction(1))
+    need(0 < kept <= 1, f"{title}: a share of a speed beyond 1")
+    if top is None:
+        return "its speed, which is a turn's"
+    need(most <= fixed(top / 1000 * (1 + off)), f"{title}: faster than its speed")
+    slow = above(top * kept / 1000 * (1 - off))
+    steady = [k for k, (low, _) in enumerate(speeds) if low >= slow]
+    if not steady:
+        return "its speed, which it keeps on no whole piece, as a turn does"
+    least = min(low for low, _ in speeds[steady[0] : steady[-1] + 1])
+    need(least >= slow, f"{title}: slower than its speed between its ramps")
+    return ""
+
+
+def _error(
+    frame: Frame, place: Place, turn: Turn, s: int, rate: int
+) -> tuple[list[int], list[int], list[int], list[int]]:
+    """Return where a frame is minus where its path is at s, with the rate; the same of its rotation."""
+    p, slope = place(s)
+    e = [a - b for a, b in zip(frame.origin, p, strict=True)]
+    e_rate = [v - (rate * b >> BITS) for v, b in zip(frame.rate, slope, strict=True)]
+    columns, slopes = turn.at(s)
+    off, off_rate = [], []
+    for column, meant, along in zip(frame.axes, columns, slopes, strict=True):
+        off += [a - b for a, b in zip(column, meant, strict=True)]
+        off_rate += [v - (rate * b >> BITS) for v, b in zip(cross(frame.spin, column), along, strict=True)]
+    return e, e_rate, off, off_rate
+
+
+def chord_of(angle: int) -> int:
+    """Return the chord, as of `frame_path`, of a turn by an angle, not too large: 2 sqrt 2 sin(angle / 2)."""
+    sine, _ = sine_and_cosine(min(angle, PI) // 2)
+    return 2 * (sine * 14142 // 10000) - SLACK

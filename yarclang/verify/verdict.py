@@ -1,0 +1,293 @@
+"""The verdict: what a text does, by its proof, on the robot that the proof tells of."""
+
+import hashlib
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import chain
+from typing import Any, NoReturn
+
+from yarclang.verify import course, joints
+from yarclang.verify.arm import Arm, in_si, placed
+from yarclang.verify.course import Moved
+from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need
+from yarclang.verify.limits import check_limits
+from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
+from yarclang.verify.reader import PRINTED, STEPS, read
+
+_LIMITS = ("velocity", "acceleration", "jerk", "motor_velocity")
+FORM = 1
+"""The form of proofs that this checker reads."""
+ALWAYS_UNCHECKED = (
+    "collisions of the robot with itself and with its cell, zones, and parts that are carried",
+    "torques",
+    "that program and robot's numbers, as told here, are those of the source and of the robot's files",
+)
+_MALFORMED = (
+    KeyError,
+    TypeError,
+    ValueError,
+    IndexError,
+    AttributeError,
+    ZeroDivisionError,
+    RecursionError,
+    OverflowError,
+    MemoryError,
+)
+
+
+@dataclass
+class Verdict:
+    """What was found. `refused` says why the text or its proof is wrong, and is empty if it isn't.
+
+    `checked` and `unchecked` say what was decided and what wasn't, `told` what the proof says of robot and
+    program.
+    """
+
+    refused: str = ""
+    checked: list[str] = field(default_factory=list)
+    unchecked: list[str] = field(default_factory=list)
+    told: list[str] = field(default_factory=list)
+
+
+def verify(text: bytes, proof: bytes) -> Verdict:
+    """Decide about a text by its proof."""
+    verdict = Verdict()
+    try:
+        _verify(text, _read_proof(proof), verdict)
+    except RefusedError as refusal:
+        verdict.refused = str(refusal)
+    except _MALFORMED as error:
+        verdict.refused = f"the proof isn't in its form: {type(error).__name__} {error}"[:300]
+    return verdict
+
+
+def _read_proof(proof: bytes) -> dict[str, Any]:
+    """Read a proof: all its numbers are exact, no name stands twice."""
+
+    def number(printed: str) -> Fraction:
+        found = re.fullmatch(r"-?[0-9]{1,30}(\.[0-9]{1,30})?([eE][-+]?[0-9]{1,2})?", printed)
+        need(found is not None, "a number is too long")
+        return Fraction(printed)
+
+    def once(pairs: Sequence[tuple[str, Any]]) -> dict[str, Any]:
+        need(len(dict(pairs)) == len(pairs), "a name stands twice in the proof")
+        return dict(pairs)
+
+    def refuse(constant: str) -> NoReturn:
+        raise RefusedError(f"{constant} is no number")
+
+    read_ = json.loads(
+        proof, parse_float=number, parse_int=number, parse_constant=refuse, object_pairs_hook=once
+    )
+    need(isinstance(read_, dict), "the proof is no table")
+    return dict(read_)
+
+
+def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
+    need(proof["form"] == FORM, f"the proof has form {proof['form']}, this checker reads {FORM}")
+    need(hashlib.sha256(text).hexdigest() == proof["text"], "the proof is for another text")
+    robot, program = proof["robot"], proof["program"]
+    _check_robot(robot, verdict)
+    content = read(text.decode("ascii"), robot["axes"], robot["motors"], robot["coordinate_system"])
+    need(content.version == proof["version"], "the proof was made by another version than the text")
+    same = (content.robot, content.fingerprint) == (robot["name"], robot["fingerprint"])
+    need(same, "the proof tells of another robot than the text")
+    arm = Arm(robot)
+    course.check_start(content, robot, program["start"])
+    rows, done = course.follow(content)
+    titles = [step["title"] for step in program["steps"]]
+    need([entry.title for entry in content.entries] == titles, "the text has other commands than told")
+    need(done == program["course"], "the text does something else than told, or in another order")
+    same = (content.safe, content.registers) == (program["safe"], program["registers"])
+    need(same, "the text has other safe values or registers than told")
+    course.check_guard(content, robot)
+    course.check_variables(content, robot, program["outputs"])
+    verdict.checked += [
+        "every line has the form that its place allows, and the controller keeps all segment times",
+        "the told commands, dwells, outputs, barriers, registers, in order, at rest or in a blend's middle",
+        "ways that meet, and passes of a loop, end at one place; a RAPID leads to where the robot stands",
+        "the guard, and that nothing but the told outputs is assigned",
+        "start, as told and as the header says it",
+    ]
+    if course.check_duration(content):
+        verdict.checked.append("the header's duration")
+    else:
+        verdict.unchecked.append("the header's duration, since ways part")
+    for row, step in zip(rows, program["steps"], strict=True):
+        free = bool(step.get("any_jerk", False))
+        need(free or not row.entry.any_jerk, f"{row.entry.title}: its jerk is free, and isn't told to be")
+    _check_stands(content.start, robot)
+    shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
+    verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
+    for name in ("start", "outputs", "safe", "registers"):
+        verdict.told.append(f"program {name}: {_shown(program[name])}")
+    verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
+    _check_motions(rows, program, proof, arm, verdict)
+    verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
+    """Check the form of the robot's numbers, and tell them."""
+    size = len(robot["joints"])
+    need(0 < size <= 16, "the robot has 1 to 16 joints")
+    for name in f"axes kinds motors counts {' '.join(_LIMITS)} lower upper".split():
+        need(len(robot[name]) == size, f"the robot has another number of {name} than joints")
+    need(all(kind in ("turns", "slides") for kind in robot["kinds"]), "a joint that neither turns nor slides")
+    ends = [one for one in (*robot["lower"], *robot["upper"]) if one is not None]
+    counts = [one for row in robot["counts"] for one in row]
+    need(all(isinstance(one, Fraction) for one in (*ends, *counts)), "a number is none")
+    for name in _LIMITS:
+        positive = all(isinstance(one, Fraction) and one > 0 for one in robot[name])
+        need(positive, f"a limit of {name} that isn't above 0")
+    for name in ("coordinate_system", "i8", "i10", "rotary_words"):
+        need(robot[name].denominator == 1, f"{name} is no integer")
+        robot[name] = int(robot[name])
+    robot["motors"] = [int(one) for one in robot["motors"]]
+    need(robot["i8"] >= 0 and robot["i10"] > 0 and robot["hold_time"] > 0, "a time that isn't above 0")
+    need(len(set(robot["axes"])) == size and all(re.fullmatch("[A-Z]", one) for one in robot["axes"]), "axes")
+    verdict.told.append(f"robot {robot['name']} {robot['fingerprint']}")
+    for name, value in robot.items():
+        if name not in ("name", "fingerprint"):
+            verdict.told.append(f"robot {name}: {_shown(value)}")
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, list):
+        return f"[{', '.join(map(_shown, value))}]"
+    if isinstance(value, dict):
+        return " ".join(f"{name} {_shown(one)}" for name, one in value.items())
+    return f"{float(value):.12g}" if isinstance(value, Fraction) else str(value)
+
+
+def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
+    for at, low, high, name in zip(start, robot["lower"], robot["upper"], robot["joints"], strict=True):
+        past = max(0 if low is None else low * PRINTED - at, 0 if high is None else at - high * PRINTED)
+        need(past <= PRINTED // 10**9, f"the text starts with {name} beyond its range")
+
+
+def _check_motions(
+    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
+) -> None:
+    """Check each motion against what the program tells of it."""
+    widest: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
+    alone = together = still = 0
+    for row, told in zip(rows, program["steps"], strict=True):
+        if "move" not in told:
+            need(not row.control, f"{row.entry.title}: the map gives moves to a command that is no motion")
+            continue
+        title = row.entry.title
+        _tell(title, told, verdict)
+        if row.entry.any_jerk:
+            verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
+        if row.before is not None or row.entry.blend is not None:
+            together += 1
+            continue
+        _check_time(row, told)
+        widest = (max(widest[0], told["tolerance"][0]), max(widest[1], told["tolerance"][1]))
+        reason = _check_path(row, told, proof["motions"].get(str(row.entry.step)), arm, verdict)
+        for name in ("speed", "ceiling"):
+            if name in told and (reason or told["move"] not in ("line", "arc")):
+                verdict.unchecked.append(f"{title}: its {name} of {_shown(told[name])}")
+        if reason:
+            verdict.unchecked.append(f"{title}: {reason}")
+            continue
+        alone, still = alone + 1, still + (not row.control)
+    if alone:
+        verdict.checked.append(
+            f"{alone} motions from rest to rest ({still} of them lead nowhere) keep their times, speeds and "
+            f"paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
+            f"{float(widest[1]):g} deg at most"
+        )
+    if together:
+        verdict.unchecked.append(
+            f"paths, times and speeds of {together} motions that flow into others (their limits are checked)"
+        )
+
+
+def _tell(title: str, told: dict[str, Any], verdict: Verdict) -> None:
+    numbers = "; ".join(
+        f"{name} {_shown(value)}" for name, value in told.items() if name not in ("move", "title")
+    )
+    verdict.told.append(f"{title}: {told['move']}; {numbers}")
+
+
+def _check_time(row: Moved, told: dict[str, Any]) -> None:
+    """Check the programmed time: the controller's steps of it may cost each segment half a step."""
+    if "duration" in told and row.control:
+        segments = row.last - row.first
+        off = abs(segments * row.seconds - told["duration"])
+        allowed = Fraction(segments, 2 * STEPS * 1000) + Fraction(1, 10**9)
+        need(off <= allowed, f"{row.entry.title}: it takes another time")
+
+
+def _check_path(
+    row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, arm: Arm, verdict: Verdict
+) -> str:
+    """Check a motion from rest to rest; return why its path isn't checked, or nothing."""
+    title = row.entry.title
+    kind, (position, angle) = told["move"], told["tolerance"]
+    need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
+    allowed = [in_si(angle if turns else position, 1, turns) for turns in arm.turns]
+    limits = (in_si(position, 1, False), chord_of(in_si(angle, 1, True)))
+    start, end = (joints.in_joints(one, PRINTED, arm.turns) for one in (row.begin, row.end))
+    if told.get("unchecked"):
+        return str(told["unchecked"])
+    if kind in ("line", "arc"):
+        if not row.control:
+            _near(arm, start, told, limits, f"{title}: it leads nowhere, and its goal")
+            return "an arc that leads nowhere" if kind == "arc" else ""
+        if proof is None:
+            return "its path, of which the proof says nothing"
+        most, chord, speeds = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
+        need(most <= limits[0], f"{title}: within {most / ONE * 1000:.6g} mm of its path, no less")
+        need(chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
+        slow = check_speeds(told, speeds, title)
+        if slow:
+            verdict.unchecked.append(f"{title}: {slow}")
+        return ""
+    points = [start]
+    for goal in told["through"]:
+        points.append(end if goal["q"] is None else joints.in_joints(goal["q"], 1, arm.turns))
+        if "pose" in goal:
+            _near(arm, points[-1], goal, limits, f"{title}: the joints that were chosen for a pose, which")
+    last = told["through"][-1]
+    if not row.control:
+        for point in points:
+            there = all(abs(a - b) <= t for a, b, t in zip(point, start, allowed, strict=True))
+            need(there, f"{title}: it doesn't move")
+        return ""
+    if kind == "joint":
+        goal = [Fraction(one, PRINTED) for one in row.end] if last["q"] is None else last["q"]
+        weights = [angle if turns else position for turns in arm.turns]
+        off = joints.straight(Motion(row, arm, 1), goal, weights)
+    else:
+        if proof is None:
+            return "its path, of which the proof says nothing"
+        motion = Motion(row, arm, _pieces(proof))
+        off = joints.along_spline(motion, points, proof)
+        off = [max(one, abs(a - b)) for one, a, b in zip(off, end, points[-1], strict=True)]
+    for joint, (one, tolerance) in enumerate(zip(off, allowed, strict=True)):
+        need(one <= tolerance, f"{title}: joint {joint + 1} is {one / ONE:.6g} rad or m from its way")
+    return ""
+
+
+def _pieces(proof: dict[str, Any]) -> int:
+    """Return into how many pieces segments are cut; make the proof's s and s' integers."""
+    for name in ("s", "rates"):
+        integers = all(one.denominator == 1 and abs(one) < 10**30 for one in proof[name])
+        need(integers, f"{name} isn't in integers")
+        proof[name] = [int(one) for one in proof[name]]
+    return int(proof["pieces"])
+
+
+def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, int], what: str) -> None:
+    """Refuse joints at which a frame isn't at its pose."""
+    columns, origin = placed(told["pose"])
+    frame = arm.frame(q, [0] * len(q), placed(told["tool"]))
+    off = length(*(a - b for a, b in zip(frame.origin, origin, strict=True)))
+    pairs = zip(chain(*frame.axes), chain(*columns), strict=True)
+    near = off + SLACK <= limits[0] and length(*(a - b for a, b in pairs)) + SLACK <= limits[1]
+    need(near, f"{what} is {off / ONE * 1000:.6g} mm away, or turned too far")

@@ -1,0 +1,102 @@
+"""Bounds with some room above the truth are held against a second calculation of the same sums."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from tests.certify.test_bounds_by_hand import grown, series, times
+from tests.collision.test_proof import ROBOTS, drawn, random_motion
+from yarclang.cell.model import HalfSpace, JointWindow, Zone
+from yarclang.collision.placing import place
+from yarclang.collision.scene import scene_of
+from yarclang.collision.travel import accelerations, arm_lengths
+from yarclang.collision.zones.gaps import roughly_outside
+from yarclang.collision.zones.moved import rates
+from yarclang.collision.zones.speed import fastest_inside
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.collision.zones.windows import room
+from yarclang.collision.zones.workspace import watches_of
+from yarclang.robot.description import load_robot
+from yarclang.robot.model import Chain
+
+X, Z, NOTHING = np.eye(3)[0], np.eye(3)[2], np.zeros(3)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_accelerations_are_the_sum_over_pairs_of_joints(seed):
+    random = np.random.default_rng(seed)
+    robot = load_robot(ROBOTS[seed % 2]).value
+    scene = scene_of(robot, drawn(random)).value
+    size, pieces = robot.size, 3
+    q = random.uniform(robot.limits.lower, robot.limits.upper, (pieces, size))
+    speed, strength, change = random.uniform(0.1, 2.0, (3, pieces, size))
+    placed = place(scene, q)
+    found, arms = accelerations(placed, speed, strength, change), arm_lengths(placed)
+    turns = np.linalg.norm(robot.chain.screws[:, 3:], axis=1)
+    for still in range(size + 1):
+        wanted = np.zeros(found.shape[1:])
+        for joint in range(still, size):
+            moved = sum(arms[after] * change[:, after] for after in range(joint + 1, size))
+            reach = arms[joint] + turns[joint] * moved
+            others = sum(speed[:, one] * turns[one] for one in range(still, joint))
+            w = speed[:, joint]
+            wanted += reach * (strength[:, joint] + w * w * turns[joint] + 2.0 * w * others)
+        np.testing.assert_allclose(found[still], wanted, rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("kinds", ["R", "RP", "RRP"])
+def test_rates_of_points_are_those_of_series(kinds, seed):
+    """Axes at x = 0, 1, 2 m turn about z or slide along x; the item is a point at x = 4 m."""
+    random = np.random.default_rng(seed)
+    size = len(kinds)
+    screws = [
+        np.concatenate([-np.cross(Z, place * X), Z]) if kind == "R" else np.concatenate([X, NOTHING])
+        for place, kind in enumerate(kinds)
+    ]
+    w, a, j = random.uniform(0.2, 3.0, (3, size))
+    course = SimpleNamespace(
+        x=np.zeros((1, size)), way=np.zeros((2, size)), speed=w[None], strength=a[None], j=j[None]
+    )
+    found = rates(
+        Chain(np.array(screws), np.eye(4)), course, SimpleNamespace(joint=size, middle=4.0 * X, bound=0.0)
+    )
+    before, wanted = np.zeros(3), series(0.0)
+    for joint, kind in enumerate(kinds):
+        if kind == "P":
+            wanted = wanted + times(grown(*before), series(0.0, w[joint], a[joint], j[joint]))
+            continue
+        after = before + np.array([w[joint], a[joint], j[joint]])
+        wanted = wanted + (4.0 - joint) * (grown(*after) - grown(*before))
+        before = after
+    np.testing.assert_allclose(
+        [found.first[0], found.second[0], found.third[0]], wanted[1:4] * [1, 2, 6], rtol=1e-12
+    )
+
+
+def test_balls_are_as_far_away_as_their_way_allows():
+    region = HalfSpace(-Z, 0.0)
+    item = SimpleNamespace(middle=NOTHING, bound=0.1)
+    ends = tuple(SimpleNamespace(point=lambda _, z=z: np.array([[0.0, 0.0, z]])) for z in (1.0, 1.4))
+    # 0.6 m of way from 1.0 m to 1.4 m: down to 0.9 m at the lowest, and the ball's radius less
+    assert roughly_outside(region, item, ends, np.array([0.6])) == pytest.approx(0.8, abs=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_first_segment_is_as_fast_as_the_others(seed):
+    random = np.random.default_rng(seed)
+    robot = load_robot(ROBOTS[seed % 2]).value
+    everywhere = Zone("Z", "slow", HalfSpace(-Z, -50.0), speed=0.25)
+    cell, moving = replace(drawn(random, count=0), zones=(everywhere,)), tool_frame(robot)
+    scene, watches = scene_of(robot, cell).value, watches_of(robot, cell, moving)
+    course = random_motion(robot, random)
+    for watch in watches:
+        assert fastest_inside(scene, course, np.array([[0, 1]]), watch).speed[0] > 0.0
+
+
+def test_the_room_in_a_window_is_told_from_both_ends():
+    window = JointWindow(np.array([-1.0, 0.5, -np.inf]), np.array([2.0, 0.75, np.inf]))
+    inner = room(window, np.array([[1.5, 0.5, 7.0], [-1.25, 0.6, -7.0]]))
+    np.testing.assert_allclose(inner, [[0.5, 0.0, np.inf], [-0.25, 0.1, np.inf]], atol=1e-12)

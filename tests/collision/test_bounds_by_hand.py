@@ -1,25 +1,32 @@
 """Bounds with some room above the truth are held against a second calculation of the same sums."""
 
 from dataclasses import replace
+from itertools import product
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from tests.certify.test_bounds_by_hand import grown, series, times
-from tests.collision.test_proof import ROBOTS, drawn, random_motion
-from yarclang.cell.model import HalfSpace, JointWindow, Zone
-from yarclang.collision.placing import place
+from tests.collision.test_proof import ROBOTS, cell_of, drawn, motion, mount, random_motion
+from yarclang.cell.model import HalfSpace, JointWindow, Obstacle, ShapeRegion, Zone
+from yarclang.collision.placing import place, relative
+from yarclang.collision.planes import plane_gap
 from yarclang.collision.scene import scene_of
 from yarclang.collision.travel import accelerations, arm_lengths
+from yarclang.collision.zones.breach import beyond
 from yarclang.collision.zones.gaps import roughly_outside
 from yarclang.collision.zones.moved import rates
+from yarclang.collision.zones.regions import faces_of
 from yarclang.collision.zones.speed import fastest_inside
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.collision.zones.windows import room
 from yarclang.collision.zones.workspace import watches_of
 from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.robot.model import Chain
+from yarclang.shapes import Box, Mesh
+from yarclang.transforms import rpy_rotation
 
 X, Z, NOTHING = np.eye(3)[0], np.eye(3)[2], np.zeros(3)
 
@@ -100,3 +107,68 @@ def test_the_room_in_a_window_is_told_from_both_ends():
     window = JointWindow(np.array([-1.0, 0.5, -np.inf]), np.array([2.0, 0.75, np.inf]))
     inner = room(window, np.array([[1.5, 0.5, 7.0], [-1.25, 0.6, -7.0]]))
     np.testing.assert_allclose(inner, [[0.5, 0.0, np.inf], [-0.25, 0.1, np.inf]], atol=1e-12)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_faces_of_a_box_touch_its_corners(seed):
+    random = np.random.default_rng(seed)
+    size, placed = random.uniform(0.1, 1.0, 3), np.eye(4)
+    placed[:3, :3], placed[:3, 3] = rpy_rotation(random.uniform(-3, 3, 3)), random.uniform(-1, 1, 3)
+    faces = faces_of(ShapeRegion(placed, Box(size)))
+    corners = np.array(list(product([-0.5, 0.5], repeat=3))) * size @ placed[:3, :3].T + placed[:3, 3]
+    np.testing.assert_allclose((corners @ faces.normals.T).max(axis=0), faces.offsets, atol=1e-12)
+
+
+CORNERS = np.array([[0.0, 0.0, 0.0], [200.0, 0.0, 0.0], [0.0, 300.0, 0.0], [0.0, 0.0, 400.0]])
+"""Of a tetrahedron [mm], which no turn by 180 deg brings onto itself."""
+
+
+def tetrahedron():
+    """Return it as a binary STL."""
+    rows = (CORNERS[[int(at) for at in face]] for face in ("021", "013", "032", "123"))
+    body = b"".join(bytes(12) + one.astype("<f4").tobytes() + bytes(2) for one in rows)
+    return bytes(80) + (4).to_bytes(4, "little") + body
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_planes_hold_corners_apart(industrial6, tmp_path, seed):
+    """What a plane leaves between two tetrahedra is what it leaves between their corners."""
+    random = np.random.default_rng(seed)
+    (tmp_path / "body.stl").write_bytes(tetrahedron())
+    shape = Mesh(tmp_path / "body.stl", 0.001, "")
+    on_flange = mount(random.uniform(-0.2, 0.2, 3), random.uniform(-3, 3, 3), on_flange=True)
+    stands = mount([2.0, 0.0, 5.0], random.uniform(-3, 3, 3))
+    tool, other = Obstacle("NEAR", shape, on_flange, 0.0), Obstacle("FAR", shape, stands, 0.0)
+    scene = scene_of(industrial6, cell_of(tool, other)).value
+    pairs = zip(scene.pairs.first.tolist(), scene.pairs.second.tolist(), strict=True)
+    names = [(scene.bodies[one].name, scene.bodies[two].name) for one, two in pairs]
+    at = next(at for at, one in enumerate(names) if set(one) == {"NEAR", "FAR"})
+    q = random.uniform(-1, 1, (1, 6))
+    placed = {
+        "NEAR": flange_poses(industrial6.chain, q)[0] @ on_flange.transform,
+        "FAR": stands.transform,
+    }
+    first, second = (CORNERS / 1000 @ placed[name][:3, :3].T + placed[name][:3, 3] for name in names[at])
+    seen = relative(place(scene, q), np.array([0]), np.array([at]))
+    body = scene.pairs.first[at]
+    turn = place(scene, q).turn[scene.boxes.joint[body], 0] @ scene.boxes.rotation[body]
+    for _ in range(5):
+        normal = random.normal(size=3)
+        normal /= np.linalg.norm(normal)
+        own = normal @ turn
+        found = plane_gap(scene, np.array([at]), seen, own[None])
+        assert found[0] == pytest.approx((second @ normal).min() - (first @ normal).max(), abs=1e-6)
+
+
+def test_a_breach_is_told_from_its_begin_to_its_end(industrial6):
+    zone = Zone("W", "forbidden", JointWindow(*np.array([[0.5] + [-9.0] * 5, [9.0] * 6])))
+    cell, moving = replace(cell_of(), zones=(zone,)), tool_frame(industrial6)
+    (watch,) = watches_of(industrial6, cell, moving)
+    points = np.zeros((12, 6))
+    points[:, 0] = [0.0, 0.0, 0.0, 0.2, 0.5, 0.9, 1.0, 0.7, 0.3, 0.1, 0.1, 0.1]
+    course = motion(points, 4.0)
+    times = np.linspace(0.0, course.begins[-1], 200_001)
+    broken = times[course.at(times)[:, 0] > 0.5]
+    told = beyond(scene_of(industrial6, cell).value, course, (0, len(course.x)), watch, float(broken.mean()))
+    assert told.begin == pytest.approx(broken[0], abs=1e-3)
+    assert told.end == pytest.approx(broken[-1], abs=1e-3)

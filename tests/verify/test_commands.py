@@ -56,3 +56,12 @@ def test_a_proof_has_no_place_beside_standard_output(folder):
     done = CliRunner().invoke(yarcc, ["one.yarc", "--proof", "-o", "-"])
     assert done.exit_code == 2
     assert "--proof writes beside the text" in done.output
+
+
+def test_a_file_without_an_end_is_wrong_usage(folder, monkeypatch):
+    monkeypatch.setattr("yarclang.verify.__main__.LARGEST", 1 << 20)
+    CliRunner().invoke(yarcc, ["one.yarc", "--proof"])
+    told = CliRunner().invoke(yarc, ["verify", "/dev/zero", "one.proof.json"])
+    assert (told.exit_code, "larger than 1 MiB" in told.output) == (2, True)
+    told = CliRunner().invoke(yarc, ["verify", "one.pmc", "nowhere.json"])
+    assert (told.exit_code, "nowhere.json: No such file" in told.output) == (2, True)

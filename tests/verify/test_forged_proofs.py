@@ -8,6 +8,7 @@ import random
 import pytest
 
 from tests.verify.proof_forging import BLENDED, MOTIONS, changed, made, numbers, refused, table
+from yarclang.verify.__main__ import report
 from yarclang.verify.verdict import verify
 
 SHARE = 10**10
@@ -237,3 +238,40 @@ def test_whatever_stands_in_a_proof_is_judged_without_a_traceback():
                 continue  # changed away before
         refusals += bool(refused(text, proof))
     assert refusals > 100
+
+
+def test_a_goal_that_is_told_nowhere_is_refused():
+    text, _ = made(MOTIONS)
+    proof = table(MOTIONS)
+    goal = next(
+        one
+        for step in proof["program"]["steps"]
+        for one in step.get("through", ())
+        if one["q"] is None and "pose" in one
+    )
+    del goal["pose"]
+    assert "a goal that is nowhere" in refused(text, proof)
+
+
+def test_a_motion_of_no_known_kind_is_refused():
+    text, _ = made(MOTIONS)
+    proof = table(MOTIONS)
+    next(step for step in proof["program"]["steps"] if step.get("move") == "joint")["move"] = "jump"
+    assert "a kind that isn't known" in refused(text, proof)
+
+
+def test_nothing_is_told_of_the_robot_besides():
+    text, _ = made(MOTIONS)
+    proof = table(MOTIONS)
+    proof["robot"]["torques"] = "checked"
+    assert "other names" in refused(text, proof)
+
+
+@pytest.mark.parametrize("hostile", ["\x1b[2J", "\u202e", "\n", "\ud800"])
+def test_no_character_of_a_proof_reaches_the_terminal_unless_it_is_printed(hostile):
+    text, _ = made(MOTIONS)
+    proof = table(MOTIONS)
+    next(step for step in proof["program"]["steps"] if "move" in step)["unchecked"] = f"a{hostile}checked:"
+    said = report("one.pmc", verify(text.encode(), json.dumps(proof).encode()))
+    assert all(line.isprintable() for line in said.split("\n"))
+    assert f"a\\u{ord(hostile[0]):04x}" in said

@@ -7,6 +7,8 @@ from yarclang.verify.verdict import Verdict, verify
 
 ACCEPTED, REFUSED, USAGE, UNCHECKED = 0, 1, 2, 3
 """The exit status: all was checked; refused; wrong usage; nothing is wrong, and something wasn't checked."""
+LARGEST = 1 << 30
+"""No text or proof is larger than this [bytes]."""
 
 
 def status_of(verdict: Verdict) -> int:
@@ -14,13 +16,21 @@ def status_of(verdict: Verdict) -> int:
     return REFUSED if verdict.refused else UNCHECKED if verdict.unchecked else ACCEPTED
 
 
+def printable(text: str) -> str:
+    """Return a line with what isn't printable written as a number.
+
+    A terminal obeys some characters, and turns others round.
+    """
+    return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)
+
+
 def report(name: str, verdict: Verdict) -> str:
     """Return a verdict in words."""
     if verdict.refused:
-        return f"{name}: refused: {verdict.refused}"
-    lines = [f"{name}: nothing wrong in what was checked"]
+        return f"{printable(name)}: refused: {printable(verdict.refused)}"
+    lines = [f"{printable(name)}: nothing wrong in what was checked"]
     for title in ("told", "checked", "unchecked"):
-        lines += [f"{title}:", *(f"  {one}" for one in getattr(verdict, title))]
+        lines += [f"{title}:", *(f"  {printable(one)}" for one in getattr(verdict, title))]
     return "\n".join(lines)
 
 
@@ -29,11 +39,18 @@ def main(arguments: list[str]) -> int:
     if len(arguments) != 2:
         sys.stderr.write("usage: python -m yarclang.verify NAME.pmc NAME.proof.json\n")
         return USAGE
-    try:
-        text, proof = (Path(one).read_bytes() for one in arguments)
-    except OSError as error:
-        sys.stderr.write(f"{error.filename}: {error.strerror}\n")
-        return USAGE
+    read = []
+    for name in arguments:
+        try:
+            with Path(name).open("rb") as file:
+                read.append(file.read(LARGEST + 1))
+        except (OSError, MemoryError) as error:
+            sys.stderr.write(f"{printable(name)}: {getattr(error, 'strerror', None) or 'too large'}\n")
+            return USAGE
+        if len(read[-1]) > LARGEST:
+            sys.stderr.write(f"{printable(name)}: larger than {LARGEST >> 20} MiB\n")
+            return USAGE
+    text, proof = read
     verdict = verify(text, proof)
     (sys.stderr if verdict.refused else sys.stdout).write(f"{report(arguments[0], verdict)}\n")
     return status_of(verdict)

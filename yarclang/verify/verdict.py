@@ -18,6 +18,11 @@ from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
 
 _LIMITS = ("velocity", "acceleration", "jerk", "motor_velocity")
+_ROBOT = (
+    "name fingerprint joints kinds axes motors feedback lower upper counts coordinate_system rotary_words"
+)
+_OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
+_MOVES = ("joint", "spline", "line", "arc")
 FORM = 1
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
@@ -131,6 +136,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
     """Check the form of the robot's numbers, and tell them."""
+    need(set(robot) == _OF_ROBOT, "the robot is told by other names than a robot's")
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")
     for name in f"axes kinds motors counts {' '.join(_LIMITS)} lower upper".split():
@@ -197,8 +203,8 @@ def _check_motions(
         alone, still = alone + 1, still + (not row.control)
     if alone:
         verdict.checked.append(
-            f"{alone} motions from rest to rest ({still} of them lead nowhere) keep their times, speeds and "
-            f"paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
+            f"{alone} motions from rest to rest ({still} of them lead nowhere) keep the told times, speeds "
+            f"and paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg at most"
         )
     if together:
@@ -235,6 +241,7 @@ def _check_path(
     start, end = (joints.in_joints(one, PRINTED, arm.turns) for one in (row.begin, row.end))
     if told.get("unchecked"):
         return str(told["unchecked"])
+    need(kind in _MOVES, f"{title}: a motion of a kind that isn't known")
     if kind in ("line", "arc"):
         if not row.control:
             _near(arm, start, told, limits, f"{title}: it leads nowhere, and its goal")
@@ -250,6 +257,7 @@ def _check_path(
         return ""
     points = [start]
     for goal in told["through"]:
+        need(goal["q"] is not None or "pose" in goal, f"{title}: a goal that is nowhere")
         points.append(end if goal["q"] is None else joints.in_joints(goal["q"], 1, arm.turns))
         if "pose" in goal:
             _near(arm, points[-1], goal, limits, f"{title}: the joints that were chosen for a pose, which")

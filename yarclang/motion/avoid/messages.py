@@ -43,7 +43,7 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
         message = f"there is no way to the target: {inside(why.goal)}"
         return "Y0922", message, origin.span, "move the target away from it; or correct the cell.toml", None
     if why.parting is not None:
-        message = f"there is no way: {parted(robot, why.parting)}"
+        message = f"there is no way to the joint positions of the target: {parted(robot, why.parting)}"
         return (
             "Y0923",
             message,

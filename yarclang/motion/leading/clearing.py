@@ -1,4 +1,4 @@
-"""Lines of arms with spare joints stay away from bodies, zones and singularities: by motions that leave the moving frame where it belongs."""
+"""Lines of arms with spare joints go past bodies and zones: by motions that leave the moving frame where it belongs."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ _PLACES = 65
 _WANTED = 0.02
 """Bodies shall stay farther apart than their margins by this where they can [m]; zones as well."""
 
+_TOUCH = 1e-6
+"""Nothing that is farther away than this [m] is looked at to tell whether something is in the way."""
+
 _CLEAR = 1.5 * NEAR
 """The smallest singular value from which on there is nothing to win."""
 
@@ -28,32 +31,30 @@ _SINGULAR = 0.5
 
 
 def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
-    """Return another way along a path on which nothing is in the way and no singularity costs much, where the least motion of the joints is no such way and one is found; else the path itself."""
+    """Return another way along a path on which nothing is in the way, where something is and one is found; else the path itself.
+
+    A way that pays for no singularity is taken before others. A path that is free stays: to get away from a singularity may ask more of the joints than to pass it.
+    """
     robot = solver.robot
-    if robot.size <= 6:
+    room = solver.room(step) if robot.size > 6 else None
+    if room is None or _is_free(room, path):
         return path
-    room = solver.room(step)
-    is_blocked = room is not None and not _is_free(room, path)
     velocity = robot.limits.velocity
-    if not is_blocked and nearest_singularity(path, velocity) is None:
-        return path
 
     def cost(q: Array) -> Array:
         smallest = smallest_singular_values(robot.chain, q, path.flange_from_moving)
         total: Array = _SINGULAR * np.maximum(1.0 - smallest / _CLEAR, 0.0)
-        if room is not None:
-            total = total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)
-        return total
+        return total + np.maximum(1.0 - room.clearances(q, _WANTED) / _WANTED, 0.0)
 
     poses = flange_poses_of(path.frame, path.flange_from_moving)
     better = path
     for followed in bent(robot.chain, robot.limits, poses, path.followed, cost):
         other = replace(path, followed=followed)
-        if room is not None and not _is_free(room, other):
+        if not _is_free(room, other):
             continue
         if nearest_singularity(other, velocity) is None:
             return other
-        if is_blocked and better is path:
+        if better is path:
             better = other
     return better
 
@@ -61,4 +62,4 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
 def _is_free(room: Room, path: CartesianPath) -> bool:
     """Return True if nothing is in the way at places of a path, from the second on: it begins where the robot stands anyway."""
     places = np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s)))[1:]
-    return all(room.is_free(q) or room.obstruction(q) is None for q in path.followed.at(places))
+    return bool((room.clearances(path.followed.at(places), _TOUCH) > 0.0).all())

@@ -103,7 +103,7 @@ def in_tight_places(*, with_peer: bool) -> None:
 
 
 def _by_peer(room: Room, problem: tight.Tight) -> bool:
-    """Whether RRT-Connect of OMPL finds a way within 5 s on the same checker."""
+    """Return True if RRT-Connect of OMPL finds a way within 5 s on the same checker."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -207,7 +207,7 @@ def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
 
 
 def _is_problem(room: Room, start: Array, goal: Array) -> bool:
-    """Whether both ends are free, and what is between them isn't."""
+    """Return True if both ends are free, and the straight way between them isn't."""
     straight = start + np.linspace(0.0, 1.0, STEPS)[:, None] * (goal - start)
     return _is_free(room.scene, straight[[0, -1]]) and not _is_free(room.scene, straight)
 

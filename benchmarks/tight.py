@@ -1,6 +1,6 @@
 """Problems of tight places with known ways, made backwards: a tool is drawn out of a place, what is around it is built about its way.
 
-Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a head behind the rails of a T-slot, with openings
+Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a head under the rails of a T-slot, with openings
 that are 40 to 5 mm wider than the tool. The known way of each is free, looked at every few millimetres; the straight way isn't.
 """
 
@@ -29,7 +29,7 @@ HEAD, HEAD_LENGTH, SHAFT = 0.08, 0.03, 0.03
 DRAWS = 5_000
 """A problem is found in so many draws, or not at all."""
 DEEP, WALL, STEP = 0.16, 0.02, 0.004
-"""How far the tool is in its place, how thick walls are, and how far apart the known way is looked at [m]."""
+"""The depth of the tool in its place, the thickness of walls, and the step at which the known way is checked [m]."""
 OUT = {"INDUSTRIAL6": 1, "TRACKED_MANIPULATOR": 1}
 """The axis of the flange along which the tool points; z of the others."""
 KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
@@ -185,7 +185,7 @@ def _tool(robot: Robot, kind: str) -> Iterator[Obstacle]:
 
 
 def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Iterator[Obstacle]:
-    """What is around a tool at its place."""
+    """Yield the bodies around a tool at its place."""
     frame, end = _frame(robot, q), FOOT + LENGTH
     mouth, bottom = end - DEEP, end + 0.01
     middle, deep = (mouth + bottom) / 2.0, bottom - mouth

@@ -1,4 +1,4 @@
-"""What a kind of controller is to the rest: one value, `BACKEND`, in `backend.py` of its package `backend_*`.
+"""Describes a kind of controller to the rest by one value, `BACKEND`, in `backend.py` of its package `backend_*`.
 
 Neutral rooms ask it, and never which kind it is. Its `kind` is enough to read a robot; all else is imported when it is asked for.
 """
@@ -56,11 +56,11 @@ class Written:
 
 @frozen(eq=False)
 class Sendable:
-    """What of a text is streamed.
+    """The lines of a text that are streamed.
 
     Attributes:
         lines: each with its number in the text.
-        guarded: the lines behind which the controller holds by itself when it hears no more of this computer.
+        guarded: the lines after which the controller holds by itself when it hears no more of this computer.
         capacity: how many lines surely fit into the controller's buffer.
         own: what else the scripts of the kind need.
     """

@@ -10,7 +10,7 @@ from yarclang.certify.bodies.torque_bounds import torque_bends
 from yarclang.certify.kinematics.elbow import find_elbow
 from yarclang.certify.motion.bounds import Cubics
 from yarclang.certify.motion.pieces import arm_bounds
-from yarclang.certify.motion.speed import HERMITE_RATE, speed_bounds
+from yarclang.certify.motion.speed import speed_bounds
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Chain, Dynamics, Lines
 
@@ -129,7 +129,6 @@ def test_speeds_of_parabolas_are_bounded_sharply(seed):
     Moved.velocity = velocity[[0, -1]]
     low, high = speed_bounds(Moved, np.array([0]), np.array([d]), np.array([0.0]))
     seen = np.linalg.norm(velocity, axis=1)
-    assert HERMITE_RATE > 0.0
     assert low[0] <= seen.min() * (1 + 1e-12)
     assert high[0] >= seen.max() * (1 - 1e-12)
     # the square is a polynomial of degree 4 with small bends: its quarters leave 1 part in 1000

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.certify.test_bounds_by_hand import grown, series, times
-from tests.collision.test_proof import ROBOTS, cell_of, drawn, motion, mount, random_motion
+from tests.collision.test_proof import ROBOTS, cell_of, drawn, motion, mount
 from yarclang.cell.model import HalfSpace, JointWindow, Obstacle, ShapeRegion, Zone
 from yarclang.collision.placing import place, relative
 from yarclang.collision.planes import plane_gap
@@ -18,7 +18,6 @@ from yarclang.collision.zones.breach import beyond
 from yarclang.collision.zones.gaps import roughly_outside
 from yarclang.collision.zones.moved import rates
 from yarclang.collision.zones.regions import faces_of
-from yarclang.collision.zones.speed import fastest_inside
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.collision.zones.windows import room
 from yarclang.collision.zones.workspace import watches_of
@@ -89,18 +88,6 @@ def test_balls_are_as_far_away_as_their_way_allows():
     ends = tuple(SimpleNamespace(point=lambda _, z=z: np.array([[0.0, 0.0, z]])) for z in (1.0, 1.4))
     # 0.6 m of way from 1.0 m to 1.4 m: down to 0.9 m at the lowest, and the ball's radius less
     assert roughly_outside(region, item, ends, np.array([0.6])) == pytest.approx(0.8, abs=1e-12)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_a_first_segment_is_as_fast_as_the_others(seed):
-    random = np.random.default_rng(seed)
-    robot = load_robot(ROBOTS[seed % 2]).value
-    everywhere = Zone("Z", "slow", HalfSpace(-Z, -50.0), speed=0.25)
-    cell, moving = replace(drawn(random, count=0), zones=(everywhere,)), tool_frame(robot)
-    scene, watches = scene_of(robot, cell).value, watches_of(robot, cell, moving)
-    course = random_motion(robot, random)
-    for watch in watches:
-        assert fastest_inside(scene, course, np.array([[0, 1]]), watch).speed[0] > 0.0
 
 
 def test_the_room_in_a_window_is_told_from_both_ends():

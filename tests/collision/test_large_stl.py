@@ -94,3 +94,22 @@ def test_a_large_plate_without_thickness_stays_flat(tmp_path):
     records["corners"][:, [2, 5, 8]] = 0.0
     content = bytes(80) + len(records).to_bytes(4, "little") + records.tobytes()
     assert geometry_of(mesh(tmp_path, content), hull=True).is_hollow
+
+
+@pytest.mark.parametrize("around", [300, 1000])
+def test_the_tip_of_a_fine_cone_is_covered(tmp_path, around):
+    """A corner with hundreds of neighbours, as lathes make it: coal makes no hull of it; the body around it has all corners, and is hardly larger."""
+    turn = np.linspace(0.0, 2.0 * np.pi, around, endpoint=False)
+    rim = np.stack((30.0 * np.cos(turn), 30.0 * np.sin(turn), np.zeros(around)), axis=1)
+    tip = np.tile([0.0, 0.0, 80.0], (around, 1))
+    faces = np.stack((rim, np.roll(rim, -1, axis=0), tip), axis=1)
+    rows = np.zeros(around, dtype=[("normal", "<3f4"), ("corners", "<(3,3)f4"), ("more", "<u2")])
+    rows["corners"] = faces
+    shape = mesh(tmp_path, bytes(80) + around.to_bytes(4, "little") + rows.tobytes())
+    made = geometry_of(shape, hull=True)
+    ways = np.random.default_rng(around).normal(size=(2000, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    own = (rows["corners"].reshape(-1, 3).astype(float) / 1000.0 @ ways.T).max(axis=0)
+    larger = ((made.corners + made.middle) @ ways.T).max(axis=0) - own
+    assert larger.min() >= 0.0
+    assert larger.max() <= 0.002

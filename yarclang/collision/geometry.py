@@ -112,7 +112,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
         )
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     if hull and len(spread) == 3 and spread[2] > _FLAT:
-        model.buildConvexHull(True, "Qt")
+        model = _with_hull(model, corners)
         outer: Array = np.asarray(model.convex.points()) - middle
         return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
     faces = np.array(
@@ -149,6 +149,46 @@ def _outer_model(shape: Mesh) -> Any | None:
     except QhullError:
         return None
     return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+_DIRECTIONS = (1000, 300, 100)
+"""So many planes a body around a hull has, the first number that coal can make one of: 1000 make it larger by less than 1 % of its size, 100 by some %."""
+
+
+def _with_hull(model: Any, corners: Array) -> Any:
+    """Return a model with a hull: its own, or, where a corner has more neighbours than coal can count (the tip of a fine cone), that of a body around it."""
+    for directions in (0, *_DIRECTIONS):
+        if directions:
+            cover = _cover(corners, directions)
+            model = _modelled(cover, np.arange(len(cover) // 3 * 3).reshape(-1, 3))
+        try:
+            model.buildConvexHull(True, "Qt")
+        except RuntimeError:
+            continue
+        return model
+    raise UnreadableError("has no hull that can be computed: simplify it")
+
+
+def _cover(corners: Array, directions: int) -> Array:
+    """Return the corners (k, 3) of a body of planes around some (m, 3): it touches them along the axes and in `directions` between."""
+    from scipy.spatial import HalfspaceIntersection
+
+    number = np.arange(directions) + 0.5
+    height, turn = (
+        1.0 - 2.0 * number / directions,
+        number * np.pi * (1.0 + np.sqrt(5.0)),
+    )  # evenly: Fibonacci's spiral
+    across = np.sqrt(1.0 - height**2)
+    spiral = np.stack((across * np.cos(turn), across * np.sin(turn), height), axis=1)
+    normals = np.concatenate((np.eye(3), -np.eye(3), spiral))
+    reach = np.concatenate([(corners @ part.T).max(axis=0) for part in np.array_split(normals, 50)])
+    faces = np.concatenate((normals, -(reach + _ROUNDED)[:, None]), axis=1)
+    found: Array = HalfspaceIntersection(faces, corners.mean(axis=0)).intersections
+    return found
+
+
+_ROUNDED = 1e-9
+"""What rounding can take away from the reach of a body [m]."""
 
 
 def _content(shape: Mesh) -> bytes:

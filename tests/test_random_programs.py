@@ -42,7 +42,7 @@ BLOCK = 40
 FLOORS = dict.fromkeys(
     [
         "joints", "joints of a pose", "joints by an increment", "joint_spline", "line", "line by an increment", "arc",
-        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ceiling", "ACC", "BLEND", "SET",
+        "pose_spline", "timed", "LSPB", "POLY5", "SCURVE", "TOPP", "shortest time", "seconds", "share", "speed", "ceiling", "ACC", "BLEND", "SET", "ON",
     ],
     0.2,
 ) | {"programs": 0.4, "motions": 0.35, "corners passed in motion": 0.2}  # fmt: skip
@@ -194,6 +194,8 @@ def tallied(robot, arm, seeds, looked_at=held):
         tally.count("programs", well)
         if " SET LAMP " in program.text:
             tally.count("SET", well)
+        if "ON CURTAIN" in program.text:
+            tally.count("ON", well)
         for step, names in features(program):
             for name in names:
                 tally.count(name, well)

@@ -107,6 +107,22 @@ class Register:
     kept: bool = False
 
 
+@frozen
+class Watch:
+    """An input that is looked at while the robot moves: while it is `value`, the motion is held on its path.
+
+    `variable` is the controller's, and `name` what the program calls the input.
+    """
+
+    variable: str
+    value: float
+    name: str
+
+
+MOST_WATCHES = 8
+"""Inputs that a program may watch: they are part of each question how far the controller is."""
+
+
 class DecisionError(Exception):
     """A value can't be computed: a division by zero, or a result that no register can hold."""
 

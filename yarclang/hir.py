@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
-from yarclang.decisions import Register, Value, bits_of
+from yarclang.decisions import Register, Value, Watch, bits_of
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -618,7 +618,7 @@ class Program:
     `start` is (n,) in rad (m), within the joint limits. `cell` are the surroundings that a CELL line names. A program with
     a Gap has errors: it is planned for the sake of further findings, and never emitted. `is_cut` is True if loops and calls were carried out in
     part only, because there are errors or only a first look was wanted; then there is a Gap as well. `cells` are given with a part of another program: the cell as it is
-    during each motion there, by its step here.
+    during each motion there, by its step here. `watches` are the inputs that hold a motion.
     """
 
     source: SourceFile
@@ -629,3 +629,4 @@ class Program:
     is_cut: bool = False
     cells: Mapping[int, Cell | None] | None = None
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()

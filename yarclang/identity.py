@@ -109,6 +109,8 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
             digest.update(_bytes_of(step))
     if program.registers:
         _feed(digest.update, program.registers)
+    if program.watches:
+        _feed(digest.update, program.watches)
     if program.cell is not None:
         # its names are in the steps, as far as they are used
         _feed(digest.update, program.cell.obstacles)

@@ -32,6 +32,7 @@ from yarclang.commands.spec import CommandSpec
 from yarclang.decisions import Register
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
+from yarclang.semantics.declared.watching import REACTIONS
 from yarclang.semantics.names.scope import Input, JointPosition, Pose, Routine
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
@@ -187,6 +188,9 @@ class _Maker(NameMaker):
                 yield from self.known(Register, "register")
         elif slot is Slot.REGISTER:
             yield from self.known(Register, "register")
+        elif slot is Slot.REACTION:
+            for name in REACTIONS:
+                yield self.make(name, "word", REACTIONS[name], REACTIONS[name], name)
         elif slot is Slot.STATE:
             for name in sorted(STATES):
                 yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Register
+from yarclang.decisions import Register, Watch
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -31,10 +31,11 @@ class Emitted:
     places: Mapping[int, tuple[int, int]]
     barriers: tuple[tuple[int, Barrier], ...]
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
-        """The whole text: header lines and the map of commands, barriers and registers as comments, then what the controller reads."""
-        maps = len(self.commands) + len(self.barriers) + len(self.registers)
+        """The whole text: header lines and the map of commands, barriers, registers and watches as comments, then what the controller reads."""
+        maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -51,6 +52,7 @@ class Emitted:
             f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}"
             for one in self.registers
         ]
+        head += [f"; watch {one.variable}={_number(one.value)} {one.name}" for one in self.watches]
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
@@ -83,7 +85,13 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         line += len(words)
     body = "".join(pieces) + "CLOSE\n"
     return Emitted(
-        program.commands, tuple(_opening(program)), body, places, tuple(barriers), program.registers
+        program.commands,
+        tuple(_opening(program)),
+        body,
+        places,
+        tuple(barriers),
+        program.registers,
+        program.watches,
     )
 
 

@@ -92,6 +92,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
             if output.safe is not None
         ),
         registers=plan.program.registers,
+        watches=plan.program.watches,
     )
 
 

@@ -20,6 +20,9 @@ from yarclang.units import MS
 
 def streamed_only(program: Program) -> Diagnostic | None:
     """Return what is said of a program that can't be carried out by a program buffer alone; None if it can."""
+    for one in program.watches:
+        message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
+        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for step in program.steps:
         if isinstance(step, Loop):
             message = f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs without it"

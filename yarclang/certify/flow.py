@@ -13,7 +13,7 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.certify.read.ways import Standing
-from yarclang.decisions import called, in_words, inputs_of
+from yarclang.decisions import Watch, called, in_words, inputs_of
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -44,6 +44,8 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
         yield None, "the safe values of the outputs aren't the program's"
     if text.registers != program.registers:
         yield None, "the registers, their ranges and first values aren't the program's"
+    if text.watches != program.watches:
+        yield None, f"the text watches {_watched(text.watches)}, and the program {_watched(program.watches)}"
     told = list(_told(text))
     deeds = list(_meant(program, {entry.step for entry in text.entries if entry.first}))
     for place, (step, deed) in enumerate(deeds):
@@ -53,6 +55,11 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
             return
     if len(told) > len(deeds):
         yield None, f"the text does {_words(told[len(deeds)])} after the program's end"
+
+
+def _watched(watches: tuple[Watch, ...]) -> str:
+    """The inputs that hold a motion, in words."""
+    return ", ".join(f"{one.name} ({one.variable}) for {one.value:g}" for one in watches) or "nothing"
 
 
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:

@@ -41,7 +41,9 @@ def told_program(
         goal = hir.JointGoal(start)  # where it goes isn't judged
         blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
         steps.append(hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend))
-    return hir.Program(source, start, tuple(steps), cell=cell, registers=content.registers)
+    return hir.Program(
+        source, start, tuple(steps), cell=cell, registers=content.registers, watches=content.watches
+    )
 
 
 def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
@@ -106,6 +108,8 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     counted = [f"line {item.line}" for item in content.course if isinstance(item, Barred) and item.register]
     if conditions:
         missing.append(f"what it waits for ({_listed(conditions)})")
+    if content.watches:
+        missing.append(f"what it watches ({_listed([one.name for one in content.watches])})")
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [

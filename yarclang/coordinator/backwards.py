@@ -99,7 +99,7 @@ def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Prog
         if isinstance(step, Diagnostic):
             return step
         steps.append(replace(step, origin=_origin(one.step, program.source), blend=blend))
-    return Program(program.source, group[-1].end, tuple(steps), (), program.cell)
+    return Program(program.source, group[-1].end, tuple(steps), (), program.cell, watches=program.watches)
 
 
 def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:

@@ -209,6 +209,13 @@ FINDINGS: tuple[Finding, ...] = (
         "than a robot that stands.",
     ),
     Finding(
+        "Y1637",
+        "watched-input",
+        "error",
+        "an input that the program watches has held the motion, and nobody is there",
+        "ON CURTAIN OFF HOLD holds the motion on its path, with outputs safe, and only a person says that it goes on. A run that nobody attends ends there.",
+    ),
+    Finding(
         "Y1650",
         "bit-reads-a-number",
         "error",

@@ -72,6 +72,7 @@ def job_of(
         outputs=content.outputs,
         own=found.own,
         registers=content.registers,
+        watches=content.watches,
     )
     dwells = {
         item.line: item.milliseconds * MS

@@ -110,8 +110,13 @@ def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cel
     origin = Origin("P0001", name, source, Span.on_line(1, 1, len(text) + 1))
     if not isinstance(step, LineMove):
         return Program(
-            source, here, (JointMove(origin, JointGoal(there), DEFAULT_PROFILE, timing),), cell=cell
+            source,
+            here,
+            (JointMove(origin, JointGoal(there), DEFAULT_PROFILE, timing),),
+            cell=cell,
+            watches=plan.program.watches,
         )
     flange_from_moving = step.goal.flange_from_moving
     goal = PoseGoal(flange_pose(robot, there) @ flange_from_moving, flange_from_moving)
-    return Program(source, here, (LineMove(origin, goal, DEFAULT_PROFILE, timing),), cell=cell)
+    line = LineMove(origin, goal, DEFAULT_PROFILE, timing)
+    return Program(source, here, (line,), cell=cell, watches=plan.program.watches)

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register
+from yarclang.decisions import Register, Watch
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -117,7 +117,7 @@ class PmacProgram:
     `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
     and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
     what they become when the guard has held the motion. `rapid` says whether a rotary begins with a slow RAPID to the start; without it the motion begins
-    where the motors are commanded to stand. `registers` are those that the runtime keeps.
+    where the motors are commanded to stand. `registers` are those that the runtime keeps, and `watches` the inputs that it looks at.
     """
 
     target: Target
@@ -137,3 +137,4 @@ class PmacProgram:
     safe_outputs: tuple[tuple[str, float], ...] = ()
     rapid: bool = True
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()

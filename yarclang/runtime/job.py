@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.decisions import Register, Value
+from yarclang.decisions import Register, Value, Watch
 from yarclang.lasting import NO_TIME, Lasting
 from yarclang.robot.model import Array, Robot
 
@@ -112,6 +112,7 @@ class Job:
         legs: of a program with barriers, what is streamed one after the other; else empty.
         part: of a leg that is carried out; else None.
         registers: of a program with barriers, the integers that it keeps while it is carried out.
+        watches: inputs that hold the motion while they have a value.
         own: what else the rooms of its kind of controller need.
     """
 
@@ -141,6 +142,7 @@ class Job:
     part: Part | None = None
     own: Any = None
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()
 
     @property
     def lines_per_second(self) -> float:

@@ -63,7 +63,13 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
         },
-        _S.INIT: {_E.BEGIN: _S.MOVE, _E.STOP: _S.STOP, _E.FAULT: _S.FAULT, _E.LOST: _S.DISCONNECTED},
+        _S.INIT: {
+            _E.BEGIN: _S.MOVE,
+            _E.HOLD: _S.HOLD,  # an input that the program watches
+            _E.STOP: _S.STOP,
+            _E.FAULT: _S.FAULT,
+            _E.LOST: _S.DISCONNECTED,
+        },
         _S.MOVE: {
             _E.HOLD: _S.HOLD,
             _E.END: _S.STOP,

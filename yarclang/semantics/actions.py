@@ -341,6 +341,8 @@ def _value(
             return state_value(value, scope, statement, findings)
         case Slot.TEXT:
             return value.text.strip('"')
+        case Slot.REACTION:
+            raise AssertionError(slot)  # a word of ON, which is no action
         case Slot.REGISTER:
             if (found := _register_named(value, scope)) is not None:
                 return found.name

@@ -36,5 +36,6 @@ def check(module: Module, context: Context) -> Result[Program]:
         unrolled.cell,
         unrolled.is_cut,
         registers=tuple(unrolled.registers),
+        watches=tuple(unrolled.watches),
     )
     return Result(program, (*findings.found, *unrolled.findings))

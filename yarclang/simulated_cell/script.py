@@ -93,6 +93,7 @@ def known_in(
         return Known(inputs, outputs, None, signal=signal)
     for declared in program.outputs:
         outputs[declared.signal.name.upper()] = declared.signal.variable
+    inputs |= {watch.name.upper(): watch.variable for watch in program.watches}
     for step in program.steps:
         if isinstance(step, Gap):
             continue

@@ -12,6 +12,7 @@ from yarclang.assist.vocabulary import command_of
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec, Values
 from yarclang.frozen import frozen
+from yarclang.semantics.declared.watching import REACTIONS
 from yarclang.syntax.ast import Computed, FrameName, Option, Statement, Text, Value, Word
 from yarclang.syntax.leaves import Place
 from yarclang.teaching.points import meanings, own_values
@@ -257,18 +258,20 @@ def fields_of(slots: Sequence[Slot]) -> tuple[Field, ...]:
     for slot in slots:
         name, label, kind = _SLOTS[slot]
         count = sum(one.name.rpartition(".")[2] == name for one in found) + 1
-        choices = STATES_OF_SIGNALS if slot is Slot.STATE else ()
+        choices = _CHOICES.get(slot, ())
         found.append(Field(f"{count}.{name}" if count > 1 else name, label, kind, "", choices=choices))
     return tuple(found)
 
 
 STATES_OF_SIGNALS = ("ON", "OFF")
+_CHOICES = {Slot.STATE: STATES_OF_SIGNALS, Slot.REACTION: tuple(REACTIONS)}
 _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
     Slot.INPUT: ("signal", "Input", "signal"),
     Slot.OUTPUT: ("signal", "Output", "signal"),
     Slot.STATE: ("value", "Value", "choice"),
     Slot.TEXT: ("text", "Text", "text"),
     Slot.REGISTER: ("register", "Register that gets an answer (none: it just goes on)", "choice"),
+    Slot.REACTION: ("reaction", "What the robot does", "choice"),
 }
 """Name, label and kind of the field of each kind of value."""
 

@@ -107,7 +107,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     need([entry.title for entry in content.entries] == titles, "the text has other commands than told")
     need(done == program["course"], "the text does something else than told, or in another order")
     same = (content.safe, content.registers) == (program["safe"], program["registers"])
-    need(same, "the text has other safe values or registers than told")
+    need(same, "the text has other safe values, registers or watched inputs than told")
     course.check_guard(content, robot)
     course.check_variables(content, robot, program["outputs"])
     verdict.checked += [

@@ -22,6 +22,8 @@ class Slot(Enum):
     TEXT = "text"
     """A text in quotes."""
     REGISTER = "register"
+    REACTION = "reaction"
+    """HOLD."""
 
     @property
     def is_signal(self) -> bool:

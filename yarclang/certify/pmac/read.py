@@ -82,6 +82,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
         MS / TM_STEPS_PER_MS,
         own,
         preamble.registers,
+        preamble.watches,
     )
 
 

@@ -13,10 +13,12 @@ from yarclang.decisions import (
     AGAIN,
     LARGEST,
     LONGEST_NAME,
+    MOST_WATCHES,
     InputValue,
     Register,
     RegisterValue,
     Value,
+    Watch,
     inputs_of,
     registers_of,
 )
@@ -56,6 +58,10 @@ _REGISTER = re.compile(
     rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}( kept)?"
 )
 
+_WATCH = re.compile(
+    r"; watch ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})(?:\.[0-9]{0,8}[1-9])?) ([A-Z_][A-Z0-9_.]{0,79})"
+)
+
 
 @frozen
 class Preamble:
@@ -65,6 +71,7 @@ class Preamble:
     entries: tuple[Entry, ...]
     barriers: dict[int, Barred]
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -107,9 +114,10 @@ def read_preamble(lines: Lines) -> Preamble:
         still.remove(barrier.step)
         barriers[barrier.line] = barrier
     registers = _read_registers(lines, barriers)
+    watches = _read_watches(lines)
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers, registers)
+    return Preamble(header, tuple(entries), barriers, registers, watches)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -242,3 +250,22 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
             if name not in registers:
                 lines.refuse(f"stands where the map has no register {name}, which line {barrier.line} uses")
     return tuple(registers.values())
+
+
+def _read_watches(lines: Lines) -> tuple[Watch, ...]:
+    """The inputs that hold the motion, each once with each of its values."""
+    watches: list[Watch] = []
+    while lines.peek().startswith("; watch"):
+        found = _WATCH.fullmatch(lines.peek())
+        if found is None:
+            lines.refuse(f"is no line of the map of watches: {shown(lines.peek())}")
+        watch = Watch(found[1], float(found[2]), found[3])
+        if len(watches) == MOST_WATCHES or any(
+            (one.variable, one.value) == (watch.variable, watch.value) for one in watches
+        ):
+            lines.refuse(
+                f"watches what is watched already, or more than {MOST_WATCHES} inputs: {shown(lines.peek())}"
+            )
+        watches.append(watch)
+        lines.skip()
+    return tuple(watches)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Value
+from yarclang.decisions import Register, Value, Watch
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -163,6 +163,7 @@ class ControllerText:
         decimals: the most that a move line prints.
         quantum: the step in which the controller keeps segment times [s].
         registers: integers that the runtime keeps, with their ranges and first values.
+        watches: inputs that hold the motion while they have a value.
         own: what else it says, for the rooms of its kind alone.
     """
 
@@ -175,6 +176,7 @@ class ControllerText:
     quantum: float
     own: Any = None
     registers: tuple[Register, ...] = ()
+    watches: tuple[Watch, ...] = ()
 
     @property
     def target(self) -> str:

@@ -15,7 +15,7 @@ from yarclang.export.ros.interpolation import Interpolation
 from yarclang.export.ros.proof import deviation
 from yarclang.export.ros.sampling import Points, sampled
 from yarclang.frozen import frozen
-from yarclang.hir import Assign, SetOutput, WaitInput, WaitUntil, When
+from yarclang.hir import Assign, Program, SetOutput, WaitInput, WaitUntil, When
 from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled
 from yarclang.progress import tell
@@ -130,12 +130,21 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
         _placed(course.between),
         proved,
     )
-    return Result(made, tuple(_told(course)))
+    return Result(made, (*_told(course), *_watched(compiled.program)))
 
 
 def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
     """What lies between trajectories, by the number of those that end before."""
     return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
+
+
+def _watched(program: Program) -> list[Diagnostic]:
+    """What nobody watches while a driver carries a trajectory out."""
+    names = ", ".join(one.name for one in program.watches)
+    if not names:
+        return []
+    message = f"a trajectory watches no input: nothing holds it for {names}"
+    return [Diagnostic("Y1532", message, help="whoever sends the trajectories has to hold the robot")]
 
 
 def _told(course: Course) -> list[Diagnostic]:

@@ -144,6 +144,28 @@ class Holding:
         yield from come_to_rest(operation, self._job.robot)
         self.refilling = True
 
+    def for_input(self, told: str, *, moves: bool = True) -> Script[None]:
+        """An input that the program watches holds the motion, or keeps it from beginning, until it is over and a person says that it goes on.
+
+        Args:
+            told: which input is in which state.
+            moves: whether the program has begun.
+
+        Raises:
+            Trouble: nobody is there who could say so.
+        """
+        if moves:
+            yield from self.hold(f"{told}: held on the path")
+        else:
+            self.operation.go(Event.HOLD, f"{told}: the motion doesn't begin")
+            if self._job.outputs:
+                yield from self._outputs.secure(self.operation)
+        if self.operation.unattended:
+            raise Trouble(
+                f"the program holds: {told}", "nobody is here to resume it: run the program again", "Y1637"
+            )
+        self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` goes on", warning=True)
+
     def by_nobody(self) -> None:
         """Nothing moves though lines are ahead, and nobody knows why: somebody must say.
 
@@ -179,6 +201,10 @@ class Holding:
         flow = yield from self._rotary.ask()
         if told := supervision.stands_still(flow):
             yield from self._stay_held(told)
+            return
+        if told := supervision.held_by(flow):
+            self.refilling = False
+            operation.remark(f"it stays held: {told}", warning=True)
             return
         if flow.armed == HELD and not self.refilling:
             operation.remark("the guard PLC has held the motion as well", warning=True)

@@ -39,6 +39,8 @@ _EXCHANGES = 3
 """What may lie between two questions how many lines are ahead."""
 
 _LINES_EACH = 0.05
+_WATCH_EACH = 0.005
+"""The same while inputs hold the motion: they are part of that question."""
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
 """How long nothing may move with lines ahead, besides what segments take [s]."""
@@ -86,6 +88,8 @@ class Stream:
         self.holding = Holding(operation, job, self.rotary)
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
+        each = min(_LINES_EACH, job.capacity * job.segment / 8.0)
+        self._lines_each = min(each, _WATCH_EACH) if job.watches else each
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
         self._dwells = np.array([row for row, _ in job.dwells], dtype=np.intp)
         self._rested: float | None = None
@@ -187,6 +191,11 @@ class Stream:
         rotary.check_prefilled(spent, packets)
 
     def _begin(self) -> Script[bool]:
+        if self.job.watches and (told := self.supervision.held_by((yield from self.rotary.ask()))):
+            # held as in motion: Resume sends the R
+            self.begun = True
+            yield from self.holding.for_input(told, moves=False)
+            return True
         yield from self.supervision.begin()
         self.begun = True
         try:
@@ -223,6 +232,8 @@ class Stream:
                 yield from self._ask_lines()
             else:
                 yield from self.holding.for_low_water()
+        elif moving and self.job.watches and now >= due.lines:
+            yield from self._ask_lines()
         elif feed.worthwhile(now):
             yield from self.rotary.write()
         elif moving and feed.heard_at < now and feed.hungry(now + _EXCHANGES * feed.round_trip):
@@ -251,7 +262,7 @@ class Stream:
         elif operation.state is not State.MOVE:
             self._since += operation.now - self._looked
         self._looked = operation.now
-        each = min(_LINES_EACH, self.job.capacity * self.job.segment / 8.0)
+        each = self._lines_each
         due.lines = operation.now + (min(each, _DOUBT) if self.supervision.doubtful else each)
         if operation.now >= due.progress:
             due.progress = operation.now + _PROGRESS_EACH
@@ -264,7 +275,9 @@ class Stream:
     def _look_at(self, flow: Flow) -> Script[None]:
         """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
         moving = self.operation.state is State.MOVE
-        if moving and HELD in (flow.armed, flow.watched):
+        if moving and (watched := self.supervision.held_by(flow)):
+            yield from self.holding.for_input(watched)
+        elif moving and HELD in (flow.armed, flow.watched):
             yield from self.holding.by_guard(flow)
         elif told := self.supervision.changed(flow, moving=moving):
             yield from self.holding.for_others(told)

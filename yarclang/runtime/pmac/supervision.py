@@ -28,6 +28,7 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.pmac.loading import loading_of
 from yarclang.runtime.pmac.memory import Memory, Question, Remembered
 from yarclang.runtime.pmac.operation import Operation, Refused, number_in
+from yarclang.runtime.signals import state_text
 from yarclang.units import MS
 
 SETTINGS_EACH = 1.0
@@ -157,7 +158,7 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """One answer: `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's flag, and the heartbeat as PLC 0 saw it."""
+    """One answer: `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's flag, the heartbeat as PLC 0 saw it, and what the job watches."""
 
     ahead: int
     percent: float
@@ -165,6 +166,7 @@ class Flow:
     beat: float
     watched: float
     echo: float
+    inputs: tuple[float, ...] = ()
 
 
 class Supervision:
@@ -178,7 +180,9 @@ class Supervision:
         )
         self._winds = wound_up(turbo_pmac(job.robot), operation.silence)
         # what is commanded goes first, and % last: behind it, what follows might be taken for its value
-        self._question = f"{self._winds} PR {ARMED} {HEARTBEAT} {WATCHED} {ECHO} %"
+        self._watches = job.watches
+        self._inputs = tuple(dict.fromkeys(one.variable for one in job.watches))
+        self._question = " ".join((self._winds, "PR", ARMED, HEARTBEAT, WATCHED, ECHO, *self._inputs, "%"))
         self._seldom = cycle(operation.memory.seldom) if operation.memory.seldom else None
         self._arms: list[tuple[int, float]] = []
         self._sent = 0
@@ -262,13 +266,15 @@ class Supervision:
         asked = operation.now
         items = yield from operation.ask(self._question)
         try:
-            ahead, armed, beat, watched, echo, percent = (number_in(item) for item in items)
+            ahead, armed, beat, watched, echo, *inputs, percent = (number_in(item) for item in items)
+            if len(inputs) != len(self._inputs):
+                raise ValueError
         except ValueError:
             raise Lost(f"{', '.join(items)!r} in reply to {self._question!r}") from None
         if not items[0].isdigit():
             raise Lost(f"{items[0]!r} in reply to PR")
         self._asked = operation.now
-        flow = Flow(int(ahead), percent, armed, beat, watched, echo)
+        flow = Flow(int(ahead), percent, armed, beat, watched, echo, tuple(inputs))
         operation.ahead = flow.ahead
         self._take_beat(flow, asked)
         return flow
@@ -332,6 +338,14 @@ class Supervision:
                 break
             flag = value
         return flag
+
+    # inputs that hold the motion
+
+    def held_by(self, flow: Flow) -> str:
+        """Return which input is in the state in which nothing may move, as of an answer; empty where none is."""
+        read = dict(zip(self._inputs, flow.inputs, strict=True))
+        held = [one for one in self._watches if read[one.variable] == one.value]
+        return ", ".join(f"{one.name} ({one.variable}) is {state_text(one.value)}" for one in held)
 
     # settings
 

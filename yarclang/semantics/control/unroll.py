@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
-from yarclang.decisions import Register, RegisterValue
+from yarclang.decisions import Register, RegisterValue, Watch
 from yarclang.diagnostics import Diagnostic, has_errors
 from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
 from yarclang.memory import Forgetful
@@ -66,6 +66,7 @@ class Unrolled:
     findings: list[Diagnostic]
     is_cut: bool
     registers: list[Register]
+    watches: list[Watch]
 
 
 def unroll(module: Module, context: Context) -> Unrolled:
@@ -146,6 +147,7 @@ class _Unroller:
             told,
             self._extent.is_reached,
             declaring.registers,
+            declaring.watches,
         )
 
     def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: Place) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from yarclang.decisions import Register
+from yarclang.decisions import Register, Watch
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, Gap, Output, Step
 from yarclang.robot.model import Robot
@@ -23,6 +23,7 @@ from yarclang.semantics.declared.registers import declare_register
 from yarclang.semantics.declared.signals import declare_signal
 from yarclang.semantics.declared.tables import declare_table
 from yarclang.semantics.declared.variables import Signals
+from yarclang.semantics.declared.watching import declare_watch
 from yarclang.semantics.declared.whole_file import check_robot, read_default, read_start
 from yarclang.semantics.files import File, Sub, values_of
 from yarclang.semantics.indices import check_indices, commands_of
@@ -48,6 +49,7 @@ class Declaring:
     def __init__(self, context: Context, names: CommandNames, steps: list[Step]) -> None:
         self.outputs: list[Output] = []
         self.registers: list[Register] = []
+        self.watches: list[Watch] = []
         self.start: Array | None = None
         self.cells = Cells(context)
         self.collectors: list[Collector] = []
@@ -118,13 +120,17 @@ class Declaring:
                 declare_table(statement, scope, file.defaults, self._robot, findings)
             case "INPUT" | "OUTPUT":
                 self.outputs += declare_signal(statement, scope, self._robot, self._signals, findings)
-            case "REGISTER" if not self._context.index_needed:
-                message = "REGISTER belongs into a program: each line that is typed is carried out by itself"
+            case "REGISTER" | "ON" if not self._context.index_needed:
+                message = f"{word} belongs into a program: each line that is typed is carried out by itself"
                 findings.add("Y0208", message, span, "write a file, and run it")
             case "REGISTER":
                 register = declare_register(statement, scope, self._robot, findings)
                 if register is not None:
                     self.registers.append(register)
+            case "ON":
+                watch = declare_watch(statement, scope, self.watches, findings)
+                if watch is not None:
+                    self.watches.append(watch)
             case "OF":
                 help_ = "write the CASE in front of it, or the END that is missing above it"
                 findings.add("Y0432", "this OF belongs to no CASE", span, help_)

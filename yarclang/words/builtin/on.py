@@ -1,0 +1,13 @@
+"""ON."""
+
+from yarclang.words.spec import Slot, WordSpec
+
+WORD = WordSpec(
+    name="ON",
+    summary="holds the motion on its path while an input is ON or OFF",
+    example="ON CURTAIN OFF HOLD",
+    at_the_top=True,
+    of_programs=True,
+    slots=(Slot.INPUT, Slot.STATE, Slot.REACTION),
+    wants="an input, the state in which nothing may move, and HOLD",
+)

@@ -123,6 +123,21 @@ MOST_WATCHES = 8
 """Inputs that a program may watch: they are part of each question how far the controller is."""
 
 
+@frozen
+class Searched:
+    """A motion, of step `step`, that ends where an input is `value`: the controller's `variable`, which the program calls `name`.
+
+    Then the register `flag` becomes 1, and `depth`, if it isn't empty, how far the frame has come [0.01 mm].
+    """
+
+    step: int
+    variable: str
+    value: float
+    name: str
+    flag: str
+    depth: str = ""
+
+
 class DecisionError(Exception):
     """A value can't be computed: a division by zero, or a result that no register can hold."""
 

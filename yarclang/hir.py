@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
-from yarclang.decisions import Register, Value, Watch, bits_of
+from yarclang.decisions import Register, Searched, Value, Watch, bits_of
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -204,6 +204,20 @@ class MotionHead:
         return next((one.flange_from_moving for one in poses), None)
 
 
+@frozen
+class Search:
+    """What ends a motion on its way: an input that is `value`, the controller's `variable`, which the program calls `name`.
+
+    The register `flag` becomes 1 then; the register `depth`, if it isn't empty, how far the frame has come [0.01 mm].
+    """
+
+    variable: str
+    value: float
+    name: str
+    flag: str = ""
+    depth: str = ""
+
+
 @frozen(eq=False)
 class JointMove(MotionHead):
     """Straight in joint space."""
@@ -214,6 +228,7 @@ class JointMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    search: Search | None = None
 
     @property
     def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
@@ -251,6 +266,7 @@ class LineMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    search: Search | None = None
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:
@@ -630,3 +646,12 @@ class Program:
     cells: Mapping[int, Cell | None] | None = None
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+
+
+def searches_of(program: Program) -> tuple[Searched, ...]:
+    """Return the motions of a program that an input ends, in order."""
+    return tuple(
+        Searched(number, one.variable, one.value, one.name, one.flag, one.depth)
+        for number, step in enumerate(program.steps)
+        if isinstance(step, JointMove | LineMove) and (one := step.search) is not None
+    )

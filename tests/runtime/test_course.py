@@ -49,6 +49,8 @@ def test_random_programs_run_without_an_alarm(name):
         stand(machine, robot, job.start)
         world = World(machine, delay=float(random.choice([0.0005, 0.005, 0.02])), seed=seed)
         world.perform(connect(world.operation))
+        for line in ("M11->*", "M11=1"):  # what a program watches
+            world.say(line)
         assert not world.perform(look(world.operation, robot, items_of(robot))).errors
         for after in random.uniform(0.0, job.duration, 2):
             world.order(Override(float(random.choice([20.0, 60.0, 100.0]))), after)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from floors import exercises
-from hypothesis import Phase, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime.virtual import SHORT, lines_of, moved_along, prepared, well_behaved, world_of
 

@@ -18,7 +18,7 @@ from yarclang.pipeline.parts import approach
 from yarclang.pipeline.settings import items_of
 from yarclang.robot.actuation import from_counts, to_counts
 from yarclang.robot.description import load_robot
-from yarclang.runtime.actions import Connect, Connected, Keep, Late, Unreachable, Violation, Wait
+from yarclang.runtime.actions import Connect, Connected, Keep, Late, Replan, Unreachable, Violation, Wait
 from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Remark, Stop
 from yarclang.runtime.pmac.messages import Ask, AskControl, Control, Request, Write, Written
 from yarclang.runtime.pmac.operation import Operation
@@ -68,6 +68,7 @@ class World:
     Attributes:
         operation: the run's.
         at: (time, function): what shall happen.
+        replan: answers what follows a search.
         told: all notices.
         sent: all requests.
         given: all orders, and how many requests were sent before each.
@@ -86,6 +87,7 @@ class World:
         self.at = []
         self.told = []
         self.kept, self.unkept = {}, None
+        self.replan = lambda wanted: "nobody knows the program"
         self.sent = []
         self.given = []
         self.refused = []
@@ -124,6 +126,9 @@ class World:
                 case Keep(register=register, value=value):
                     self.kept[register] = value
                     outcome = self.unkept
+                case Replan():
+                    self._pass(self.now + 0.05)
+                    outcome = self.replan(action)
                 case Connect():
                     self._pass(self.now + 0.001)
                     outcome = self._connect()

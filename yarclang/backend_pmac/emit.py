@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Register, Watch
+from yarclang.decisions import Register, Searched, Watch
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -32,10 +32,14 @@ class Emitted:
     barriers: tuple[tuple[int, Barrier], ...]
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    searches: tuple[Searched, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
-        """The whole text: header lines and the map of commands, barriers, registers and watches as comments, then what the controller reads."""
+        """The whole text: header lines and the map of commands, barriers, registers, watches and searches as comments, then what the controller reads."""
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
+        # what ends where it begins has no lines, and nothing ends it
+        searches = [one for one in self.searches if one.step in self.places]
+        maps += len(searches)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -53,6 +57,10 @@ class Emitted:
             for one in self.registers
         ]
         head += [f"; watch {one.variable}={_number(one.value)} {one.name}" for one in self.watches]
+        head += [
+            f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} {one.depth or '-'}"
+            for one in searches
+        ]
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
@@ -92,6 +100,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         tuple(barriers),
         program.registers,
         program.watches,
+        program.searches,
     )
 
 

@@ -31,6 +31,7 @@ from yarclang.hir import (
     WaitInput,
     WaitUntil,
     When,
+    searches_of,
 )
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.pmac.controller import turbo_pmac
@@ -93,6 +94,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
         ),
         registers=plan.program.registers,
         watches=plan.program.watches,
+        searches=searches_of(plan.program),
     )
 
 

@@ -9,7 +9,19 @@ from yarclang.backend_pmac.emit import emit, segment_time
 from yarclang.backend_pmac.lower import lower
 from yarclang.decisions import simple
 from yarclang.diagnostics import Diagnostic, Result
-from yarclang.hir import Assign, Finish, Hold, Loop, Program, Say, SetOutput, Stop, WaitUntil, When
+from yarclang.hir import (
+    Assign,
+    Finish,
+    Hold,
+    Loop,
+    Program,
+    Say,
+    SetOutput,
+    Stop,
+    WaitUntil,
+    When,
+    searches_of,
+)
 from yarclang.memory import Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.pmac.program import LOADING, Target
@@ -22,6 +34,11 @@ def streamed_only(program: Program) -> Diagnostic | None:
     """Return what is said of a program that can't be carried out by a program buffer alone; None if it can."""
     for one in program.watches:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
+        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
+    for found in searches_of(program):
+        message = (
+            f"what {found.name} ends is planned anew by the runtime, and a program buffer runs without it"
+        )
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for step in program.steps:
         if isinstance(step, Loop):

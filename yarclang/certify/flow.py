@@ -46,8 +46,11 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
         yield None, "the registers, their ranges and first values aren't the program's"
     if text.watches != program.watches:
         yield None, f"the text watches {_watched(text.watches)}, and the program {_watched(program.watches)}"
+    moving = {entry.step for entry in text.entries if entry.first}
+    if text.searches != tuple(one for one in hir.searches_of(program) if one.step in moving):
+        yield None, "other motions than the program's are ended by inputs, or by other inputs"
     told = list(_told(text))
-    deeds = list(_meant(program, {entry.step for entry in text.entries if entry.first}))
+    deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):
         found = told[place] if place < len(told) else None
         if found is None or not _same(found, deed):
@@ -76,6 +79,32 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
     yield from _stands_elsewhere(text, start, slack)
     yield from _decided_unread(text)
     yield from _after_an_end(text)
+    yield from _searched_with_others(text)
+
+
+def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
+    """What an input ends stands alone between two barriers: whoever ends it ends all that is streamed with it."""
+    ends = {entry.step: (entry.first or 0, entry.last or 0) for entry in text.entries}
+    legs = list(_legs(text))
+    for one in text.searches:
+        first, last = ends[one.step]
+        # the lines that move, and those that set something, of the legs that have some of its lines
+        streamed = [leg for leg in legs if any(first <= line <= last for line in leg)]
+        if len(streamed) != 1 or not all(first <= line <= last for line in streamed[0]):
+            yield one.step, f"a motion that {one.name} ends is streamed together with others"
+
+
+def _legs(text: ControllerText) -> Iterator[list[int]]:
+    """The numbers of the lines between two barriers that move something or set it."""
+    leg: list[int] = []
+    for item in (*text.course, None):
+        if item is None or isinstance(item, Barred):
+            yield leg
+            leg = []
+        elif isinstance(item, Run):
+            leg += [int(line) for line in item.lines]
+        elif isinstance(item, Put):
+            leg.append(item.line)
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:

@@ -110,6 +110,8 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
         missing.append(f"what it waits for ({_listed(conditions)})")
     if content.watches:
         missing.append(f"what it watches ({_listed([one.name for one in content.watches])})")
+    if content.searches:
+        missing.append(f"what it searches for ({_listed([one.name for one in content.searches])})")
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import Any, Literal
 
 from yarclang.frozen import frozen
-from yarclang.hir import Action, Array, Origin, Reading, Signal, Step, Timetable, Timing
+from yarclang.hir import Action, Array, Origin, Reading, Search, Signal, Step, Timetable, Timing
 from yarclang.units import Kind
 from yarclang.words.spec import Slot
 
@@ -91,6 +91,8 @@ class Arguments:
     avoids: bool = False
     timed: Timed | None = None
     """What a command with `is_timed` has instead of goals."""
+    search: Search | None = None
+    """What ends a motion on its way; only of a command with `may_search`."""
 
 
 @frozen
@@ -101,7 +103,7 @@ class CommandSpec:
     without values has none. `waypoints` is the least and the largest number of way-points
     (None: any). `is_motion` commands take a profile and a motion time. `frames_may_move` allows a base
     frame that is carried by the robot. `leading` are the values of the first way-points where they differ from the target's.
-    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `may_avoid`: it takes the suffix _AVOID, and `build` hears of it. `examples` are lines that compile as they stand for
+    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `may_search`: an input may end it (UNTIL). `may_avoid`: it takes the suffix _AVOID, and `build` hears of it. `examples` are lines that compile as they stand for
     every robot after the standard DEFAULT of the documentation.
     """
 
@@ -118,6 +120,7 @@ class CommandSpec:
     leading: tuple[Values, ...] = ()
     moves_frame: bool = False
     may_avoid: bool = False
+    may_search: bool = False
     is_timed: bool = False
     """Whether each way-point has its own time: then the command takes no profile, and DEFAULT gives it no time. The way-points may stand in a file, whose path stands
     in quotes instead of them."""

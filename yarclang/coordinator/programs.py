@@ -23,9 +23,11 @@ from yarclang.pipeline.parts import (
     parts_before,
     stands_for,
 )
+from yarclang.pipeline.replanning import replanned
 from yarclang.pipeline.returning import along_the_path
-from yarclang.pipeline.stages import CellNow, Compiled, compile_module
+from yarclang.pipeline.stages import CellNow, Compiled, Request, compile_module
 from yarclang.robot.model import Robot
+from yarclang.runtime.actions import Replanned
 from yarclang.runtime.job import Job
 from yarclang.runtime.standing import off_the_start
 
@@ -49,6 +51,7 @@ class Loaded:
         assumed: where the parts of the cell are when it begins, as it was proved; None: the cell has none.
         first_step: the step of the plan with which what is run first begins, if a command was named.
         text_plan: of the program of a controller text: what the text does to parts is followed by it.
+        behind: plans what follows a motion that an input has ended: its number, and where the robot stands (n,) [rad or m]; None: that can't be done.
         again: compiles the same program with its parts elsewhere; None: that can't be done.
     """
 
@@ -64,6 +67,7 @@ class Loaded:
     first_step: int | None = None
     text_plan: MotionPlan | None = None
     again: Callable[[CellNow], Result[Loaded]] | None = None
+    behind: Callable[[int, Array], Replanned | str] | None = None
 
     @property
     def around(self) -> Cell | None:
@@ -140,7 +144,14 @@ def load_program(
     rest = parts.pop(0) if shorter else program
     origins = Origins(plan.program)
     loaded = Loaded(program, rest, tuple(parts), plan, first is not None, lambda: origins, spans=spans)
-    return Result(replace(loaded, assumed=assumed, first_step=step if first is not None else None), found)
+    asked = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
+    loaded = replace(
+        loaded,
+        assumed=assumed,
+        first_step=step if first is not None else None,
+        behind=lambda number, here: replanned(plan, number, here, asked),
+    )
+    return Result(loaded, found)
 
 
 def _assumed(

@@ -15,13 +15,16 @@ from yarclang.coordinator.resting import resting_place
 from yarclang.coordinator.shared import SharedRobot
 from yarclang.coordinator.signals import output_names
 from yarclang.pipeline.parts import steps_of
-from yarclang.runtime.actions import Trouble
+from yarclang.runtime.actions import Replan, Replanned, Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
 
 TO_THE_START = "to the start"
 """What the command of an approach is called."""
+
+_SAME_TIME = 1e-6
+"""How far a command's begin may be from where it is looked for [s]."""
 
 
 class Undertaking:
@@ -61,6 +64,7 @@ class Undertaking:
             self._begin_registers()
         except Trouble as trouble:
             return Ended(False, trouble.what, trouble.remedy, code=trouble.code)
+        self._session.replanner = self._replan
         self._session.operation.outputs = output_names(self.loaded.origins().program, self.loaded.around)
         if way is not None:
             self._tell(way, 1, 1, to_the_start=True)
@@ -116,6 +120,14 @@ class Undertaking:
         for one in strange:
             session.operation.remark(one, warning=True)
         session.keeper = kept.keep
+
+    def _replan(self, wanted: Replan) -> Replanned | str:
+        """Return what follows a search, planned from where it has ended."""
+        loaded = self.loaded
+        begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
+        if loaded.behind is None or not begins or min(begins) > _SAME_TIME:
+            return "only the program says what follows, and the text was run without it"
+        return loaded.behind(begins.index(min(begins)), wanted.joints)
 
     def _next(self, number: int) -> Job | None:
         """Return a job of the program itself, which is carried out once, in steps, or again and again; None after the last."""

@@ -303,6 +303,23 @@ FINDINGS = (
         "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
     ),
     Finding(
+        "Y0475",
+        "unknown-place-behind-search",
+        "error",
+        "what follows a search begins at a place that isn't known",
+        "Where a motion with UNTIL ends is known only when the program runs. Behind it the robot may set, wait, ask and tell; then a MOVEL or MOVEJ to a place of its own leads on, which is planned and proved when the place is known. "
+        "Relative motions, splines, blends, loops and ways stand behind that motion.",
+        "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 DMOVEJ 5 0 0 0 0 0 [2] (deg,s)",
+        "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
+    ),
+    Finding(
+        "Y0476",
+        "gripper-behind-search",
+        "error",
+        "a gripper acts where a search has ended",
+        "In a cell with parts it is known of each motion where the parts are, and where in the gripper. A part that is taken where a search has ended would lie elsewhere in the gripper each time, and nothing that follows would be proved.",
+    ),
+    Finding(
         "Y0472",
         "analogue-value",
         "error",

@@ -216,6 +216,13 @@ FINDINGS: tuple[Finding, ...] = (
         "ON CURTAIN OFF HOLD holds the motion on its path, with outputs safe, and only a person says that it goes on. A run that nobody attends ends there.",
     ),
     Finding(
+        "Y1638",
+        "not-from-here",
+        "error",
+        "what follows a search can't be done from where it has ended",
+        "A motion with UNTIL ends where its input is found. What follows is planned and proved from there before it moves; where that can't be done the robot stands on its line, and the run ends.",
+    ),
+    Finding(
         "Y1650",
         "bit-reads-a-number",
         "error",

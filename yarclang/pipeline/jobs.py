@@ -12,6 +12,7 @@ import numpy as np
 from yarclang.backend import backend_of
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, assignments_of
+from yarclang.decisions import Searched
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array
@@ -73,6 +74,7 @@ def job_of(
         own=found.own,
         registers=content.registers,
         watches=content.watches,
+        searches=content.searches,
     )
     dwells = {
         item.line: item.milliseconds * MS
@@ -80,11 +82,19 @@ def job_of(
         if isinstance(item, Dwelt) and item.milliseconds > 0.0
     }
     sets = {line: (variable, value) for line, variable, value in assignments_of(content) if line is not None}
+    entries = {entry.step: entry for entry in content.entries}
+    searches = {entries[one.step].first or 0: one for one in content.searches}
     made = _Making(
-        common, _begins(content, schedule), _commands(content, schedule), found.guarded, sets, dwells
+        common,
+        _begins(content, schedule),
+        _commands(content, schedule),
+        found.guarded,
+        sets,
+        dwells,
+        searches,
     )
     whole = made.part(loaded, content.runs, start, 0.0, schedule.places[-1])
-    whole = replace(whole, end=_read_only(_end_of(content, start) * robot.axis_units))
+    whole = replace(whole, search=None, end=_read_only(_end_of(content, start) * robot.axis_units))
     legs = tuple(_legs(made, content, schedule, loaded, start)) if _has_barriers(content) else ()
     return Result(replace(whole, legs=legs, offset=offset, clock=clock, lasting=schedule.lasting))
 
@@ -144,6 +154,8 @@ class _Making:
     arms: tuple[int, ...]
     sets: dict[int, tuple[str, float]]
     dwells: dict[int, float]
+    searches: dict[int, Searched]
+    """By the first of their lines."""
 
     def part(
         self,
@@ -189,6 +201,7 @@ class _Making:
             ),
             guarded=any(loaded[0][0] <= line <= loaded[-1][0] for line in self.arms) if loaded else False,
             offset=begin,
+            search=next((self.searches[number] for number, _ in loaded if number in self.searches), None),
         )
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Watch
+from yarclang.decisions import Register, Searched, Watch
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -117,7 +117,7 @@ class PmacProgram:
     `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
     and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
     what they become when the guard has held the motion. `rapid` says whether a rotary begins with a slow RAPID to the start; without it the motion begins
-    where the motors are commanded to stand. `registers` are those that the runtime keeps, and `watches` the inputs that it looks at.
+    where the motors are commanded to stand. `registers` are those that the runtime keeps, `watches` the inputs that it looks at, and `searches` what ends which step on its way.
     """
 
     target: Target
@@ -138,3 +138,4 @@ class PmacProgram:
     rapid: bool = True
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    searches: tuple[Searched, ...] = ()

@@ -6,6 +6,9 @@ from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any, TypeAlias, TypeVar
 
+from yarclang.robot.model import Array
+from yarclang.runtime.job import Job
+
 
 @dataclass(frozen=True, slots=True)
 class Wait:
@@ -61,8 +64,27 @@ class Keep:
     value: int
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Replan:
+    """Plan and prove anew what follows a motion that an input has ended. Answered by `Replanned`, or by why it can't be done (str).
+
+    `begins` is when the motion begins [s of the program], and `joints` (n,) where the robot stands [rad or m].
+    """
+
+    begins: float
+    joints: Array
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Replanned:
+    """What is streamed instead of the next legs, up to where their ends are known again, and how far the frame of a line has come [m]."""
+
+    jobs: tuple[Job, ...]
+    length: float
+
+
 Action: TypeAlias = Any
-"""`Wait`, `Connect`, `Keep`, or a request that the kind of controller has (`yarclang.runtime.scripts.Exchange`)."""
+"""`Wait`, `Connect`, `Keep`, `Replan`, or a request that the kind of controller has (`yarclang.runtime.scripts.Exchange`)."""
 Outcome: TypeAlias = Any
 """`Connected`, `Unreachable`, None behind a wait, or what came of a request."""
 
@@ -90,6 +112,10 @@ class Trouble(Exception):  # noqa: N818 - an event that scripts unwind for
         self.remedy = remedy
         self.code = code
         self.line = line
+
+
+class Found(Exception):  # noqa: N818 - an event that scripts unwind for
+    """The input that ends a motion on its way is as it is searched for; the motion is held."""
 
 
 class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for

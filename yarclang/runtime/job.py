@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.decisions import Register, Value, Watch
+from yarclang.decisions import Register, Searched, Value, Watch
 from yarclang.lasting import NO_TIME, Lasting
 from yarclang.robot.model import Array, Robot
 
@@ -113,6 +113,7 @@ class Job:
         part: of a leg that is carried out; else None.
         registers: of a program with barriers, the integers that it keeps while it is carried out.
         watches: inputs that hold the motion while they have a value.
+        searches: of a program, its motions that inputs end; `search` is that of a leg.
         own: what else the rooms of its kind of controller need.
     """
 
@@ -143,6 +144,8 @@ class Job:
     own: Any = None
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    searches: tuple[Searched, ...] = ()
+    search: Searched | None = None
 
     @property
     def lines_per_second(self) -> float:

@@ -39,7 +39,7 @@ class Ended:
     known), `command` what was executed, `done` how far the program was [s], with the ways of a WHEN one after the other. Of a fault, `code` is that of the finding, `concerns` the
     command that it is about, and `where` its place in the source, which whoever knows the source fills in. `ways` says of each WHEN that was passed, in order, if its first way was taken;
     `barriers` counts what was passed at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers` are their names and what they held.
-    `finished` is True if the program has ended in one of its ways: nothing that stands after it is carried out.
+    `finished` is True if the program has ended in one of its ways: nothing that stands after it is carried out. `found` is True if an input has ended a motion on its way.
     """
 
     well: bool
@@ -58,6 +58,7 @@ class Ended:
     at_barrier: bool = False
     registers: tuple[tuple[str, int], ...] = ()
     finished: bool = False
+    found: bool = False
 
     @property
     def reached(self) -> float:

@@ -17,6 +17,7 @@ from yarclang.runtime.actions import (
     Keep,
     Late,
     Outcome,
+    Replan,
     Script,
     Unreachable,
     Violation,
@@ -76,6 +77,7 @@ class Session:
 
     Attributes:
         keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is kept.
+        replanner: plans what follows a search, from where it has ended; None: nobody here knows the program.
     """
 
     def __init__(
@@ -99,6 +101,7 @@ class Session:
         self._reply_time = reply_time
         self.connector = connector
         self.keeper: Callable[[str, int], None] | None = None
+        self.replanner: Callable[[Replan], Outcome] | None = None
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
         self._wire: Wire | None = None
@@ -151,6 +154,8 @@ class Session:
                         outcome = await self._connect()
                     case Keep(register=register, value=value):
                         outcome = await self._keep(register, value)
+                    case Replan():
+                        outcome = await self._replan(action)
                     case _:
                         outcome = await self._exchange(action)
         finally:
@@ -235,6 +240,12 @@ class Session:
         except OSError as error:
             return str(error)
         return None
+
+    async def _replan(self, wanted: Replan) -> Outcome:
+        """Have what follows a search planned. The robot stands, and everything else goes on meanwhile."""
+        if self.replanner is None:
+            return "only the program says what follows, and the text was run without it"
+        return await asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
 
     async def _connect(self) -> Outcome:
         self.close()

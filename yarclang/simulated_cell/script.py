@@ -15,7 +15,7 @@ from yarclang.cell.model import Cell
 from yarclang.decisions import bits_of, group_of, inputs_of, is_group, largest_of
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.frozen import frozen
-from yarclang.hir import Assign, Gap, Program, SetOutput, Signal, WaitInput, WaitUntil, When
+from yarclang.hir import Assign, Gap, Program, SetOutput, Signal, WaitInput, WaitUntil, When, searches_of
 from yarclang.robot.controller import SignalVariable
 from yarclang.robot.kinds import known_signal
 from yarclang.source import SourceFile
@@ -94,6 +94,7 @@ def known_in(
     for declared in program.outputs:
         outputs[declared.signal.name.upper()] = declared.signal.variable
     inputs |= {watch.name.upper(): watch.variable for watch in program.watches}
+    inputs |= {one.name.upper(): one.variable for one in searches_of(program)}
     for step in program.steps:
         if isinstance(step, Gap):
             continue

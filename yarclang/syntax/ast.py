@@ -127,11 +127,12 @@ class Units:
 
 @frozen
 class Option:
-    """An option behind the base frame, and its argument; `at_most` says that less will do (`BLEND <=10`)."""
+    """An option behind the base frame, and its argument; `at_most` says that less will do (`BLEND <=10`), `state` what an input is (`UNTIL TOUCH OFF`)."""
 
     word: Word
     argument: Number | Word | Percent | Other | Computed | ComputedPercent | None
     at_most: bool = False
+    state: Word | None = None
 
 
 @frozen
@@ -188,8 +189,9 @@ class Statement:
 
     @property
     def waits_else(self) -> bool:
-        """True of a WAIT with an ELSE: the lines up to its END are carried out if its time is over."""
-        return self.name.name == "WAIT" and bool(self.options) and self.options[-1].word.name == "ELSE"
+        """True of a WAIT with an ELSE, and of a motion that has one behind its UNTIL: the lines up to its END are carried out if what is waited or searched for doesn't come."""
+        names = [one.word.name for one in self.options]
+        return names[-1:] == ["ELSE"] and (self.name.name == "WAIT" or "UNTIL" in names)
 
     @property
     def head_span(self) -> Span:
@@ -208,7 +210,8 @@ class Statement:
     def _last_place(self) -> Place:
         """The place of the last part: they stand in one order."""
         if self.options:
-            return (self.options[-1].argument or self.options[-1].word).place
+            option = self.options[-1]
+            return (option.state or option.argument or option.word).place
         last = self.waypoints[-1] if self.waypoints else None
         rates = (None, None) if last is None else (last.acceleration, last.velocity)
         for part in (self.base, self.units, *rates, self.time, self.expression):

@@ -187,7 +187,8 @@ def _rates(waypoint: WayPoint) -> list[str]:
 
 def _option(option: Option) -> list[str]:
     sign = "<=" * option.at_most
-    return [option.word.name, *([sign + _item(option.argument)] if option.argument is not None else [])]
+    said = [option.word.name, *([sign + _item(option.argument)] if option.argument is not None else [])]
+    return said if option.state is None else [*said, _item(option.state)]
 
 
 _Item = Number | Word | Percent | Text | Other | Computed | ComputedPercent | FrameName | Quantity | Parameter

@@ -29,7 +29,7 @@ DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() i
 AVOID = "AVOID"
 """The suffix of a name, between target and profile, of a motion that goes round obstacles."""
 
-OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH"])
+OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO"])
 """Words that begin an option."""
 
 RATES = frozenset(["VEL", "ACC"])

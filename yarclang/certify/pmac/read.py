@@ -83,6 +83,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
         own,
         preamble.registers,
         preamble.watches,
+        preamble.searches,
     )
 
 

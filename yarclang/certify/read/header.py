@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from sys import intern
 
 from yarclang.certify.read.deciding import read_assignment, read_condition, read_value
@@ -17,6 +17,7 @@ from yarclang.decisions import (
     InputValue,
     Register,
     RegisterValue,
+    Searched,
     Value,
     Watch,
     inputs_of,
@@ -62,6 +63,11 @@ _WATCH = re.compile(
     r"; watch ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})(?:\.[0-9]{0,8}[1-9])?) ([A-Z_][A-Z0-9_.]{0,79})"
 )
 
+_SEARCH = re.compile(
+    r"; search ([0-9]{1,7}) ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})(?:\.[0-9]{0,8}[1-9])?) "
+    r"([A-Z_][A-Z0-9_.]{0,79}) ([A-Z_][A-Z0-9_]{0,39}) (-|[A-Z_][A-Z0-9_]{0,39})"
+)
+
 
 @frozen
 class Preamble:
@@ -72,6 +78,7 @@ class Preamble:
     barriers: dict[int, Barred]
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    searches: tuple[Searched, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -115,9 +122,10 @@ def read_preamble(lines: Lines) -> Preamble:
         barriers[barrier.line] = barrier
     registers = _read_registers(lines, barriers)
     watches = _read_watches(lines)
+    searches = _read_searches(lines, {one.step for one in entries if one.first}, registers)
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers, registers, watches)
+    return Preamble(header, tuple(entries), barriers, registers, watches, searches)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -269,3 +277,29 @@ def _read_watches(lines: Lines) -> tuple[Watch, ...]:
         watches.append(watch)
         lines.skip()
     return tuple(watches)
+
+
+def _read_searches(
+    lines: Lines, moves: Container[int], registers: tuple[Register, ...]
+) -> tuple[Searched, ...]:
+    """The motions that an input ends, in order, each with a flag of its own."""
+    searches: list[Searched] = []
+    flags = {one.name for one in registers if (one.low, one.high, one.first, one.kept) == (0, 1, 0, False)}
+    known = {"-", *(one.name for one in registers)}
+    while lines.peek().startswith("; search"):
+        found = _SEARCH.fullmatch(lines.peek())
+        if found is None:
+            lines.refuse(f"is no line of the map of searches: {shown(lines.peek())}")
+        step, depth = int(found[1]), found[6]
+        if step not in moves or any(one.step >= step for one in searches):
+            lines.refuse(
+                f"ends a command that doesn't move, or that stands out of order: {shown(lines.peek())}"
+            )
+        if found[5] not in flags or depth not in known or depth == found[5]:
+            lines.refuse(f"names no registers for what is found: {shown(lines.peek())}")
+        flags.remove(found[5])
+        searches.append(
+            Searched(step, found[2], float(found[3]), found[4], found[5], "" if depth == "-" else depth)
+        )
+        lines.skip()
+    return tuple(searches)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Value, Watch
+from yarclang.decisions import Register, Searched, Value, Watch
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -164,6 +164,7 @@ class ControllerText:
         quantum: the step in which the controller keeps segment times [s].
         registers: integers that the runtime keeps, with their ranges and first values.
         watches: inputs that hold the motion while they have a value.
+        searches: motions that an input ends.
         own: what else it says, for the rooms of its kind alone.
     """
 
@@ -177,6 +178,7 @@ class ControllerText:
     own: Any = None
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    searches: tuple[Searched, ...] = ()
 
     @property
     def target(self) -> str:

@@ -6,10 +6,8 @@ from yarclang.hir import AvoidMove, JointMove, Step
 
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
-    kind = AvoidMove if arguments.avoids else JointMove
-    return kind(
-        arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend
-    )
+    said = (arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend)
+    return AvoidMove(*said) if arguments.avoids else JointMove(*said, arguments.search)
 
 
 COMMAND = CommandSpec(
@@ -32,4 +30,5 @@ With `_AVOID` the straight way may be left to get round obstacles, and round the
     ),
     targets={"": Values.JOINTS, "RPY": Values.POSE_RPY, "QUAT": Values.POSE_QUAT},
     may_avoid=True,
+    may_search=True,
 )

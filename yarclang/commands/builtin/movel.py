@@ -7,7 +7,13 @@ from yarclang.hir import LineMove, Step
 def _build(arguments: Arguments) -> Step:
     (goal,) = arguments.goals
     return LineMove(
-        arguments.origin, goal, arguments.profile, arguments.timing, arguments.tolerance, arguments.blend
+        arguments.origin,
+        goal,
+        arguments.profile,
+        arguments.timing,
+        arguments.tolerance,
+        arguments.blend,
+        arguments.search,
     )
 
 
@@ -27,4 +33,5 @@ configuration: a line that would need another one half way is an error that says
     ),
     targets={"": Values.POSE_RPY, "RPY": Values.POSE_RPY, "QUAT": Values.POSE_QUAT},
     moves_frame=True,
+    may_search=True,
 )

@@ -33,7 +33,7 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
         )
     yield from keep(barrier, register, int(value))
     held.registers[register.name] = int(value)
-    if barrier.word not in COUNTED:
+    if barrier.word not in COUNTED and register.name not in held.flags:
         operation.remark(f"{title(barrier)}: {register.name} is {int(value)}")
 
 

@@ -28,13 +28,16 @@ class Held:
     inputs: dict[str, float]
     loops: dict[int, Passes] = field(default_factory=dict)
     """By the number of the leg in front of it."""
+    flags: frozenset[str] = frozenset()
+    """Registers of searches, which no line names."""
     said: dict[str, str] = field(default_factory=dict)
     """What was told last of each place, since something has moved."""
 
     @classmethod
     def of(cls, job: Job) -> Held:
         """Return what is held when a run begins."""
-        return cls({one.name: one.first for one in job.registers}, {})
+        flags = frozenset(one.flag for one in job.searches)
+        return cls({one.name: one.first for one in job.registers}, {}, flags=flags)
 
     @property
     def told(self) -> tuple[tuple[str, int], ...]:
@@ -42,8 +45,9 @@ class Held:
         return tuple(self.registers.items())
 
     def in_words(self) -> str:
-        """Return the registers as the log tells them."""
-        return "registers: " + ", ".join(f"{name} is {value}" for name, value in self.registers.items())
+        """Return the registers as the log tells them; empty where the program names none."""
+        told = [f"{name} is {value}" for name, value in self.registers.items() if name not in self.flags]
+        return f"registers: {', '.join(told)}" if told else ""
 
 
 def title(barrier: Barrier) -> str:

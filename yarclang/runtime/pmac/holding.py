@@ -39,12 +39,12 @@ class Holding:
         self._outputs = Outputs(job)
         self._told: set[str] = set()
 
-    def hold(self, why: str) -> Script[None]:
-        """Hold on the path, with outputs safe."""
+    def hold(self, why: str, *, secure: bool = True) -> Script[None]:
+        """Hold on the path, with outputs safe unless `secure` is False."""
         robot = self._job.robot
         yield from self.operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         self.operation.go(Event.HOLD, why)
-        if self._job.outputs:
+        if self._job.outputs and secure:
             yield from self._outputs.secure(self.operation)
 
     def remember_outputs(self) -> Script[None]:

@@ -23,6 +23,7 @@ from yarclang.runtime.pmac.held import COUNTED, Held, Passes, title
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
 from yarclang.runtime.pmac.rest import leave, stands_at
+from yarclang.runtime.pmac.searching import found_at
 from yarclang.runtime.pmac.waiting import awaited, obey, wait_for_input, wait_for_operator, wait_until
 from yarclang.runtime.signals import state_text
 from yarclang.runtime.state import Event
@@ -59,25 +60,31 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
     """
     place: int | None = 0
     held = Held.of(job)
-    if held.registers:
+    if held.in_words():
         operation.remark(held.in_words())
     stands, begun = job.start, False
     ways: tuple[bool, ...] = ()
     barriers = 0
+    anew: list[Job] = []
     while place is not None and place < len(job.legs):
-        leg = job.legs[place]
+        leg, found = job.legs[place], False
         if leg.job is not None:
+            streamed = leg.job
+            if anew:
+                streamed = replace(anew.pop(0), behind=leg.job.behind)
             offset, clock = job.offset + leg.job.offset, job.clock + leg.job.clock
             part = Part(begun, title(leg.barrier) if leg.barrier is not None else "")
             begun = True
             held.said.clear()
             for one in held.loops.values():
                 one.moved = True
-            ended = yield from perform(operation, replace(leg.job, offset=offset, clock=clock, part=part))
+            ended = yield from perform(operation, replace(streamed, offset=offset, clock=clock, part=part))
             if not ended.well:
                 _tell_registers(operation, job, held)
                 return replace(ended, ways=ways, barriers=barriers, registers=held.told)
-            stands = leg.job.end
+            stands, found = streamed.end, ended.found
+            if found and ended.joints is not None:
+                stands = ended.joints
         if leg.barrier is None:
             break
         here = _Standing(leg.barrier, stands, job.offset + leg.ends, job.clock + leg.clock)
@@ -94,6 +101,8 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                 finished=True,
             )
         try:
+            if found:
+                anew = yield from found_at(operation, job, place, stands, held)
             before, place = place, (yield from _pass(operation, job, place, leg.barrier, held))
         except Stopped as stopped:
             ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))
@@ -124,7 +133,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
 
 def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
     """Tell what a run that ends early has counted: it isn't kept."""
-    if held.registers:
+    if held.in_words():
         kept = [one.name for one in job.registers if one.kept]
         but = f", but for {', '.join(kept)}" if kept else ""
         operation.remark(
@@ -220,6 +229,8 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
     compared = simple(barrier.decided)
     said = in_words(barrier.decided) if compared is None or not barrier.name else barrier.name
     taken = (_LEFT if barrier.word == "UNTIL" else _TAKEN)[holds]
+    if held.flags.intersection(registers_of(barrier.decided)):
+        return holds  # what was found was told
     if barrier.word in COUNTED:
         (counted,) = registers_of(barrier.decided)
         left = max(held.registers[counted], 0)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import (
     Connect,
     Connected,
+    Found,
     Lost,
     Script,
     Stopped,
@@ -20,7 +22,7 @@ from yarclang.runtime.actions import (
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
-from yarclang.runtime.notices import Abort
+from yarclang.runtime.notices import Abort, Fail, Stop
 from yarclang.runtime.operation import Interrupted
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.inspection import inspect
@@ -152,6 +154,10 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
     """To its end, or to rest."""
     try:
         yield from stream.run()
+    except Found:
+        ended = yield from _found(operation, stream)
+        operation.watch, operation.patience = (), PATIENCE
+        return ended
     except Stopped as stopped:
         what = _ABORTED if stopped.abort else "stopped on its path"
         ended = yield from _settle(operation, stream, Event.STOP, Trouble(what, code=""))
@@ -165,6 +171,28 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
     operation.watch, operation.patience = (), PATIENCE
     operation.orders.clear()
     return ended
+
+
+def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
+    """An input has ended the motion: come to rest on the path, and forget the lines that are left."""
+    try:
+        joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
+    except Trouble as trouble:
+        return (yield from _settle(operation, stream, Event.FAULT, trouble))
+    except Lost as lost:
+        return (yield from _recover(operation, stream, str(lost)))
+    if aborted or joints is None or any(isinstance(order, Stop | Abort | Fail) for order in operation.orders):
+        operation.orders.clear()
+        return (
+            yield from _settle(
+                operation,
+                stream,
+                Event.STOP,
+                Trouble(_ABORTED if aborted else "stopped on its path", code=""),
+            )
+        )
+    operation.go(Event.END)
+    return replace(_ended(stream, "", "", joints, Trouble("", code="")), well=True, found=True)
 
 
 def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
+from yarclang.runtime.actions import Found, Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Job, JobCommand
 from yarclang.runtime.notices import Abort, Fail, Hold, Override, Progress, Resume, Stop
 from yarclang.runtime.operation import URGENT, Interrupted
@@ -25,7 +25,7 @@ from yarclang.runtime.pmac.watching import (
     look_whether_astray,
     sample,
 )
-from yarclang.runtime.signals import OutputSet
+from yarclang.runtime.signals import OutputSet, state_text
 from yarclang.runtime.standing import described
 from yarclang.runtime.state import Event, State
 
@@ -89,7 +89,8 @@ class Stream:
         self._stands: tuple[float, int] | None = None
         self._due = _Due()
         each = min(_LINES_EACH, job.capacity * job.segment / 8.0)
-        self._lines_each = min(each, _WATCH_EACH) if job.watches else each
+        self._looks = bool(job.watches) or job.search is not None
+        self._lines_each = min(each, _WATCH_EACH) if self._looks else each
         self._longest = max(float(np.diff(job.times).max(initial=job.segment)), job.longest_dwell)
         self._dwells = np.array([row for row, _ in job.dwells], dtype=np.intp)
         self._rested: float | None = None
@@ -191,11 +192,16 @@ class Stream:
         rotary.check_prefilled(spent, packets)
 
     def _begin(self) -> Script[bool]:
-        if self.job.watches and (told := self.supervision.held_by((yield from self.rotary.ask()))):
-            # held as in motion: Resume sends the R
-            self.begun = True
-            yield from self.holding.for_input(told, moves=False)
-            return True
+        if self._looks:
+            flow = yield from self.rotary.ask()
+            if told := self.supervision.held_by(flow):
+                # held as in motion: Resume sends the R
+                self.begun = True
+                yield from self.holding.for_input(told, moves=False)
+                return True
+            if self.supervision.found(flow):
+                self.operation.go(Event.HOLD, self._found)
+                raise Found
         yield from self.supervision.begin()
         self.begun = True
         try:
@@ -232,7 +238,7 @@ class Stream:
                 yield from self._ask_lines()
             else:
                 yield from self.holding.for_low_water()
-        elif moving and self.job.watches and now >= due.lines:
+        elif moving and self._looks and now >= due.lines:
             yield from self._ask_lines()
         elif feed.worthwhile(now):
             yield from self.rotary.write()
@@ -275,12 +281,21 @@ class Stream:
     def _look_at(self, flow: Flow) -> Script[None]:
         """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
         moving = self.operation.state is State.MOVE
+        if moving and self.supervision.found(flow):
+            yield from self.holding.hold(self._found, secure=False)
+            raise Found
         if moving and (watched := self.supervision.held_by(flow)):
             yield from self.holding.for_input(watched)
         elif moving and HELD in (flow.armed, flow.watched):
             yield from self.holding.by_guard(flow)
         elif told := self.supervision.changed(flow, moving=moving):
             yield from self.holding.for_others(told)
+
+    @property
+    def _found(self) -> str:
+        """What is said when the input of a search is as it is searched for."""
+        one = self.job.search
+        return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
     def _ask_settings(self) -> Script[None]:
         """Whether the controller still has the settings that it was looked at with."""

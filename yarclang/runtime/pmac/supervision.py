@@ -181,7 +181,9 @@ class Supervision:
         self._winds = wound_up(turbo_pmac(job.robot), operation.silence)
         # what is commanded goes first, and % last: behind it, what follows might be taken for its value
         self._watches = job.watches
-        self._inputs = tuple(dict.fromkeys(one.variable for one in job.watches))
+        self._search = job.search
+        searched = (job.search.variable,) if job.search is not None else ()
+        self._inputs = tuple(dict.fromkeys((*(one.variable for one in job.watches), *searched)))
         self._question = " ".join((self._winds, "PR", ARMED, HEARTBEAT, WATCHED, ECHO, *self._inputs, "%"))
         self._seldom = cycle(operation.memory.seldom) if operation.memory.seldom else None
         self._arms: list[tuple[int, float]] = []
@@ -346,6 +348,11 @@ class Supervision:
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         held = [one for one in self._watches if read[one.variable] == one.value]
         return ", ".join(f"{one.name} ({one.variable}) is {state_text(one.value)}" for one in held)
+
+    def found(self, flow: Flow) -> bool:
+        """Return True if the input that ends this motion is as it is searched for."""
+        read = dict(zip(self._inputs, flow.inputs, strict=True))
+        return self._search is not None and read[self._search.variable] == self._search.value
 
     # settings
 

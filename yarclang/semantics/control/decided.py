@@ -10,7 +10,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
 from yarclang.decisions import Between, Constant, Register, RegisterValue, Value
-from yarclang.hir import Assign, Else, EndLoop, EndWhen, Exit, Gap, Loop, NextPass, Origin, Step, When
+from yarclang.hir import (
+    Assign,
+    Else,
+    EndLoop,
+    EndWhen,
+    Exit,
+    Finish,
+    Gap,
+    JointMove,
+    LineMove,
+    Loop,
+    NextPass,
+    Origin,
+    Step,
+    When,
+)
 from yarclang.semantics.actions import read_when
 from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.control.repeats import repeats
@@ -19,6 +34,9 @@ from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import Scope
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Block, Node, Statement, Word
+
+SEARCHES = "SEARCH_"
+"""How registers begin that say whether a search has found what it was for."""
 
 COUNTER = "REPEAT_"
 """How the registers begin that count the passes of a REPEAT."""
@@ -198,6 +216,33 @@ class Decided:
             self._carry_out(block.otherwise or (), file, Scope(scope))
             self._way_ended()
         self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
+
+    def search(self, step: JointMove | LineMove, otherwise: Callable[[], None] | None, end: Origin) -> None:
+        """Write a motion that ends where an input is found, and what is done where it isn't.
+
+        Args:
+            step: the motion, which has a search.
+            otherwise: carries out the lines of its ELSE; None: the run ends there.
+            end: where the END comes from.
+        """
+        assert step.search is not None
+        flag = self._own_register(SEARCHES, 0, 1).name
+        origin = step.origin
+        self._steps += [
+            Assign(origin, flag, Constant(0.0)),
+            replace(step, search=replace(step.search, flag=flag)),
+            When(origin, Between("=", RegisterValue(flag), Constant(1.0))),
+            Else(replace(origin, name="ELSE")),
+        ]
+        if otherwise is None:
+            state = {0.0: "OFF", 1.0: "ON"}.get(step.search.value, f"{step.search.value:g}")
+            why = f"{step.search.name} was not {state} up to the end of {origin.label or origin.name}"
+            self._steps.append(Finish(origin, fails=True, text=why))
+        else:
+            with self._parted():
+                otherwise()
+                self._way_ended()
+        self._steps.append(EndWhen(end))
 
     def case(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""

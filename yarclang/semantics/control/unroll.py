@@ -12,7 +12,7 @@ from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register, RegisterValue, Watch
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Exit, Finish, Gap, Output, Step, Stop
+from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Step, Stop
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import (
     assigns,
@@ -186,6 +186,8 @@ class _Unroller:
                 self._decided.case(block, file, scope)
             case "WAIT":
                 self._wait(block, file, scope, place)
+            case _ if block.head.waits_else:
+                self._search(block, file, scope, place)
             case "LOOP":
                 self._decided.loop(block, file, scope)
             case "WHILE":
@@ -201,6 +203,20 @@ class _Unroller:
         file.findings.place = shown(at(place, block.head)) if place else ""
         step = read_wait_else(block.head, scope, file.defaults, file.findings)
         self._decided.wait(block, file, scope, step)
+
+    def _search(self, block: Block, file: File, scope: Scope, place: Place) -> None:
+        """Carry out a motion with UNTIL and ELSE."""
+        file.command_seen = True
+        self._count_command(block.head, file)
+        file.findings.place = shown(at(place, block.head)) if place else ""
+        name = self._names.resolved(block.head, file.findings)
+        step = None if name is None else self._read(block.head, name, file, scope, is_alone=not place)
+        if not isinstance(step, JointMove | LineMove) or step.search is None:
+            self._steps.append(Gap())
+            return
+        end = block.end or block.head
+        origin = replace(origin_of(end, "END", file.findings), place=file.findings.place)
+        self._decided.search(step, lambda: self._carry_out(block.otherwise or (), file, Scope(scope)), origin)
 
     def _carry_out(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> None:
         """Carry out lines of a block that is decided when the program runs."""
@@ -370,6 +386,9 @@ class _Unroller:
                     for step in steps
                 )
         for step in steps or (Gap(),):
+            if isinstance(step, JointMove | LineMove) and step.search is not None:
+                self._decided.search(step, None, replace(step.origin, name="END"))
+                continue
             self._steps.append(step)
             if isinstance(step, Stop | Finish):
                 why = f"{step.origin.label or step.origin.name} ends the program"

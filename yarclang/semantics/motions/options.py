@@ -18,7 +18,8 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
     """The timing with what ACC says, the tolerance [m] of TOL, and the distance or angle of BLEND."""
     tolerance, blend = None, None
     seen: set[str] = set()
-    for option in line.statement.options:
+    statement = line.statement
+    for option in statement.options:
         word, span = option.word.name, line.statement.span(option.word.place)
         if word in seen:
             line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
@@ -34,7 +35,7 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
         elif word == "STRETCH":
             message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
             line.findings.add("Y0412", message, span, "take it away, and write another motion time")
-        elif word == "ELSE":
+        elif word == "ELSE" and not statement.waits_else:
             message = "ELSE stands behind the time of a WAIT, or in a line of its own"
             line.findings.add("Y0412", message, span, "take it away")
         elif word == "BLEND":

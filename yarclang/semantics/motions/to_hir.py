@@ -13,6 +13,7 @@ from yarclang.semantics.motions.goals import goals_of
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.motions.moved import Moved, moved_by
 from yarclang.semantics.motions.options import limited
+from yarclang.semantics.motions.searching import search_of
 from yarclang.semantics.motions.timed import refuse_rates, stretch_span, timed_of
 from yarclang.semantics.motions.times import resolve_time
 from yarclang.semantics.names.commands import ResolvedName
@@ -40,7 +41,7 @@ def to_step(
     before = len(findings.found)
     own_units = resolve_units(statement, statement.units, findings) if name.values else {}
     units = {**defaults.units, **own_units} if own_units is not None else None
-    tolerance, blend, moved = None, None, _NOTHING
+    tolerance, blend, search, moved = None, None, None, _NOTHING
     if name.values is None:
         refuse_parts(statement, ALL_PARTS, findings)
         goals: tuple[object, ...] = ()
@@ -68,10 +69,13 @@ def to_step(
             else Timing(None)
         )
         timing, tolerance, blend = limited(line, timing)
+        search = search_of(line, blend)
     if len(findings.found) > before and any(found.is_error for found in findings.found[before:]):
         return None
     origin = origin_of(statement, name.full, findings, units, moved)
-    return name.spec.build(Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids))
+    return name.spec.build(
+        Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids, search=search)
+    )
 
 
 _NOTHING = Moved(None, None)

@@ -1,0 +1,256 @@
+"""MOVEL ... UNTIL TOUCH: the motion ends on its line where the input is found, and what follows is planned and proved from there."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from floors import exercises
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from programs import compiled
+from runtime.virtual import moved_along, path_of, well_behaved, world_of
+
+from yarclang.certify.certifying import certify
+from yarclang.certify.flow import check_rests
+from yarclang.decisions import Searched
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.replanning import replanned
+from yarclang.pipeline.stages import Request
+from yarclang.robot.actuation import from_counts, to_counts
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.runtime.notices import Abort, Hold, Resume, Stop
+from yarclang.runtime.pmac.performance import perform
+from yarclang.runtime.state import State
+
+HEAD = """INPUT TOUCH M12
+OUTPUT LAMP M1
+REGISTER DEPTH 0..50000
+DEFAULT {TCP} (mm,deg,s) {B}
+P0010 MOVEL 0 1174.4 1000 0 0 0 [2]
+"""
+PROGRAM = (
+    HEAD
+    + """P0020 MOVEL 0 1174.4 800 0 0 0 [V 100] UNTIL TOUCH INTO DEPTH
+P0030 SET LAMP ON
+P0040 WAIT [0.3]
+P0050 MOVEL 0 1174.4 1000 0 0 0 [2]
+P0060 MOVEJ 0 0 0 0 30 0 [2]
+"""
+)
+ELSE = PROGRAM.replace(
+    "INTO DEPTH\n",
+    "INTO DEPTH ELSE\nP0025 MOVEL 0 1174.4 900 0 0 0 [1]\nP0026 MOVEL 0 1174.4 800 0 0 0 [1]\nEND\n",
+)
+BEGINS, ENDS = 2.0, 4.15
+"""When the line of the search is carried out [s]."""
+REPLANNED = 0.05
+"""How long planning takes in the virtual world [s]."""
+
+
+def made(text=PROGRAM, *, touch=0, known=True, **options):
+    """A world in front of a job that searches for M12; the value that was compiled."""
+    value, found = compiled(text)
+    assert value is not None, found
+    job = job_of_compiled(value, "test")
+    world = world_of(job, **options)
+    for line in ("M12->*", f"M12={touch}", "M1->*", "M1=0"):
+        world.say(line)
+    anew = []
+
+    def replan(wanted):
+        commands = [one.begins for one in job.commands]
+        number = int(np.argmin(np.abs(np.array(commands) - wanted.begins)))
+        answer = replanned(value.plan, number, wanted.joints, Request(value.plan.robot))
+        anew.append((wanted, answer))
+        return answer
+
+    if known:
+        world.replan = replan
+    world.anew = anew
+    return world, job, value
+
+
+def run(world, job):
+    ended = world.perform(perform(world.operation, job))
+    assert not world.moving
+    return ended
+
+
+def frame(robot, joints):
+    return tool_poses(robot.chain, np.atleast_2d(joints), np.eye(4))[0, :3, 3]
+
+
+def at_its_end(world, job):
+    return np.abs(world.stands(job.robot) - to_counts(job.robot, job.end)).max() <= 1.0
+
+
+@exercises(found=0.5)
+@settings(max_examples=15)
+@given(st.floats(0.0, 6.0), st.floats(0.0, 0.003), st.integers(0, 2**32))
+def test_a_touch_at_any_instant(tally, after, delay, seed):
+    """It rests on its line, as near as what was stated allows; all else is as without it."""
+    world, job, value = made(record=True, delay=delay, seed=seed)
+    robot, edge = job.robot, []
+
+    def touch():
+        world.say("M12=1")
+        edge.append(from_counts(robot, world.stands(robot)))
+
+    world.do(touch, after)
+    ended = run(world, job)
+    tally.count("found", bool(world.anew))
+    if not world.anew:
+        # it came behind the line, or too late to be seen
+        assert (ended.well, ended.code) == (False, "Y1635")
+        return
+    assert ended.well, ended
+    assert at_its_end(world, job)
+    ((wanted, answer),) = world.anew
+    # the line is proved, and braking goes along it
+    assert path_of(value.plan).distance(to_counts(robot, wanted.joints)[None]) < 1.0
+    came = np.linalg.norm(frame(robot, wanted.joints) - frame(robot, edge[0]))
+    speed, hold = 0.1, robot.controller.hold_time
+    # an input that is as it shall be before ends the line where it begins
+    assert answer.length < 1e-6 or came <= speed * (0.005 + 4.0 * delay + 0.003 + hold) + 1e-5
+    begin = frame(robot, value.plan.motions[1].curve.points[0])
+    assert answer.length == pytest.approx(np.linalg.norm(frame(robot, wanted.joints) - begin), abs=1e-9)
+    assert dict(ended.registers)["DEPTH"] == round(answer.length * 1e5)
+    assert world.say("M1") == ("1",)
+
+
+def test_what_follows_is_proved_before_it_moves():
+    world, job, value = made(record=True)
+    world.do(lambda: world.say("M12=1"), 3.5)
+    since = world.now
+    assert run(world, job).well
+    ((wanted, answer),) = world.anew
+    (behind,) = answer.jobs
+    assert behind.start == pytest.approx(wanted.joints, abs=1e-5)
+    assert '"certified": true' in behind.certificate or behind.certificate
+    assert [one.index for one in behind.commands] == ["P0050"]
+    # up and down are one line
+    assert moved_along(world, job, value.plan, since, step=0.05) < 1.0
+    assert "TOUCH found" in world.words
+    assert "SEARCH_1" not in world.words
+
+
+def test_nothing_is_found():
+    world, job, _ = made()
+    ended = run(world, job)
+    assert (ended.well, ended.code) == (False, "Y1635")
+    assert "TOUCH was not ON up to the end of P0020" in ended.what
+    world, job, _ = made(ELSE)
+    assert run(world, job).well
+    assert at_its_end(world, job)
+    assert not world.anew
+
+
+def test_it_is_found_where_the_line_begins():
+    world, job, _ = made(touch=1)
+    ended = run(world, job)
+    assert ended.well
+    assert dict(ended.registers)["DEPTH"] == 0
+    assert at_its_end(world, job)
+
+
+def test_an_else_isn_t_taken_when_it_is_found():
+    world, job, _ = made(ELSE)
+    world.do(lambda: world.say("M12=1"), 3.0)
+    ended = run(world, job)
+    assert ended.well
+    assert at_its_end(world, job)
+    assert len(world.anew) == 1
+
+
+@pytest.mark.parametrize("order", [Stop(), Abort()])
+@pytest.mark.parametrize("after", [0.0, 0.02, 0.2])
+def test_a_stop_just_behind_the_touch(order, after):
+    world, job, _ = made()
+    world.do(lambda: world.say("M12=1"), 3.0)
+    world.order(order, 3.0 + after)
+    ended = run(world, job)
+    assert not ended.well
+    assert world.operation.state is State.STOP
+
+
+def test_a_hold_on_the_line():
+    world, job, _ = made()
+    world.order(Hold(), 3.0)
+    world.do(lambda: world.say("M12=1"), 3.5)
+    world.order(Resume(), 5.0)
+    assert run(world, job).well
+    assert at_its_end(world, job)
+
+
+def test_nobody_knows_what_follows():
+    world, job, _ = made(known=False)
+    world.do(lambda: world.say("M12=1"), 3.0)
+    ended = run(world, job)
+    assert (ended.well, ended.code) == (False, "Y1638")
+
+
+def test_a_register_that_is_too_small():
+    world, job, _ = made(PROGRAM.replace("0..50000", "0..100"))
+    world.do(lambda: world.say("M12=1"), 3.0)
+    ended = run(world, job)
+    assert (ended.well, ended.code) == (False, "Y1630")
+
+
+def test_joints_search_too_and_in_a_loop():
+    text = (
+        "INPUT TOUCH M12\nREGISTER N 0..9\nDEFAULT (deg,s)\nLOOP\n"
+        "  P10 MOVEJ 20 0 0 0 30 0 [1] UNTIL TOUCH OFF ELSE\n    P15 WAIT [0.1]\n  END\n"
+        "  P20 MOVEJ 0 0 0 0 30 0 [1]\n  P30 SET N = N + 1\nUNTIL N = 3\n"
+    ).replace("LOOP\n", "P5 MOVEJ 0 0 0 0 30 0 [1]\nLOOP\n", 1)
+    world, job, _ = made(text, touch=1)
+    world.do(lambda: world.say("M12=0"), 3.5)
+    world.do(lambda: world.say("M12=1"), 4.3)
+    ended = run(world, job)
+    assert ended.well, ended
+    assert len(world.anew) == 1
+    assert at_its_end(world, job)
+
+
+def test_well_behaved():
+    world, job, _ = made(PROGRAM.replace("P0030 SET LAMP ON\n", ""))
+    world.do(lambda: world.say("M12=1"), 3.0)
+    assert run(world, job).well
+    well_behaved(world)
+
+
+SEARCH = "; search 2 M12=1 TOUCH SEARCH_1 DEPTH\n"
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        (SEARCH, ""),
+        (SEARCH, SEARCH * 2),
+        (SEARCH, SEARCH.replace(" 2 ", " 0 ")),
+        (SEARCH, SEARCH.replace("=1", "=0")),
+        (SEARCH, SEARCH.replace("M12", "M13")),
+        (SEARCH, SEARCH.replace("TOUCH", "DOOR")),
+        (SEARCH, SEARCH.replace("SEARCH_1", "DEPTH")),
+        (SEARCH, SEARCH.replace(" DEPTH", " -")),
+        (SEARCH, SEARCH.replace(" DEPTH", " SEARCH_1")),
+        (SEARCH, SEARCH.replace(" DEPTH", "")),
+    ],
+)
+def test_the_certificate_refuses_a_text_that_searches_otherwise(change, industrial6):
+    program, _ = compiled(PROGRAM)
+    assert change[0] in program.text, [line for line in program.text.splitlines() if "search" in line]
+    changed = program.text.replace(*change, 1)
+    judged = certify(changed, program.program, industrial6, industrial6.tolerance)
+    assert any(one.is_error for one in judged.diagnostics), change
+
+
+@pytest.mark.parametrize(("index", "alone"), [("P0020", True), ("P0060", False), ("P0070", False)])
+def test_what_is_streamed_with_others_is_never_ended(index, alone):
+    """P0060 and P0070 stand in one leg: an input that ends one of them would end both."""
+    program, found = compiled(PROGRAM + "P0070 MOVEJ 0 0 0 0 40 0 [2]\n")
+    assert program is not None, found
+    content = program.certificate.text
+    step = next(entry.step for entry in content.entries if entry.index == index and entry.first)
+    forged = replace(content, searches=(Searched(step, "M12", 1.0, "TOUCH", "SEARCH_1"),))
+    told = [message for _, message in check_rests(forged, program.plan.program.start, np.full(6, 1e-3))]
+    assert any("streamed together" in one for one in told) != alone

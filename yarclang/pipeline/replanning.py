@@ -1,0 +1,124 @@
+"""What follows a motion that an input has ended on its way, planned and proved from where the robot stands."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Present
+from yarclang.diagnostics import has_errors
+from yarclang.handling.present import presently
+from yarclang.hir import (
+    Array,
+    Dwell,
+    EndWhen,
+    JointGoal,
+    JointMove,
+    LineMove,
+    Motion,
+    Program,
+    SetOutput,
+    Step,
+    When,
+)
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.parts import compiled_part, parts_before
+from yarclang.pipeline.stages import Request
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.runtime.actions import Replanned
+from yarclang.runtime.job import Job
+
+_SAME = 1e-6
+"""How far the end of what is planned anew may be from where the program has it [rad or m]."""
+
+
+def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> Replanned | str:
+    """Return what is streamed behind a search, up to the end of the next motion.
+
+    Args:
+        plan: the program.
+        number: which motion of it was ended.
+        here: (n,) where the robot stands [rad or m].
+        request: the tolerance and the longest segment time that the program was planned with.
+
+    Returns:
+        Or why it can't be done.
+    """
+    steps = plan.program.steps
+    first = plan.motions[number].step
+    jobs: list[Job] = []
+    run: list[Step] = []
+    moves: Motion | None = None
+    at = _behind_when(steps, first + 1)
+    begin = at
+    for at in range(begin, len(steps)):
+        step = steps[at]
+        if isinstance(step, JointMove | LineMove):
+            moves = step
+            break
+        if isinstance(step, SetOutput | Dwell):
+            run.append(step)
+            continue
+        if run:
+            made = _job(plan, begin, tuple(run), here, request)
+            if isinstance(made, str):
+                return made
+            jobs.append(made)
+            run = []
+        if isinstance(step, Motion):
+            break
+    if moves is None:
+        if run:
+            made = _job(plan, begin, tuple(run), here, request)
+            if isinstance(made, str):
+                return made
+            jobs.append(made)
+    else:
+        following = next((one for one in plan.motions[number + 1 :] if one.step == at), None)
+        if following is None:
+            return f"{moves.origin.name} has no end that is known"
+        end = following.waypoints[-1]
+        if isinstance(moves, JointMove):
+            moves = replace(moves, goal=JointGoal(end))
+        made = _job(plan, begin, (*run, moves), here, request)
+        if isinstance(made, str):
+            return made
+        if float(np.abs(made.end - end).max()) > _SAME:
+            return f"from here {moves.origin.label or moves.origin.name} ends in another configuration"
+        jobs.append(made)
+    return Replanned(tuple(jobs), _length(plan, number, here))
+
+
+def _behind_when(steps: tuple[Step, ...], first: int) -> int:
+    """Return the number of the step behind the WHEN that begins at `first`."""
+    depth = 0
+    for number in range(first, len(steps)):
+        depth += isinstance(steps[number], When) - isinstance(steps[number], EndWhen)
+        if depth == 0:
+            return number + 1
+    return len(steps)
+
+
+def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, request: Request) -> Job | str:
+    whole = plan.program
+    cell, parts = whole.cell, parts_before(plan, begin)
+    if cell is not None and parts is not None:
+        cell = presently(cell, Present(parts))
+    program = Program(whole.source, here, steps, whole.outputs, cell, watches=whole.watches)
+    made = compiled_part(program, request)
+    if made.value is None or has_errors(made.diagnostics):
+        return next((one.message for one in made.diagnostics if one.is_error), "it can't be planned")
+    return job_of_compiled(made.value, whole.source.name)
+
+
+def _length(plan: MotionPlan, number: int, here: Array) -> float:
+    """Return how far the frame of a line has come [m]; 0 of a motion of joints."""
+    motion = plan.motions[number]
+    step = plan.program.steps[motion.step]
+    if not isinstance(step, LineMove):
+        return 0.0
+    both = np.stack((motion.curve.points[0], here))
+    places = tool_poses(plan.robot.chain, both, step.goal.flange_from_moving)[:, :3, 3]
+    return float(np.linalg.norm(places[1] - places[0]))

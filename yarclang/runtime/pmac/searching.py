@@ -1,0 +1,75 @@
+"""What follows a motion that an input has ended on its way: planned and proved anew from where the robot stands. No I/O."""
+
+from __future__ import annotations
+
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Replan, Replanned, Script, Trouble
+from yarclang.runtime.job import Job, Leg
+from yarclang.runtime.pmac.assigning import keep
+from yarclang.runtime.pmac.held import Held, title
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.units import MM
+
+_STEP = 0.01
+"""What a register for a depth counts [mm]."""
+
+
+def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
+    """Note where a search has ended, and have what follows planned from there.
+
+    Args:
+        operation: the run.
+        job: with legs.
+        place: of the leg that was ended.
+        joints: (n,) where the robot stands [rad or m].
+        held: takes the registers.
+
+    Returns:
+        What is streamed instead of the next legs, up to where the robot stands where the text has it.
+
+    Raises:
+        Trouble: what follows can't be proved from here, or the register for the depth can't hold it.
+    """
+    leg = job.legs[place]
+    assert leg.job is not None
+    search, barrier = leg.job.search, leg.barrier
+    assert search is not None
+    assert barrier is not None
+    (command,) = leg.job.commands
+    since = operation.now
+    answer = yield Replan(job.offset + leg.job.offset + command.begins, joints)
+    if not isinstance(answer, Replanned):
+        raise Trouble(
+            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: {answer}",
+            "the robot stands where it was found; move it from there by hand, or with --approach",
+            "Y1638",
+        )
+    if not _do_the_same(answer.jobs, job.legs[place + 1 :]):
+        raise Trouble(f"{title(barrier)}: what was planned from here isn't what the text does", code="Y1638")
+    held.registers[search.flag] = 1
+    depth = round(answer.length / MM / _STEP)
+    if search.depth:
+        register = next(one for one in job.registers if one.name == search.depth)
+        if not register.low <= depth <= register.high:
+            raise Trouble(
+                f"{title(barrier)} would make {register.name} {depth}, and it is an integer from {register.low} to {register.high}",
+                f"declare a larger range: REGISTER {register.name} 0..{depth}",
+                "Y1630",
+            )
+        yield from keep(barrier, register, depth)
+        held.registers[register.name] = depth
+    way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
+    follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
+    operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")
+    return list(answer.jobs)
+
+
+def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
+    """Return True if jobs set, wait and move as the next legs do, whatever lies between."""
+    behind = [leg.job for leg in legs if leg.job is not None]
+    return all(_deeds(one) in [_deeds(other) for other in behind] for one in jobs)
+
+
+def _deeds(job: Job) -> object:
+    sets = [(variable, value) for _, variable, value in job.sets]
+    return sets, [seconds for _, seconds in job.dwells], [(one.index, one.name) for one in job.commands]

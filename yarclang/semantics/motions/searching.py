@@ -1,0 +1,166 @@
+"""UNTIL: a motion that ends on its way where an input is found, and what may stand behind it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from yarclang.cell.model import Cell
+from yarclang.decisions import DECIMALS, Constant, Register, is_group
+from yarclang.diagnostics import Collector, Diagnostic
+from yarclang.hir import (
+    Assign,
+    Dwell,
+    EndWhen,
+    Finish,
+    Gap,
+    Hold,
+    JointDelta,
+    JointMove,
+    LineMove,
+    Motion,
+    PoseDelta,
+    Reading,
+    Say,
+    Search,
+    SetOutput,
+    Signal,
+    Step,
+    Stop,
+    WaitInput,
+    WaitUntil,
+    When,
+)
+from yarclang.semantics.declared.signals import state_value
+from yarclang.semantics.motions.line import Line
+from yarclang.semantics.names.scope import KINDS
+from yarclang.semantics.names.signals import input_named
+from yarclang.subjects import unknown
+from yarclang.syntax.ast import Option, Word
+
+_STANDING = (SetOutput, Dwell, WaitInput, WaitUntil, Hold, Say, Assign)
+"""Steps at which the robot stands where a search has ended."""
+
+
+def search_of(line: Line, blend: Reading | None) -> Search | None:
+    """Read UNTIL TOUCH, UNTIL TOUCH OFF and INTO DEPTH; None where no UNTIL stands, or with a finding."""
+    options = {option.word.name: option for option in line.statement.options}
+    until, into = options.get("UNTIL"), options.get("INTO")
+    if until is None:
+        if into is not None:
+            _refuse(
+                line, into, "INTO names the register for how far a motion has come with UNTIL", "take it away"
+            )
+        return None
+    if not line.name.spec.may_search or line.name.avoids:
+        _refuse(line, until, f"{line.name.full} isn't ended by an input: MOVEL and MOVEJ are", "write MOVEL")
+        return None
+    if blend is not None:
+        message = "a motion with UNTIL ends at rest: where it ends isn't known before"
+        _refuse(line, options["BLEND"], message, "take BLEND away")
+        return None
+    if not isinstance(until.argument, Word):
+        _refuse(line, until, "UNTIL wants an input", "for example UNTIL TOUCH, or UNTIL TOUCH OFF")
+        return None
+    signal = input_named(until.argument, line.scope, line.statement, line.findings)
+    value = (
+        1.0 if until.state is None else state_value(until.state, line.scope, line.statement, line.findings)
+    )
+    depth = "" if into is None else _depth(line, into)
+    if signal is None or value is None or depth is None:
+        return None
+    if is_group(signal.variable):
+        message = f"{signal.name} is a group of {len(signal.bits)} bits, and UNTIL takes a single one"
+        line.findings.add(
+            "Y0471",
+            message,
+            line.statement.span(until.argument.place),
+            "declare the bit by a name of its own",
+        )
+        return None
+    return Search(signal.variable, round(value, DECIMALS) + 0.0, signal.name, depth=depth)
+
+
+def _depth(line: Line, into: Option) -> str | None:
+    """The register that INTO names; None with a finding where it names none, or the motion has no length."""
+    if not line.name.spec.moves_frame:
+        _refuse(line, into, "only a line has a length in mm: MOVEJ takes no INTO", "take it away")
+        return None
+    found = line.scope.name(into.argument.name) if isinstance(into.argument, Word) else None
+    if isinstance(found, Register):
+        return found.name
+    span = line.statement.span((into.argument or into.word).place)
+    if found is not None and isinstance(into.argument, Word):
+        line.findings.add("Y0209", f"{into.argument.text} is {KINDS[type(found)]}, not a register", span)
+        return None
+    text = "" if into.argument is None else into.argument.text
+    subject = unknown(text, line.scope.names(Register))
+    help_ = subject.question or "declare it: REGISTER DEPTH 0..50000, in 0.01 mm"
+    line.findings.add(
+        "Y0210",
+        f"no register is named {text}" if text else "INTO wants a register",
+        span,
+        help_,
+        subject=subject,
+    )
+    return None
+
+
+def _refuse(line: Line, option: Option, message: str, help_: str) -> None:
+    line.findings.add("Y0412", message, line.statement.span(option.word.place), help_)
+
+
+def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) -> None:
+    """Check that behind each search the robot stands, or moves from there to a place that is known, and end what is planned anew there, by a barrier.
+
+    Args:
+        steps: of the program; takes the barriers.
+        cell: what is around; where a gripper takes or puts something down, what follows depends on where that was.
+        findings: take what is wrong.
+    """
+    grips = set() if cell is None or not cell.parts else {*cell.grips, *cell.removals}
+    for number in range(len(steps) - 1, -1, -1):
+        step = steps[number]
+        if isinstance(step, JointMove | LineMove) and step.search is not None:
+            told = _behind(steps, number, step, grips)
+            if isinstance(told, Diagnostic):
+                findings.found.append(told)
+            elif told is not None:
+                steps.insert(told + 1, Assign(step.origin, step.search.flag, Constant(0.0)))
+
+
+def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str]) -> int | Diagnostic | None:
+    """Return the step with the next motion, what is wrong with what follows, or None where nothing moves any more."""
+    for at in range(_end_of_when(steps, number + 1) + 1, len(steps)):
+        step = steps[at]
+        if isinstance(step, Gap | Stop | Finish):
+            return None
+        origin = step.origin
+        if isinstance(step, SetOutput | Assign):
+            target = step.output if isinstance(step, SetOutput) else step.target
+            if isinstance(target, Signal) and target.variable in grips:
+                message = f"{target.name} takes or puts down a part where {search.origin.name} has ended, and that place is known only when the program runs"
+                help_ = "in a cell with parts move to a known place before the gripper acts"
+                return Diagnostic("Y0476", message, origin.source, origin.span, help_, place=origin.place)
+        if isinstance(step, _STANDING):
+            continue
+        if (
+            isinstance(step, JointMove | LineMove)
+            and step.search is None
+            and step.blend is None
+            and not isinstance(step.goal, JointDelta | PoseDelta)
+        ):
+            return at
+        message = f"{origin.name} begins where {search.origin.name} has ended, and that place is known only when the program runs"
+        help_ = "write a MOVEL or MOVEJ to a place of its own, without BLEND, in front of it"
+        return Diagnostic("Y0475", message, origin.source, origin.span, help_, place=origin.place)
+    return None
+
+
+def _end_of_when(steps: Sequence[Step], first: int) -> int:
+    """The EndWhen of the When at `first`; the last step where there is none."""
+    depth = 0
+    for number in range(first, len(steps)):
+        depth += isinstance(steps[number], When) - isinstance(steps[number], EndWhen)
+        if depth == 0:
+            return number
+    return len(steps) - 1

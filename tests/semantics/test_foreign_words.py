@@ -29,8 +29,6 @@ def test_no_word_of_the_language_is_foreign():
     [
         ("P0010 GOTO P0900", "Y0202", "CALL"),
         ("IF DOOR = 1", "Y0209", "WHEN"),
-        ("P0010 MOVEL 0 0 0 0 0 0 [5] {B} UNTIL DOOR", "Y0101", "WHEN"),
-        ("P0010 MOVEJ HOME [5] (s) until DOOR ON", "Y0101", "WHEN"),
     ],
 )
 def test_what_people_write_of_other_languages(line, code, told):

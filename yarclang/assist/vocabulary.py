@@ -50,6 +50,8 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
             "how far the moving frame may be from its path, in length units, and be turned: by a degree for each millimetre",
             "TOL 0.05",
         ),
+        "UNTIL": Entry("ends the motion on its way where an input is ON (or OFF)", "UNTIL TOUCH"),
+        "INTO": Entry("the register for how far a line with UNTIL has come, in 0.01 mm", "INTO DEPTH"),
         "STRETCH": Entry("makes all times of a timetable so many times as long", "STRETCH 1.5"),
         "NEAR": Entry(
             "of several solutions for a pose, takes the one nearest to this joint position", "NEAR HOME"

@@ -313,13 +313,6 @@ FINDINGS = (
         "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
-        "Y0476",
-        "gripper-behind-search",
-        "error",
-        "a gripper acts where a search has ended",
-        "In a cell with parts it is known of each motion where the parts are, and where in the gripper. A part that is taken where a search has ended would lie elsewhere in the gripper each time, and nothing that follows would be proved.",
-    ),
-    Finding(
         "Y0472",
         "analogue-value",
         "error",

@@ -101,4 +101,11 @@ FINDINGS = (
         "REGISTER N 0..1\nOUTPUT GRIP M1\nP0010 SET GRIP = N",
         "REGISTER N 0..1\nOUTPUT GRIP M1\nWHEN N = 1\n  P0010 SET GRIP ON\nEND",
     ),
+    Finding(
+        "Y0950",
+        "gripper-behind-search",
+        "error",
+        "a gripper acts where a search has ended",
+        "In a cell with parts it is known of each motion where the parts are, and where in the gripper. A part that is taken where a search has ended would lie elsewhere in the gripper each time, and nothing that follows would be proved.",
+    ),
 )

@@ -15,11 +15,6 @@ _ORDER = (
     "the order is: index, name, {moving frame}, values, [motion time], (units), {base frame}, options; "
     "a comment starts with `!`"
 )
-_FOREIGN = {
-    "UNTIL": "a motion is proved as a whole and no input ends it on its way: go in steps, and ask the input by WHEN between them",
-}
-"""What is said of words of other robot languages behind a command."""
-
 _LET = "write LET PITCH = 60 (mm)"
 _FUNC = "write FUNC MID(A, B) = (A + B) / 2"
 _SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit behind its name"
@@ -212,4 +207,4 @@ def _out_of_order(token: Any, place: Place, expected: Collection[str], kinds: Se
     if set(expected) <= _BEGINNINGS:
         message = f"a statement begins with an index and a command's name, not with {what}"
         return Fault("Y0101", message, _ORDER, place)
-    return Fault("Y0101", f"{what} can't stand here", _FOREIGN.get(str(token).upper(), _ORDER), place)
+    return Fault("Y0101", f"{what} can't stand here", _ORDER, place)

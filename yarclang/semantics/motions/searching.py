@@ -140,7 +140,7 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
             if isinstance(target, Signal) and target.variable in grips:
                 message = f"{target.name} takes or puts down a part where {search.origin.name} has ended, and that place is known only when the program runs"
                 help_ = "in a cell with parts move to a known place before the gripper acts"
-                return Diagnostic("Y0476", message, origin.source, origin.span, help_, place=origin.place)
+                return Diagnostic("Y0950", message, origin.source, origin.span, help_, place=origin.place)
         if isinstance(step, _STANDING):
             continue
         if (

@@ -1,0 +1,160 @@
+"""How soon a watched input holds the robot, and how long what follows a search takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
+
+`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the input, as a PLC would. The clock begins when that client is about to
+write, and ends when the bytes of the hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as well.
+Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up from there.
+
+Goals: edge to hold 10 ms (p99, idle); planned and certified in 150 ms (median).
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import re
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from yarclang.pipeline.replanning import replanned
+from yarclang.pipeline.stages import Request, compile_module
+from yarclang.robot.description import load_robot
+from yarclang.runtime.actions import Replanned
+from yarclang.runtime.pmac.messages import Ask
+from yarclang.runtime.pmac.protocol import GREETING, Connection
+from yarclang.source import SourceFile
+from yarclang.syntax.parse import parse
+
+PROGRAM = """ROBOT INDUSTRIAL6
+INPUT CURTAIN M11
+ON CURTAIN OFF HOLD
+P0010 MOVEJ 0 0 0 0 30 0 [20] (deg,s)
+P0020 MOVEJ 0 0 0 0 0 0 [20] (deg,s)
+"""
+RUNNER = """
+import os, sys, time
+from yarclang.runtime.transports import tcp
+from yarclang.cli.yarc import main
+
+sends = tcp.Wire.send
+
+def send(self, data):
+    sends(self, data)
+    if data[8:] == b"&1H":
+        print("hold", time.monotonic_ns(), flush=True)
+
+tcp.Wire.send = send
+main(["run", sys.argv[1], "--to", sys.argv[2], "--no-log", "--yes"])
+"""
+SEARCHES = {
+    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n",
+}
+
+
+class Beside:
+    """Another client of the controller."""
+
+    def __init__(self, port: int) -> None:
+        self._socket = socket.create_connection(("127.0.0.1", port))
+        self._connection = Connection()
+        self.ask(GREETING)
+
+    def ask(self, line: str) -> None:
+        """Ask a line, and wait for its reply."""
+        self._socket.sendall(self._connection.send(Ask(line), time.monotonic(), 5.0))
+        while not self._connection.receive(self._socket.recv(4096), time.monotonic()):
+            pass
+
+
+def edges(rounds: int, folder: Path) -> list[float]:
+    """Return the times from an edge to the hold [ms]."""
+    program = folder / "program.yarc"
+    program.write_text(PROGRAM)
+    arguments = ["sim", "--port", "0", "--robot", "INDUSTRIAL6"]
+    command = [sys.executable, "-c", f"from yarclang.cli.yarc import main; main({arguments})"]
+    found: list[float] = []
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as simulator:
+        assert simulator.stdout is not None
+        found_port = re.search(r":([0-9]+)", simulator.stdout.readline())
+        assert found_port is not None
+        port = int(found_port[1])
+        beside = Beside(port)
+        beside.ask("M11->*")
+        draw = random.Random(0)
+        while len(found) < rounds:
+            beside.ask("M11=1")
+            arguments = [sys.executable, "-c", RUNNER, str(program), f"tcp://127.0.0.1:{port}"]
+            with subprocess.Popen(
+                [*arguments],
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.PIPE,
+                stderr=subprocess.STDOUT,
+                text=True,
+            ) as run:
+                assert run.stdout is not None
+                for line in run.stdout:
+                    if line.startswith("move"):
+                        break
+                time.sleep(draw.uniform(0.5, 1.0))
+                begin = time.monotonic_ns()
+                beside.ask("M11=0")
+                for line in run.stdout:
+                    if line.startswith("hold"):
+                        found.append((int(line.split()[1]) - begin) / 1e6)
+                        break
+                run.terminate()
+                run.wait()
+            # back to where the program starts
+            beside.ask("&1A")
+            for motor in range(1, 7):
+                beside.ask(f"#{motor}J=0")
+            time.sleep(1.5)
+        simulator.terminate()
+    return found
+
+
+def planned(name: str, text: str) -> list[float]:
+    """Return how long what follows a search takes, ended at ten places [ms]."""
+    robot = load_robot(name).value
+    assert robot is not None
+    head = "INPUT TOUCH M12\nDEFAULT {TCP} (mm,deg,s) {B}\n"
+    module = parse(SourceFile("search.yarc", head + text)).value
+    assert module is not None
+    made = compile_module(module, Request(robot)).value
+    assert made is not None
+    plan, found = made.plan, []
+    begin, end = plan.begins[1], plan.ends[1]
+    for time_ in np.linspace(begin, end, 12)[1:-1]:
+        here = plan.sample(np.array([time_]))[0][0]
+        since = time.perf_counter()
+        answer = replanned(plan, 1, here, Request(robot))
+        found.append((time.perf_counter() - since) * 1e3)
+        assert isinstance(answer, Replanned), answer
+    return found
+
+
+def main() -> None:
+    """Print what was measured."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=40)
+    rounds = parser.parse_args().rounds
+    for name, text in SEARCHES.items():
+        times = planned(name, text)
+        print(
+            f"{name}: what follows a search {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst)"
+        )
+    with tempfile.TemporaryDirectory() as folder:
+        found = sorted(edges(rounds, Path(folder)))
+    print(
+        f"edge to hold: {statistics.median(found):.1f} ms (median), {found[-1]:.1f} ms (worst of {len(found)})"
+    )
+
+
+if __name__ == "__main__":
+    main()

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from yarclang.coordinator.programs import Loaded, load_program
+from yarclang.coordinator.programs import Loaded, behind_search, load_program
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.handling.parts import first_parts
 from yarclang.motion.plan import MotionPlan
@@ -17,7 +17,7 @@ from yarclang.pipeline.inputs import Opened, Options, open_program, open_source
 from yarclang.pipeline.jobs import job_of
 from yarclang.pipeline.origins import Origins
 from yarclang.pipeline.sources import STANDARD_INPUT
-from yarclang.pipeline.stages import CellNow
+from yarclang.pipeline.stages import CellNow, Request
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Papers
@@ -135,7 +135,13 @@ def _judged(source: Source) -> Result[Loaded]:
     cell = judged.cell
     assumed = first_parts(cell) if cell is not None and cell.parts else None
     loaded = Loaded(
-        job.value, job.value, origins=lambda: origins, cell=cell, assumed=assumed, text_plan=judged.plan
+        job.value,
+        job.value,
+        origins=lambda: origins,
+        cell=cell,
+        assumed=assumed,
+        text_plan=judged.plan,
+        behind=None if judged.plan is None else behind_search(judged.plan, Request(judged.robot)),
     )
     return Result(loaded, diagnostics)
 

@@ -149,9 +149,14 @@ def load_program(
         loaded,
         assumed=assumed,
         first_step=step if first is not None else None,
-        behind=lambda number, here: replanned(plan, number, here, asked),
+        behind=behind_search(plan, asked),
     )
     return Result(loaded, found)
+
+
+def behind_search(plan: MotionPlan, request: Request) -> Callable[[int, Array], Replanned | str]:
+    """Return what plans what follows a motion of a plan that an input has ended."""
+    return lambda number, here: replanned(plan, number, here, request)
 
 
 def _assumed(

@@ -15,7 +15,7 @@ from mcap.writer import Writer
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Progress, Remark
+from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Planned, Progress, Remark
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
@@ -74,6 +74,7 @@ class Record:
         self._anchor = anchor
         self._channels: dict[str, int] = {}
         self._last = anchor.clock
+        self._planned = 0
 
     def begin(self, facts: dict[str, str]) -> None:
         """The header, attachments, channels, and metadata: these facts and what is known of the job."""
@@ -118,6 +119,14 @@ class Record:
                 content = {"kind": _KINDS[type(item)], **asdict(item)}
                 del content["time"]
                 self._message("signals", item.time, content)
+            case Planned(text=text, certificate=certificate):
+                self._planned += 1
+                number, wall = self._planned, self._anchor.wall_at(item.time)
+                for name, media_type, said in (
+                    (f"search-{number}.pmc", "text/plain", text),
+                    (f"search-{number}.json", "application/json", certificate),
+                ):
+                    self._writer.add_attachment(wall, wall, name, media_type, _clean(said).encode())
             case Ordered(time=when, order=order):
                 self._message("events", when, {"kind": "order", "text": _order_text(order)})
             case Begun(job=job):

@@ -64,7 +64,16 @@ class Reached:
     place: str
 
 
-Notice: TypeAlias = Changed | Progress | Remark | Reached | Signal | Sample
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """What follows a search was planned and proved: its controller text, and its certificate as JSON."""
+
+    time: float
+    text: str
+    certificate: str
+
+
+Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | Signal | Sample
 
 
 @dataclass(frozen=True, slots=True)

@@ -131,6 +131,10 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.told.append(f"program {name}: {_shown(program[name])}")
     verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
     _check_motions(rows, program, proof, arm, verdict)
+    if any(line.startswith("; search") for line in content.registers):
+        verdict.unchecked.append(
+            "what follows a motion that an input ends: it is planned and proved when it runs"
+        )
     verdict.unchecked += ALWAYS_UNCHECKED
 
 

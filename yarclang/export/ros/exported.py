@@ -15,7 +15,7 @@ from yarclang.export.ros.interpolation import Interpolation
 from yarclang.export.ros.proof import deviation
 from yarclang.export.ros.sampling import Points, sampled
 from yarclang.frozen import frozen
-from yarclang.hir import Assign, Program, SetOutput, WaitInput, WaitUntil, When
+from yarclang.hir import Assign, Program, SetOutput, WaitInput, WaitUntil, When, searches_of
 from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled
 from yarclang.progress import tell
@@ -140,10 +140,11 @@ def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
 
 def _watched(program: Program) -> list[Diagnostic]:
     """What nobody watches while a driver carries a trajectory out."""
-    names = ", ".join(one.name for one in program.watches)
+    found = [one.name for one in program.watches] + [one.name for one in searches_of(program)]
+    names = ", ".join(dict.fromkeys(found))
     if not names:
         return []
-    message = f"a trajectory watches no input: nothing holds it for {names}"
+    message = f"a trajectory watches no input: nothing holds or ends it for {names}"
     return [Diagnostic("Y1532", message, help="whoever sends the trajectories has to hold the robot")]
 
 

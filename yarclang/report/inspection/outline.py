@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from yarclang.decisions import called, in_words
+from yarclang.decisions import called, in_words, registers_of
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Assign,
@@ -18,10 +18,13 @@ from yarclang.hir import (
     Finish,
     Gap,
     Hold,
+    JointMove,
+    LineMove,
     Loop,
     MotionHead,
     NextPass,
     Say,
+    Search,
     SetOutput,
     Step,
     Stop,
@@ -77,6 +80,12 @@ class _Outline:
     def __init__(self, steps: Sequence[Step], parts: Sequence[Part]) -> None:
         self._steps, self._parts = steps, parts
         self._ends = _ends(steps)
+        self._found = {
+            one.search.flag: one.search.name
+            for one in steps
+            if isinstance(one, JointMove | LineMove) and one.search is not None
+        }
+        """What is searched for, by the register that says whether it was found."""
 
     def rows(self) -> Iterator[Row]:
         """Yield the lines from the first step on."""
@@ -92,6 +101,8 @@ class _Outline:
             elif isinstance(step, When):
                 yield from self._when(step, number, depth)
                 number = self._ends[number][1] + 1
+            elif isinstance(step, Assign) and step.target in self._found:
+                number += 1
             else:
                 if (text := _text(step)) and not isinstance(step, Gap):
                     part = self._parts[number]
@@ -117,7 +128,10 @@ class _Outline:
         middle, end = self._ends[number]
         limit = "" if step.within is None else f", within {step.within:g} s"
         first = end if middle is None else middle
-        text = f"{step.origin.name} {in_words(step.condition) if step.again else _said(step)}{limit}"
+        said = in_words(step.condition) if step.again else _said(step)
+        for flag in self._found.keys() & set(registers_of(step.condition)):
+            said = f"{self._found[flag]} is found"
+        text = f"{step.origin.name} {said}{limit}"
         yield Row(depth, "way", _label(step), text, self._taken(number + 1, first), number)
         yield from self._range(number + 1, first, depth + 1)
         if middle is not None:
@@ -162,6 +176,8 @@ def _label(step: Step) -> str:
 def _text(step: Step) -> str:
     """Return what a step does, in a few words; nothing of what only ends a block."""
     match step:
+        case JointMove(search=Search(name=name)) | LineMove(search=Search(name=name)):
+            return f"{step.origin.name} UNTIL {name}"
         case MotionHead() | Dwell() | Exit() | Stop():
             return step.origin.name
         case SetOutput(output=output, value=value):

@@ -19,11 +19,14 @@ from yarclang.hir import (
     FrameLink,
     Hold,
     JointGoal,
+    JointMove,
+    LineMove,
     Loop,
     Motion,
     NextPass,
     PoseDelta,
     Say,
+    Search,
     SetOutput,
     Signal,
     Step,
@@ -102,6 +105,8 @@ def _command(inspected: Inspected) -> Iterator[str]:
 def _told(inspected: Inspected, step: Step) -> str | None:
     """What a step of a command does that moves nothing."""
     match step:
+        case JointMove(search=Search() as one) | LineMove(search=Search() as one):
+            return f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is planned and proved from there when it runs"
         case Dwell(duration=duration):
             return f"the robot stands for {duration:g} s"
         case SetOutput(output=output, value=value):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Replan, Replanned, Script, Trouble
 from yarclang.runtime.job import Job, Leg
+from yarclang.runtime.notices import Planned
 from yarclang.runtime.pmac.assigning import keep
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
@@ -58,6 +59,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
             )
         yield from keep(barrier, register, depth)
         held.registers[register.name] = depth
+    for one in answer.jobs:
+        operation.notices.append(Planned(operation.now, one.text, one.certificate))
     way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
     follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
     operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")

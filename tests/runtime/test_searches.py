@@ -14,6 +14,7 @@ from yarclang.certify.certifying import certify
 from yarclang.certify.flow import check_rests
 from yarclang.decisions import Searched
 from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.parts import chains
 from yarclang.pipeline.replanning import replanned
 from yarclang.pipeline.stages import Request
 from yarclang.robot.actuation import from_counts, to_counts
@@ -254,3 +255,19 @@ def test_what_is_streamed_with_others_is_never_ended(index, alone):
     forged = replace(content, searches=(Searched(step, "M12", 1.0, "TOUCH", "SEARCH_1"),))
     told = [message for _, message in check_rests(forged, program.plan.program.start, np.full(6, 1e-3))]
     assert any("streamed together" in one for one in told) != alone
+
+
+def test_step_by_step_a_search_goes_on_to_where_it_is_known_again():
+    value, _ = compiled(PROGRAM)
+    assert chains(value.plan) == [(0, 1), (1, 3), (3, 4)]
+
+
+@pytest.mark.parametrize("fault", ["drop@3.05", "drop@3.3", "freeze@3.02", "reset@3.1"])
+def test_what_fails_while_it_comes_to_rest(fault):
+    """A connection or a controller that is lost just behind the touch: the run ends, and nothing goes on by itself."""
+    world, job, _ = made()
+    world.do(lambda: world.say("M12=1"), 3.0)
+    world.spoil_by(fault)
+    ended = run(world, job)
+    assert not ended.well
+    assert world.anew == [] or "TOUCH" in world.words

@@ -39,6 +39,7 @@ from yarclang.hir import (
     WaitInput,
     WaitUntil,
     When,
+    searches_of,
 )
 from yarclang.motion.avoid.messages import inside, parted
 from yarclang.motion.avoid.room import room_of
@@ -281,10 +282,14 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
     """
     flows = [motion.flows for motion in plan.motions]
     inside = _in_ways(plan.program.steps)
+    searches = {one.step for one in searches_of(plan.program)}
+    # what follows a search begins where that has ended
+    searched = [motion.step in searches for motion in plan.motions]
     begins = [
         number
         for number in range(first, len(plan.motions))
-        if number == first or not (flows[number - 1] or inside[plan.motions[number].step])
+        if number == first
+        or not (flows[number - 1] or searched[number - 1] or inside[plan.motions[number].step])
     ]
     return list(zip(begins, [*begins[1:], len(plan.motions)], strict=True))
 

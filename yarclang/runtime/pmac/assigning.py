@@ -11,7 +11,7 @@ from yarclang.decisions import (
 from yarclang.runtime.actions import Keep, Script, Trouble
 from yarclang.runtime.job import Barrier, Job
 from yarclang.runtime.pmac.asked import read_inputs, value_of
-from yarclang.runtime.pmac.held import COUNTED, Held, title
+from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.signals import OutputSet
 
@@ -33,7 +33,7 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
         )
     yield from keep(barrier, register, int(value))
     held.registers[register.name] = int(value)
-    if barrier.word not in COUNTED and register.name not in held.flags:
+    if barrier.word == "SET":
         operation.remark(f"{title(barrier)}: {register.name} is {int(value)}")
 
 

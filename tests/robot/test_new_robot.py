@@ -191,7 +191,20 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
         '<link name="base_link"><visual><geometry><mesh filename="no.dae"/></geometry></visual></link>',
     )
     (tmp_path / "pack" / "arm.urdf").write_text(text)
-    result = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    refused = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    assert refused.exit_code == 1
+    assert "Y1357" in refused.output
+    assert "gone.stl of quill isn't there" in refused.output
+    assert not (tmp_path / "r").exists()
+    result = yarc(
+        "robot",
+        "new",
+        tmp_path / "pack" / "arm.urdf",
+        "--yes",
+        "--allow-missing-meshes",
+        "-o",
+        tmp_path / "r",
+    )
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in (tmp_path / "r" / "meshes").iterdir()) == ["part.stl", "part_2.stl"]
     assert (tmp_path / "r" / "meshes" / "part_2.stl").read_text() == solid("two")
@@ -200,7 +213,8 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "gone.stl" not in copy
     assert "2 collision meshes copied" in result.output
     assert "the visual mesh no.dae isn't there" in result.output
-    assert "gone.stl of quill isn't there" in result.output
+    assert "Y1366" in result.output
+    assert "1 collision mesh left out: gone.stl of quill" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
     assert "Y1359" in yarc("robot", "check", tmp_path / "r").output
     program = tmp_path / "a.yarc"

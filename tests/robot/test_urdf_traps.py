@@ -339,8 +339,14 @@ def test_what_is_hostile_is_refused_quickly(name, tmp_path):
 def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
     mesh = '<collision><geometry><mesh filename="a&#10;Y9999&#x202e;.stl"/></geometry></collision>'
     text = robot(arm(), link("s", mesh, shape=False), joint("j", "base_link", "s", kind="fixed"))
-    result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
-    assert "the collision mesh a?Y9999?.stl of s isn't there" in result.output
+    file = written(tmp_path, text)
+    result = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert "collision mesh a?Y9999?.stl of s isn't there" in result.output
+    result = yarc("robot", "new", file, "--yes", "--allow-missing-meshes", "-o", tmp_path / "r")
+    assert result.exit_code == 0
+    assert "left out: a?Y9999?.stl of s" in result.output
+    assert "\nY9999" not in result.output
 
 
 def test_a_hundred_megabytes_are_refused_quickly(tmp_path):

@@ -10,6 +10,7 @@ import click
 from yarclang.cli.options import Numbers
 
 if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
     from yarclang.robot.model import Robot
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
@@ -46,14 +47,19 @@ _EACH = "one for all joints, or one a joint"
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Also copy collision meshes from here (default: only from the URDF's own package). Repeatable.",
+    help="Also look for meshes here, by the ends of their names, and copy them (default: only from the URDF's own package). Repeatable.",
 )
 @click.option(
     "--package-path",
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH. Repeatable.",
+    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Repeatable.",
+)
+@click.option(
+    "--allow-missing-meshes",
+    is_flag=True,
+    help="Leave out collision meshes that aren't there: nothing sees what their links hit.",
 )
 @click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
@@ -92,7 +98,9 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
         raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
     title = said["title"] or f"Made of {arm.path.name}"
     ends = bool(said["base"]), bool(said["tip"])
-    made = make(arm, _given(arm, said), name, title, ends, said["meshes"], packages)
+    made = make(
+        arm, _given(arm, said), name, title, ends, said["meshes"], packages, said["allow_missing_meshes"]
+    )
     if made.value is None:
         show_findings(made.diagnostics)
         raise SystemExit(1)
@@ -100,11 +108,15 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
 
 def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
-    """The folders with ROS packages."""
+    """Return the folders with ROS packages: those that are said, those of ROS 1, then those of ROS 2."""
     import os
 
-    around = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
-    return (*said, *(Path(one) for one in around if one and Path(one).is_dir()))
+    first, second = (
+        [Path(one) for one in os.environ.get(name, "").split(os.pathsep) if one]
+        for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+    )
+    around = (*first, *(one / "share" for one in second))
+    return (*said, *(one for one in around if one.is_dir()))
 
 
 def _given(arm: Arm, said: dict[str, Any]) -> Given:
@@ -243,7 +255,7 @@ def _write(folder: Path, made: NewRobot) -> None:
     for item in tool_axis(loaded.value) if loaded.value is not None else ():
         click.echo(f"  note: {item.found}{f'; {item.remedy}' if item.remedy else ''}", err=True)
     bare = bare_links(loaded.value) if loaded.value is not None else ()
-    show_findings((*loaded.diagnostics, *bare))
+    show_findings((*_left_out(made), *loaded.diagnostics, *bare))
     click.echo(
         f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,
@@ -270,6 +282,22 @@ def _with_free_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tupl
     at_home = replace(robot, positions={**robot.positions, "HOME": proposed[free]})
     home = made.homes[free]
     return made.with_home(replace(home, note=f"{home.note}; no links touch there")), at_home, ()
+
+
+def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:
+    """Return the warning about collision meshes that weren't there."""
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.robot.checklist.item import listed
+
+    without = made.urdf.without
+    if not without:
+        return ()
+    each = listed([f"{mesh} of {link}" for link, mesh in without], 4)
+    message = f"{len(without)} collision mesh{'es' * (len(without) != 1)} left out: {each}."
+    remedy = (
+        "Nothing sees what these links hit there. Put the files beside the URDF, and make the robot again."
+    )
+    return (Diagnostic("Y1366", message, made.arm.urdf.source, help=remedy),)
 
 
 def _undo(folder: Path, written: list[Path]) -> None:
@@ -315,8 +343,4 @@ def _notes(made: NewRobot) -> list[str]:
         notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
     if len(urdf.unseen) > 6:
         notes.append(f"and {len(urdf.unseen) - 6} more visual meshes")
-    for link, mesh in urdf.without[:6]:
-        notes.append(f"the collision mesh {mesh} of {link} isn't there; the copy goes without")
-    if len(urdf.without) > 6:
-        notes.append(f"and {len(urdf.without) - 6} more collision meshes")
     return notes

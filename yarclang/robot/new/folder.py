@@ -151,6 +151,7 @@ def make(
     said: tuple[bool, bool],
     meshes: Iterable[Path] = (),
     packages: Iterable[Path] = (),
+    partial: bool = False,
 ) -> Result[NewRobot]:
     """The files of the folder.
 
@@ -162,13 +163,14 @@ def make(
         said: whether base and tip were said.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
+        partial: True to leave out collision meshes that aren't there; else they are an error.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
     made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
-    copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages))
+    copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages), partial)
     if has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
     proposed = homes(chain, made, given)

@@ -41,6 +41,7 @@ _OBJ_WORDS = set(
     b"surf parm trim hole scrv sp end con ctech stech bmat step".split()
 )
 _LONGEST_HEADER = 100_000
+_LFS = b"version https://git-lfs.github.com/spec/"
 _PLY_HEADER = re.compile(
     rb"ply\r?\nformat (?P<form>ascii|binary_little_endian|binary_big_endian) 1\.0\s*?\n"
     rb"(?:(?:comment|obj_info|element|property)\b[^\n]*\n)*?end_header\r?\n"
@@ -85,6 +86,8 @@ def _damage(kind: str, content: bytes) -> str:
     """Return the end of a sentence that names how a file was cut off; empty if its content shows nothing of that."""
     if not content:
         return ": it is empty"
+    if content.startswith(_LFS):
+        return ": a pointer of Git LFS, which 'git lfs pull' replaces by the file"
     if kind == ".stl" and len(content) >= 84 and not content.startswith(b"solid"):
         count = int.from_bytes(content[80:84], "little")
         return f" (a binary STL of {count:,} triangles has {84 + 50 * count:,} bytes, this one has {len(content):,})"

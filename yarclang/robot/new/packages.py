@@ -28,7 +28,7 @@ class Packages:
     """
 
     def __init__(self, urdf: Path, paths: Iterable[Path] = ()) -> None:
-        self._paths = tuple(paths)
+        self.paths = tuple(paths)
         self._urdf = urdf.absolute()
         self._found: dict[str, Path] | None = None
 
@@ -36,7 +36,7 @@ class Packages:
         """Return the folder of a package."""
         if self._found is None:
             self._found = {}
-            for folder in (*self._near(), *(one for path in self._paths for one in _below(path))):
+            for folder in (*self._near(), *(one for path in self.paths for one in _below(path))):
                 if (found := package_name(folder)) is not None:
                     self._found.setdefault(found, folder)
         return self._found.get(name)

@@ -141,7 +141,7 @@ def test_each_guess_has_a_mark_and_what_is_said_has_none(tmp_path):
     made(SCARA, tmp_path / "r")
     text = (tmp_path / "r" / "robot.toml").read_text()
     keys = {value.split(" = ")[0] for _, value, _ in guesses(text)}
-    assert {"acceleration", "jerk", "K", "J", "a0", "numbers", "velocity", "HOME", "xyz", "rpy"} <= keys
+    assert {"rise", "ease", "K", "J", "a0", "numbers", "velocity", "HOME", "xyz", "rpy"} <= keys
     assert "position" not in keys
     said = ("--acceleration", "500", "--jerk", "5000,6000,7000,8000", "--counts", "100,200,300,400")
     said += ("--tcp", "0,0,80", "--home", "10,20,30,40", "--motors", "4,3,2,1", "--title", 'a "b" \\ #c')

@@ -127,10 +127,10 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     each = f"one for all, or {size} with commas"
     if given.acceleration is None:
         text = f"accelerations in deg/s^2 or mm/s^2, {each}"
-        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s"))
+        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s, by [ramps]"))
     if given.jerk is None:
         text = f"jerks in deg/s^3 or mm/s^3, {each}"
-        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s"))
+        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s, by [ramps]"))
     if given.counts is None:
         asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
     if given.tcp is None:

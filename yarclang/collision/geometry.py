@@ -5,6 +5,7 @@ coal is imported where it is first used.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
+from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.ply import read_ply
 from yarclang.meshes.stl import stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
@@ -56,8 +58,11 @@ _FAR = 1e5
 """No corner is farther from its mesh's origin than this [m]: coal can't make a hull of what is very large."""
 
 
-_LARGE_STL = 1_000_000
-"""From so many bytes on, the hull of a binary STL is made of its corners, without coal's reader."""
+_LARGE = 1_000_000
+"""From so many bytes on, the hull of a mesh is made of its corners, without coal's reader where that isn't needed."""
+
+_MOST_CORNERS = 50_000
+"""Hulls with more corners are covered by planes: coal can't make most of them, and with the others each distance takes long."""
 
 
 class UnreadableError(Exception):
@@ -126,29 +131,34 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
 
 
 def _outer_model(shape: Mesh) -> Any | None:
-    """Return a model of the corners alone that a large binary STL's hull has; None for another file, and for a flat one.
+    """Return a model of the corners alone that a large mesh's hull has; None for a small file, a flat mesh, and one with a fault.
 
-    coal's reader joins equal corners and builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
+    coal builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
     no corners of a hull change nothing of it, so the body is the same.
     """
-    if shape.path.suffix.lower() != ".stl":
-        return None
     content = _content(shape)
-    if len(content) < _LARGE_STL or mesh_fault(".stl", content):
+    if len(content) < _LARGE:
         return None
-    corners = stl_corners(content)
-    if corners is None:
+    look = _CORNERS.get(shape.path.suffix.lower())
+    corners = look(content) if look is not None else None
+    if corners is not None:
+        corners = corners * (np.array(shape.scale) * shape.unit)
+    else:
+        del content
+        corners = np.array(load_mesh(shape, plain=True).vertices())
+    if not np.isfinite(corners).all() or float(np.abs(corners).max()) > _FAR:
         return None
     from scipy.spatial import ConvexHull, QhullError
 
-    corners = corners * (np.array(shape.scale) * shape.unit)
-    if float(np.abs(corners).max()) > _FAR:
-        return None
     try:
         outer = corners[ConvexHull(corners).vertices]
     except QhullError:
         return None
     return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+_CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}
+"""What reads the corners of a file without a fault as arrays; coal reads the others."""
 
 
 _DIRECTIONS = (1000, 300, 100)
@@ -157,7 +167,7 @@ _DIRECTIONS = (1000, 300, 100)
 
 def _with_hull(model: Any, corners: Array) -> Any:
     """Return a model with a hull: its own, or, where a corner has more neighbours than coal can count (the tip of a fine cone), that of a body around it."""
-    for directions in (0, *_DIRECTIONS):
+    for directions in (0, *_DIRECTIONS)[len(corners) > _MOST_CORNERS :]:
         if directions:
             cover = _cover(corners, directions)
             model = _modelled(cover, np.arange(len(cover) // 3 * 3).reshape(-1, 3))
@@ -199,8 +209,12 @@ def _content(shape: Mesh) -> bytes:
         raise UnreadableError(f"can't be read: {reason_of(error)}") from error
 
 
-def load_mesh(shape: Mesh) -> Any:
+def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
     """Return coal's model of a mesh [m].
+
+    Args:
+        shape: the mesh.
+        plain: only corners are needed: a tree for distances isn't built with care.
 
     Raises:
         UnreadableError: it isn't one, or has a fault of which coal would leave out a face, or end the process.
@@ -217,7 +231,8 @@ def load_mesh(shape: Mesh) -> Any:
     if fault := mesh_fault(shape.path.suffix, content):
         raise UnreadableError(fault)
     try:
-        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(shape.path), scale)
+        tree = coal.NODE_TYPE.BV_AABB if plain else coal.NODE_TYPE.BV_OBBRSS
+        model = coal.MeshLoader(tree).load(str(shape.path), scale)
     except Exception as error:  # assimp and boost throw several kinds, and all mean the same
         raise UnreadableError("can't be read: it isn't one, or is damaged") from error
     if model.num_tris == 0:

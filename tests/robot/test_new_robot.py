@@ -529,7 +529,7 @@ def test_it_asks_on_a_terminal(tmp_path):
     assert "acceleration = 900\n" in text
     assert "xyz = [0, 0, 60]" in text
     marked = {value.split(" = ")[0] for _, value, _ in guesses(text)}
-    assert {"jerk", "HOME"} <= marked
+    assert {"ease", "HOME"} <= marked
     assert not {"acceleration", "K", "xyz"} & marked
 
 

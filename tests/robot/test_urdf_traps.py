@@ -175,7 +175,7 @@ def test_boxes_without_a_size_and_second_materials(tmp_path):
     file = written(tmp_path, text)
     result = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
-    assert "1 boxes without a size" in result.output
+    assert "1 shapes without a size" in result.output
     assert "1 mm thick" in result.output
     assert 'size="0.1 0.1 0.001"' in (tmp_path / "r" / "arm.urdf").read_text()
     judged(text, made(file, tmp_path / "s"))

@@ -92,15 +92,19 @@ def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile |
     return Result(Arm(path, urdf, chain, mended.notes), in_order(urdf.findings))
 
 
+_FORMATS = {
+    "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
+    "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
+}
+"""Descriptions of robots that aren't URDFs, by their roots: what they are, and what to do."""
+
+
 def _other_format(source: SourceFile) -> Diagnostic | None:
     """Return what to do with a description of a robot that isn't a URDF."""
-    root = re.search(r"<(mujoco|sdf)\b", source.text[:10_000])
-    if root is None or re.search(r"<robot\b", source.text[: root.start()]):
+    root = re.search(r"<([A-Za-z]+)", re.sub(r"<!--.*?-->", "", source.text[:10_000], flags=re.DOTALL))
+    if root is None or root[1] not in _FORMATS:
         return None
-    name, way = {
-        "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
-        "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
-    }[root[1]]
+    name, way = _FORMATS[root[1]]
     return Diagnostic("Y1341", f"The file is {name}, and not a URDF.", source, Span.on_line(1, 1, 2), way)
 
 

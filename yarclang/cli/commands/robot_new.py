@@ -11,7 +11,6 @@ from yarclang.cli.options import Numbers
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
-    from yarclang.robot.model import Robot
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
 
@@ -213,6 +212,7 @@ def _read(key: str, text: str) -> Any:
 
 def _write(folder: Path, made: NewRobot) -> None:
     """Write the folder, and say what is in it and what isn't."""
+    from yarclang.cli.choosing_home import with_home
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
     from yarclang.collision.checklist import flat_meshes, touching_pairs
@@ -239,7 +239,7 @@ def _write(folder: Path, made: NewRobot) -> None:
         _undo(folder, written)
         click.echo(f"no robot comes of this; {folder} isn't written", err=True)
         raise SystemExit(1)
-    made, robot, touched = _with_free_home(made, loaded.value)
+    made, robot, touched = with_home(made, loaded.value)
     toml = made.toml + collision_table(touching_pairs(robot))
     if toml != files[-1][1]:
         if found := write_whole(folder / "robot.toml", toml):
@@ -260,28 +260,6 @@ def _write(folder: Path, made: NewRobot) -> None:
         f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,
     )
-
-
-def _with_free_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
-    """Return the robot with the first HOME in which it doesn't touch itself, before and after it is read, and a note if there is none."""
-    from dataclasses import replace
-
-    import numpy as np
-
-    from yarclang.collision.homes import first_free
-    from yarclang.robot.checklist.item import listed
-
-    proposed = np.array([home.value for home in made.homes]) * robot.axis_units
-    free, touching = first_free(robot, proposed)
-    if free is None:
-        pairs = listed([" and ".join(pair) for pair in touching], 3)
-        tried = f", as in all {len(proposed)} positions that were tried" if len(proposed) > 1 else ""
-        return made, robot, (f"in HOME {pairs} touch{tried}: choose another with --home",)
-    if free == 0:
-        return made, robot, ()
-    at_home = replace(robot, positions={**robot.positions, "HOME": proposed[free]})
-    home = made.homes[free]
-    return made.with_home(replace(home, note=f"{home.note}; no links touch there")), at_home, ()
 
 
 def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:

@@ -12,7 +12,7 @@ from urllib.parse import unquote, urlparse
 
 from yarclang.frozen import frozen
 from yarclang.robot.checklist.item import listed
-from yarclang.robot.new.packages import Packages
+from yarclang.robot.new.packages import Packages, package_of
 from yarclang.robot.urdf import Urdf
 from yarclang.robot.urdf_shapes import mesh_path, mesh_places
 from yarclang.robot.urdf_xml import Element
@@ -88,8 +88,8 @@ class Lookup:
         for name in names:
             url = urlparse(name)
             if url.scheme == "package":
-                folder = self._packages.folder(url.netloc)
-                package = shown_name(url.netloc)
+                folder = self._packages.folder(package_of(name))
+                package = shown_name(package_of(name))
                 said[
                     f"The package {package} is {folder}."
                     if folder is not None

@@ -226,6 +226,35 @@ def test_xacro_and_packages_by_their_package_xml(tmp_path):
     judged(text, made(file, tmp_path / "r", "--package-path", str(tmp_path / "src")))
 
 
+def test_arguments_of_xacro(tmp_path):
+    """Makers' files want the type and a prefix."""
+    text = robot(arm("left_"))
+    asked = text.replace(">", f'{XMLNS}><xacro:arg name="prefix" default="wrong_"/>', 1).replace(
+        "left_", "$(arg prefix)"
+    )
+    asked = asked.replace("0 0 1.075", "0 0 $(arg reach)")
+    file = written(tmp_path, asked, "arm.urdf.xacro")
+    refused = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r", "--arg", "prefix=left_")
+    assert refused.exit_code == 1
+    assert "--arg NAME=VALUE" in refused.output
+    arm_ = made(file, tmp_path / "r", "--arg", "prefix=left_", "--arg", "reach:=1.075")
+    q = within(arm_.chain, arm_.limits, 50)
+    true = poses(text, "left_base_link", "left_tool0", arm_.joint_names, q)
+    np.testing.assert_allclose(flange_poses(arm_.chain, q), true, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "words"),
+    [("a.xacro", "prefix", "isn't NAME=VALUE"), ("a.urdf", "a=b", "for xacro files")],
+)
+def test_wrong_arguments_of_xacro(name, given, words, tmp_path):
+    result = yarc(
+        "robot", "new", written(tmp_path, robot(arm()), name), "--yes", "-o", tmp_path / "r", "--arg", given
+    )
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())
+
+
 def test_nothing_is_run_of_the_folder_of_a_xacro_file(tmp_path, monkeypatch):
     """A maker's archive is unpacked and its file named from within."""
     file = written(tmp_path, robot(arm()).replace(">", f"{XMLNS}>", 1), "arm.xacro")

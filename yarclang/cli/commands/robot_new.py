@@ -55,6 +55,7 @@ _EACH = "one for all joints, or one a joint"
     metavar="FOLDER",
     help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Repeatable.",
 )
+@click.option("--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a xacro file. Repeatable.")
 @click.option(
     "--allow-missing-meshes",
     is_flag=True,
@@ -73,10 +74,12 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
     packages = _packages(said["package_path"])
     said["source"] = None
+    if said["arg"] and Path(urdf).suffix.lower() != ".xacro":
+        raise click.UsageError("--arg is for xacro files, which end in .xacro")
     if Path(urdf).suffix.lower() == ".xacro" and Path(urdf).is_file():
         from yarclang.cli.xacro import expanded
 
-        said["source"] = expanded(Path(urdf), packages)
+        said["source"] = expanded(Path(urdf), packages, _arguments(said["arg"]))
         if isinstance(said["source"], Diagnostic):
             show_findings((said["source"],))
             raise SystemExit(1)
@@ -116,6 +119,18 @@ def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
     )
     around = (*first, *(one / "share" for one in second))
     return (*said, *(one for one in around if one.is_dir()))
+
+
+def _arguments(said: tuple[str, ...]) -> dict[str, str]:
+    """Return the arguments of a xacro file by their names; ROS's form NAME:=VALUE is taken as well."""
+    found = {}
+    for text in said:
+        name, equals, value = text.partition("=")
+        name = name.removesuffix(":").strip()
+        if not equals or not name:
+            raise click.UsageError(f"--arg {text!r} isn't NAME=VALUE")
+        found[name] = value
+    return found
 
 
 def _given(arm: Arm, said: dict[str, Any]) -> Given:

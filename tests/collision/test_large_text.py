@@ -226,3 +226,49 @@ def test_pieces_are_whole_lines_and_the_whole_file(monkeypatch):
     np.testing.assert_allclose(obj_corners(text_obj(faces)), shared(faces)[0], atol=1e-5)
     for form in ("{0}", "{0}/{0}", "{0}/{0}/{0}"):
         assert len(obj_corners(text_obj(faces, form))) == len(shared(faces)[0])
+
+
+def test_corners_of_polygons_that_coals_reader_leaves_out_are_in_the_hull(tmp_path):
+    """Of a plane polygon of five corners with one that lies inwards, it makes two triangles."""
+    corners = "-0.385456 -0.575404 0\n-0.312941 -0.892575 0\n-0.105246 -0.655819 0\n0.066108 -0.252693 0\n0.367907 -0.834241 0\n0 0 1\n0.1 0 1\n0 0.1 1\n"
+    text = "".join(f"v {line}\n" for line in corners.splitlines()) + "f 1 2 3 4 5\nf 6 7 8\n"
+    path = tmp_path / "a.obj"
+    path.write_text(text)
+    lost = np.asarray(geometry.load_mesh(Mesh(path, 1.0, "")).vertices())
+    found = geometry_of(Mesh(path, 1.0, "", (1.0, 1.0, 1.0)), hull=True)
+    own = np.array([[float(word) for word in line.split()] for line in corners.splitlines()])
+    assert ((WAYS @ own.T).max(axis=1) > (WAYS @ lost.T).max(axis=1) + 0.01).any()
+    np.testing.assert_allclose(reach(found), (WAYS @ own.T).max(axis=1), atol=1e-12)
+
+
+POLYGONS = st.integers(4, 11).flatmap(
+    lambda size: st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=size, max_size=size)
+)
+LOST = {True: 0, False: 0}
+
+
+@settings(max_examples=200, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(POLYGONS, st.randoms(use_true_random=False))
+def test_the_hull_has_all_corners_of_faces(tmp_path, corners, random):
+    own = np.array(corners)
+    if np.linalg.svd(own - own.mean(axis=0), compute_uv=False)[2] < 1e-3:
+        return
+    named = list(range(1, len(own) + 1))
+    random.shuffle(named)
+    text = (
+        "".join(f"v {x:.9f} {y:.9f} {z:.9f}\n" for x, y, z in own) + "f " + " ".join(map(str, named)) + "\n"
+    )
+    path = tmp_path / "a.obj"
+    path.write_text(text)
+    shape = Mesh(path, 1.0, "", (1.0, 1.0, 1.0))
+    wanted = (WAYS @ own.T).max(axis=1)
+    try:
+        theirs = np.asarray(geometry.load_mesh(shape).vertices())
+    except UnreadableError:  # no triangle is left
+        return
+    np.testing.assert_allclose(reach(geometry_of(shape, hull=True)), wanted, atol=3e-5)
+    LOST[bool(((WAYS @ theirs.T).max(axis=1) < wanted - 1e-4).any())] += 1
+
+
+def test_some_corners_were_left_out():
+    assert min(LOST.values()) >= 3, LOST

@@ -101,7 +101,10 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """The triangles of a file, or their convex hull, where they aren't all in one plane."""
-    model = (_outer_model(shape) if hull else None) or load_mesh(shape)
+    outer_model = _outer_model(shape) if hull else None
+    model = outer_model or load_mesh(shape)
+    if hull and outer_model is None and shape.path.suffix.lower() == ".obj":
+        model = _with_all_corners(model, shape)
     corners: Array = np.asarray(model.vertices())
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
@@ -155,6 +158,24 @@ def _outer_model(shape: Mesh) -> Any | None:
     except QhullError:
         return None
     return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+def _with_all_corners(model: Any, shape: Mesh) -> Any:
+    """Return coal's model of an OBJ, or, if corners of its faces are missing, one of these corners: its reader leaves out parts of some polygons that it divides into triangles."""
+    from scipy.spatial import cKDTree
+
+    own = obj_corners(_content(shape))
+    if own is None:
+        return model
+    own = own * (np.array(shape.scale) * shape.unit)
+    far, _ = cKDTree(np.asarray(model.vertices())).query(own)
+    if len(own) < 3 or far.max() <= _ROUGH * np.abs(own).max():
+        return model
+    return _modelled(own, np.arange(len(own) // 3 * 3).reshape(-1, 3))
+
+
+_ROUGH = 1e-5
+"""Of its largest coordinate, so much a corner may be off by another reader's rounding."""
 
 
 _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}

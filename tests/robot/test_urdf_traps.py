@@ -365,6 +365,9 @@ def test_what_is_hostile_is_refused_quickly(name, tmp_path):
     assert "\nY9999" not in result.output
 
 
+MISSING = '<collision><geometry><mesh filename="x.stl"/></geometry></collision>'
+
+
 def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
     mesh = '<collision><geometry><mesh filename="a&#10;Y9999&#x202e;.stl"/></geometry></collision>'
     text = robot(arm(), link("s", mesh, shape=False), joint("j", "base_link", "s", kind="fixed"))
@@ -376,6 +379,18 @@ def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
     assert result.exit_code == 0
     assert "left out: a?Y9999?.stl of s" in result.output
     assert "\nY9999" not in result.output
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["<robot", robot(arm(), link("s", MISSING, shape=False), joint("j", "base_link", "s", kind="fixed"))],
+)
+def test_the_name_of_a_file_stays_on_its_line(text, tmp_path):
+    folder = tmp_path / "a\nY9999 \u202eb"
+    result = yarc("robot", "new", written(folder, text, "a\nY9999\u202e.urdf"), "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert "\nY9999" not in result.output
+    assert "\u202e" not in result.output
 
 
 def test_a_hundred_megabytes_are_refused_quickly(tmp_path):

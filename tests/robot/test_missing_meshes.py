@@ -73,6 +73,14 @@ def test_ros_2_names_its_packages_as_well(tmp_path, monkeypatch):
     assert new(with_meshes(tmp_path, "package://arm_x/a.stl")).exit_code == 0
 
 
+def test_nothing_is_asked_before_they_are_missed(tmp_path):
+    file = with_meshes(tmp_path, "gone.stl")
+    result = yarc("robot", "new", file, "-o", tmp_path / "r")  # without --yes, which would ask
+    assert result.exit_code == 1
+    assert "Y1357" in result.output
+    assert "--acceleration" not in result.output
+
+
 def test_an_empty_file_is_called_so(tmp_path):
     file = with_meshes(tmp_path, "a.stl")
     (tmp_path / "given/a.stl").touch()

@@ -70,7 +70,7 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
-    from yarclang.robot.new.folder import make, open_arm, proposed_name, questions
+    from yarclang.robot.new.folder import lost_meshes, make, open_arm, proposed_name, questions
 
     packages = _packages(said["package_path"])
     said["source"] = None
@@ -91,6 +91,9 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     unknown = questions(arm, _given(arm, said), bool(said["name"]), bool(said["base"]), bool(said["tip"]))
     if yes and arm.chain.left_out:
         show_findings((arm.chain.incomplete(arm.urdf.source),))
+        raise SystemExit(1)
+    if not said["allow_missing_meshes"] and (lost := lost_meshes(arm, said["meshes"], packages)):
+        show_findings(lost)
         raise SystemExit(1)
     if unknown and not yes:
         arm = _ask(arm, Path(urdf), said, unknown)

@@ -14,7 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from yarclang.files import reason_of
 from yarclang.frozen import frozen
-from yarclang.robot.new.lookup import Lookup, Missing, shown_name
+from yarclang.robot.new.lookup import Lookup, shown_name
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
 from yarclang.robot.new.packages import Packages
 from yarclang.robot.urdf import Urdf
@@ -63,7 +63,9 @@ def copy_urdf(
     edits: list[tuple[int, int, str]] = []
     names: dict[Path, str] = {}
     without: list[tuple[str, str]] = []
-    missing: list[Missing] = []
+    if not partial and (missing := lookup.missing(urdf)):
+        lookup.report(urdf, missing)
+        return UrdfCopy(urdf.text, (), (), ())
     for link in urdf.root.all("link") if urdf.root else ():
         for body in link.all("collision"):
             mesh = _mesh(body)
@@ -72,7 +74,6 @@ def copy_urdf(
             name = mesh.attributes.get("filename", "")
             path = lookup.path(name)
             if path is None:
-                missing.append(Missing(link.attributes.get("name", ""), name, mesh))
                 without.append((link.attributes.get("name", ""), shown_name(name)))
                 end = urdf.text.index("</collision>", body.end) + len("</collision>")
                 edits.append((body.start, end, "<!-- a collision mesh was here that isn't there -->"))
@@ -82,8 +83,6 @@ def copy_urdf(
                 names[path] = _free(path.name, set(names.values()))
             span = _filename(urdf.text, mesh)
             edits.append((*span, f'"{MESHES}/{names[path]}"'))
-    if missing and not partial:
-        lookup.report(urdf, missing)
     drawn, unseen = _copy_visuals(urdf, lookup, surroundings, (contents, names), edits)
     text = urdf.text
     for start, stop, new in sorted(edits, reverse=True):

@@ -14,6 +14,7 @@ from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.copying import UrdfCopy, copy_urdf
 from yarclang.robot.new.home import homes
+from yarclang.robot.new.lookup import Lookup
 from yarclang.robot.new.mending import mend
 from yarclang.robot.new.packages import Packages
 from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Said, Sketch, sketch
@@ -145,6 +146,20 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
         text = f"the joint position HOME, {size} values in deg or mm"
         asked.append(Question("--home", text, "near 0, away from limits and singularities"))
     return tuple(asked)
+
+
+def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
+    """Return the finding about collision meshes that aren't there, before anything is asked.
+
+    Args:
+        arm: the URDF and its chain.
+        meshes: folders that meshes may come from, besides the URDF's own package.
+        packages: folders with ROS packages that `package://` may name.
+    """
+    lookup = Lookup(arm.path, meshes, Packages(arm.path, packages))
+    if missing := lookup.missing(arm.urdf):
+        lookup.report(arm.urdf, missing)
+    return tuple(one for one in arm.urdf.findings if one.is_error)
 
 
 def make(

@@ -65,6 +65,22 @@ class Lookup:
         places = (folder.joinpath(*end) for end in ends for folder in self._more)
         return next((place for place in places if place.is_file()), None)
 
+    def missing(self, urdf: Urdf) -> list[Missing]:
+        """Return the collision meshes of a sound tree that aren't there."""
+        links = urdf.root.all("link") if urdf.root else ()
+        meshes = [
+            (link, shape)
+            for link in links
+            for body in link.all("collision")
+            for geometry in body.all("geometry")[:1]
+            for shape in geometry.all("mesh")[:1]
+        ]
+        named = [
+            Missing(link.attributes.get("name", ""), mesh.attributes.get("filename", ""), mesh)
+            for link, mesh in meshes
+        ]
+        return [one for one in named if self.path(one.name) is None]
+
     def report(self, urdf: Urdf, missing: Sequence[Missing]) -> None:
         """Add the finding about collision meshes that aren't there: which, where they were looked for, and what helps.
 

@@ -335,6 +335,10 @@ def _notes(made: NewRobot) -> list[str]:
     for what, count in (("collision", len(urdf.meshes) - drawn), ("visual", drawn)):
         if count:
             notes.append(f"{count} {what} mesh{'es' * (count != 1)} copied")
+    if urdf.hulls:
+        notes.append(
+            f"of large collision meshes, the convex hull is copied, which is what counts: {listed(urdf.hulls)}"
+        )
     for name, why in urdf.unseen[:6]:
         notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
     if len(urdf.unseen) > 6:

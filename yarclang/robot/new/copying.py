@@ -14,6 +14,7 @@ from pathlib import Path, PurePosixPath
 
 from yarclang.files import reason_of
 from yarclang.frozen import frozen
+from yarclang.meshes.hull import hull_file
 from yarclang.robot.new.lookup import Lookup, shown_name
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
 from yarclang.robot.new.packages import Packages
@@ -26,6 +27,9 @@ MESHES = "meshes"
 VISUALS = f"{MESHES}/visual"
 """The folder of those that are only drawn."""
 
+LARGE = 5_000_000
+"""Of a collision mesh with more bytes, the hull is copied: each command reads the file."""
+
 LARGEST_VISUAL = 20_000_000
 """Largest visual mesh that is copied [bytes]: pictures draw none with that many triangles."""
 
@@ -34,6 +38,7 @@ LARGEST_VISUAL = 20_000_000
 class UrdfCopy:
     """The copy's text, the meshes that belong to it (name in the folder, content), and what isn't as it was.
 
+    `hulls` are the large collision meshes of which only the convex hull was copied, which is all that counts of them.
     `without` are the links that lost a collision mesh, with the mesh's name; `unseen` the names of visual meshes that
     weren't copied, with the reasons.
     """
@@ -42,6 +47,7 @@ class UrdfCopy:
     meshes: tuple[tuple[str, bytes], ...]
     without: tuple[tuple[str, str], ...]
     unseen: tuple[tuple[str, str], ...]
+    hulls: tuple[str, ...] = ()
 
 
 def copy_urdf(
@@ -63,6 +69,7 @@ def copy_urdf(
     edits: list[tuple[int, int, str]] = []
     names: dict[Path, str] = {}
     without: list[tuple[str, str]] = []
+    hulls: dict[Path, str] = {}
     if not partial and (missing := lookup.missing(urdf)):
         lookup.report(urdf, missing)
         return UrdfCopy(urdf.text, (), (), ())
@@ -79,16 +86,22 @@ def copy_urdf(
                 edits.append((body.start, end, "<!-- a collision mesh was here that isn't there -->"))
                 continue
             if path not in contents:
-                contents[path] = _content(urdf, mesh, path, surroundings, sum(map(len, contents.values())))
-                names[path] = _free(path.name, set(names.values()))
+                content = _content(urdf, mesh, path, surroundings, sum(map(len, contents.values())))
+                hull = hull_file(path.suffix, content) if len(content) > LARGE else None
+                contents[path] = content if hull is None else hull
+                named = path.name if hull is None else f"{path.stem}.hull.ply"
+                names[path] = _free(named, set(names.values()))
+                if hull is not None:
+                    hulls[path] = f"{shown_name(path.name)} of {len(content) / 1e6:.0f} MB"
             span = _filename(urdf.text, mesh)
             edits.append((*span, f'"{MESHES}/{names[path]}"'))
-    drawn, unseen = _copy_visuals(urdf, lookup, surroundings, (contents, names), edits)
+    whole = {path: name for path, name in names.items() if path not in hulls}
+    drawn, unseen = _copy_visuals(urdf, lookup, surroundings, (contents, whole), edits)
     text = urdf.text
     for start, stop, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[stop:]
     meshes = tuple((f"{MESHES}/{name}", contents[path]) for path, name in names.items())
-    return UrdfCopy(text, (*meshes, *drawn), tuple(without), unseen)
+    return UrdfCopy(text, (*meshes, *drawn), tuple(without), unseen, tuple(hulls.values()))
 
 
 def _copy_visuals(

@@ -10,6 +10,8 @@ from tests.robot.trap_arms import arm, joint, link, robot, written
 from yarclang.collision.geometry import geometry_of
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.hull import hull_file
+from yarclang.meshes.ply import read_ply
+from yarclang.meshes.stl import stl_corners
 from yarclang.robot.description import load_robot
 from yarclang.robot.new import copying
 from yarclang.shapes import Mesh
@@ -52,9 +54,6 @@ def test_a_hull_has_the_corners_to_the_last_bit_and_its_faces_outwards():
     content = scan(4000)
     made = hull_file(".stl", content)
     assert mesh_fault(".ply", made) == ""
-    from yarclang.meshes.ply import read_ply
-    from yarclang.meshes.stl import stl_corners
-
     corners, faces = read_ply(made)
     given = {tuple(row) for row in stl_corners(content).tolist()}
     assert {tuple(row) for row in corners.tolist()} <= given
@@ -63,6 +62,17 @@ def test_a_hull_has_the_corners_to_the_last_bit_and_its_faces_outwards():
     assert (np.einsum("ti,ti->t", out, a - corners.mean(axis=0)) > 0.0).all()
     ways = np.random.default_rng(0).normal(size=(200, 3))
     np.testing.assert_array_equal((corners @ ways.T).max(axis=0), (stl_corners(content) @ ways.T).max(axis=0))
+
+
+def test_a_hull_of_very_many_corners_is_covered(monkeypatch):
+    monkeypatch.setattr("yarclang.meshes.hull.MOST_CORNERS", 50)
+    content = scan(4000)
+    corners, _ = read_ply(hull_file(".stl", content))
+    ways = np.random.default_rng(0).normal(size=(500, 3))
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    own, found = ((one @ ways.T).max(axis=0) for one in (stl_corners(content), corners))
+    assert (found >= own).all()
+    assert (found - own).max() <= 0.01 * own.max()
 
 
 def test_what_has_no_hull_stays_as_it_is(tmp_path, monkeypatch):

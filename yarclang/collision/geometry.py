@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
+from yarclang.meshes.hull import MOST_CORNERS, cover
 from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.ply import read_ply
 from yarclang.meshes.stl import stl_corners
@@ -60,9 +61,6 @@ _FAR = 1e5
 
 _LARGE = 1_000_000
 """From so many bytes on, the hull of a mesh is made of its corners, without coal's reader where that isn't needed."""
-
-_MOST_CORNERS = 50_000
-"""Hulls with more corners are covered by planes: coal can't make most of them, and with the others each distance takes long."""
 
 
 class UnreadableError(Exception):
@@ -188,38 +186,16 @@ _DIRECTIONS = (1000, 300, 100)
 
 def _with_hull(model: Any, corners: Array) -> Any:
     """Return a model with a hull: its own, or, where a corner has more neighbours than coal can count (the tip of a fine cone), that of a body around it."""
-    for directions in (0, *_DIRECTIONS)[len(corners) > _MOST_CORNERS :]:
+    for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
-            cover = _cover(corners, directions)
-            model = _modelled(cover, np.arange(len(cover) // 3 * 3).reshape(-1, 3))
+            around = cover(corners, directions)
+            model = _modelled(around, np.arange(len(around) // 3 * 3).reshape(-1, 3))
         try:
             model.buildConvexHull(True, "Qt")
         except RuntimeError:
             continue
         return model
     raise UnreadableError("has no hull that can be computed: simplify it")
-
-
-def _cover(corners: Array, directions: int) -> Array:
-    """Return the corners (k, 3) of a body of planes around some (m, 3): it touches them along the axes and in `directions` between."""
-    from scipy.spatial import HalfspaceIntersection
-
-    number = np.arange(directions) + 0.5
-    height, turn = (
-        1.0 - 2.0 * number / directions,
-        number * np.pi * (1.0 + np.sqrt(5.0)),
-    )  # evenly: Fibonacci's spiral
-    across = np.sqrt(1.0 - height**2)
-    spiral = np.stack((across * np.cos(turn), across * np.sin(turn), height), axis=1)
-    normals = np.concatenate((np.eye(3), -np.eye(3), spiral))
-    reach = np.concatenate([(corners @ part.T).max(axis=0) for part in np.array_split(normals, 50)])
-    faces = np.concatenate((normals, -(reach + _ROUNDED)[:, None]), axis=1)
-    found: Array = HalfspaceIntersection(faces, corners.mean(axis=0)).intersections
-    return found
-
-
-_ROUNDED = 1e-9
-"""What rounding can take away from the reach of a body [m]."""
 
 
 def _content(shape: Mesh) -> bytes:

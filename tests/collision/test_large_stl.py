@@ -38,9 +38,9 @@ def mesh(folder, content, scale=(1.0, 1.0, 1.0)):
 @pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 2.0, 0.5)])
 def test_the_hull_is_that_of_coals_reader(scale, tmp_path, monkeypatch):
     shape = mesh(tmp_path, scan(30_000), scale)
-    assert shape.path.stat().st_size >= geometry._LARGE_STL
+    assert shape.path.stat().st_size >= geometry._LARGE
     quick = geometry_of(shape, hull=True)
-    monkeypatch.setattr(geometry, "_LARGE_STL", 10**9)
+    monkeypatch.setattr(geometry, "_LARGE", 10**9)
     slow = geometry_of(shape, hull=True)
     np.testing.assert_array_equal(quick.middle, slow.middle)
     np.testing.assert_array_equal(quick.half, slow.half)

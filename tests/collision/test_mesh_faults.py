@@ -154,9 +154,9 @@ def test_a_mesh_that_was_cut_off(name, share, tmp_path):
         return  # a file of this format doesn't say how many faces it has
     content = WRITERS[name]()
     fault = unreadable(tmp_path, name, content[: int(share * len(content))])
-    assert re.search(r"cut off|is empty|no triangle|damaged|no header|no line|not there|isn't one", fault), (
-        fault
-    )
+    assert re.search(
+        r"cut off|is empty|no triangle|damaged|no header|no line|not there|isn't one|readers skip", fault
+    ), fault
 
 
 @pytest.mark.parametrize("name", WRITERS)
@@ -279,3 +279,33 @@ def test_a_new_robot_with_a_mesh_that_can_not_be_read_is_not_written(tmp_path):
     assert "Y0904" in made.output
     assert "line.stl of l has no area" in made.output
     assert not (tmp_path / "made").exists()
+
+
+@pytest.mark.parametrize(
+    "corner", ["v .5 0 0", "v 0 .5 0", "v 0 0 .5", "V 0.5 0 0", "v 0.5 0", "v 0.5", " v 0.5 0 0", "v 0.5 a 0", "v 0.5 0 \\\n.5"]
+)  # fmt: skip
+def test_a_corner_that_coals_reader_loses_is_refused(corner, tmp_path):
+    """It doesn't count such a corner, so that the faces take the corners after it."""
+    text = f"{corner}\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\nf 2 3 1\n"
+    assert "which readers skip" in mesh_fault(".obj", text.encode())
+    path = tmp_path / "a.obj"
+    path.write_text(text)
+    with pytest.raises(UnreadableError, match="which readers skip"):
+        geometry_of(Mesh(path, 1.0, ""), hull=True)
+
+
+@pytest.mark.parametrize(
+    "corner", ["v -.5 0 0", "v 5. 0 0", "v +0.5 0 -.5e-3", "v\t0.5\t0 0 ", "v 0.5 0 0 # a", "v 0.5 0 0 1 1 1", "v 0.5 \\\n 0 0", "v 0.5 0 0\r"]
+)  # fmt: skip
+def test_other_ways_to_write_a_corner_are_read(corner, tmp_path):
+    text = f"{corner}\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\nf 2 3 1\n"
+    assert mesh_fault(".obj", text.encode()) == ""
+    path = tmp_path / "a.obj"
+    path.write_text(text)
+    assert geometry_of(Mesh(path, 1.0, ""), hull=True).half.max() <= 2.5
+
+
+@pytest.mark.parametrize("face", [" f 1 2 4", "\tf 1 2 4", "F 1 2 4", " fo 1 2 4"])
+def test_a_face_that_coals_reader_skips_is_refused(face):
+    text = f"v 0.5 0 0\nv 0 1 0\nv 0 0 1\nv 9 9 9\nf 1 2 3\n{face}\n"
+    assert "which readers skip" in mesh_fault(".obj", text.encode())

@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 import pytest
+from programs import compiled
 
 from tests.robot.made_arms import DATA, REAL, made, yarc
+from tests.robot.trap_arms import arm, robot, written
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics import flange_poses
 from yarclang.robot.kinematics.search import within
+from yarclang.robot.new.home import STANDS, standing
 
 ARMS = {"ur5": "base_link", "panda": "panda_link0"}
 """An arm of six joints and one of seven, and the link that blocks stand on."""
@@ -106,3 +109,37 @@ def test_no_free_home_is_said(tmp_path):
     assert (home.home / home.axis_units).tolist() == pytest.approx(
         [0, -90, 0, 0, 0, 0]
     )  # what is given stays
+
+
+MASS = '<inertial><mass value="50"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+
+
+def heavy(effort: float) -> str:
+    """An arm of 50 kg a link: stretched, its second and third joint hold 1,220 N m."""
+    return robot(arm(effort=effort)).replace("<collision>", f"{MASS}<collision>")
+
+
+def test_home_is_held_by_the_efforts_where_some_position_is(tmp_path):
+    strong = made(written(tmp_path, heavy(5000)), tmp_path / "strong")
+    assert standing(strong, strong.home[None]).max() > 0.2  # the same position takes more than 900 N m
+    weak = made(written(tmp_path, heavy(1000)), tmp_path / "weak")
+    assert standing(weak, weak.home[None]).max() <= STANDS
+    assert standing(weak, strong.home[None]).max() > STANDS
+    result, diagnostics = compiled("P0010 DMOVEJ 1 1 1 1 1 1 [5] (deg,mm,s)\n", str(tmp_path / "weak"))
+    assert result is not None, diagnostics
+
+
+def test_efforts_that_hold_no_position_are_named(tmp_path):
+    result = yarc("robot", "new", written(tmp_path, heavy(40)), "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 0
+    assert "of its effort to stand, so that motions are refused" in " ".join(result.output.split())
+    assert "checked = false" in result.output
+    given = yarc(
+        "robot", "new", written(tmp_path, heavy(1000)), "--yes", "--home", "0,0,0,0,0,0", "-o", tmp_path / "s"
+    )
+    assert "joint_3 needs 122% of its effort" in given.output or "joint_2 needs 122%" in given.output
+
+
+def test_masses_that_are_not_known_leave_home_as_it_is(tmp_path):
+    light = made(written(tmp_path, robot(arm(effort=5))), tmp_path / "r")
+    assert not standing(light, light.home[None]).any()

@@ -141,7 +141,7 @@ def test_each_guess_has_a_mark_and_what_is_said_has_none(tmp_path):
     made(SCARA, tmp_path / "r")
     text = (tmp_path / "r" / "robot.toml").read_text()
     keys = {value.split(" = ")[0] for _, value, _ in guesses(text)}
-    assert {"acceleration", "jerk", "K", "J", "a0", "numbers", "velocity", "HOME", "xyz", "rpy"} <= keys
+    assert {"rise", "ease", "K", "J", "a0", "numbers", "velocity", "HOME", "xyz", "rpy"} <= keys
     assert "position" not in keys
     said = ("--acceleration", "500", "--jerk", "5000,6000,7000,8000", "--counts", "100,200,300,400")
     said += ("--tcp", "0,0,80", "--home", "10,20,30,40", "--motors", "4,3,2,1", "--title", 'a "b" \\ #c')
@@ -191,7 +191,20 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
         '<link name="base_link"><visual><geometry><mesh filename="no.dae"/></geometry></visual></link>',
     )
     (tmp_path / "pack" / "arm.urdf").write_text(text)
-    result = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    refused = yarc("robot", "new", tmp_path / "pack" / "arm.urdf", "--yes", "-o", tmp_path / "r")
+    assert refused.exit_code == 1
+    assert "Y1357" in refused.output
+    assert "gone.stl of quill isn't there" in refused.output
+    assert not (tmp_path / "r").exists()
+    result = yarc(
+        "robot",
+        "new",
+        tmp_path / "pack" / "arm.urdf",
+        "--yes",
+        "--allow-missing-meshes",
+        "-o",
+        tmp_path / "r",
+    )
     assert result.exit_code == 0, result.output
     assert sorted(path.name for path in (tmp_path / "r" / "meshes").iterdir()) == ["part.stl", "part_2.stl"]
     assert (tmp_path / "r" / "meshes" / "part_2.stl").read_text() == solid("two")
@@ -200,7 +213,8 @@ def test_collision_meshes_come_along_and_those_that_miss_are_told(tmp_path):
     assert "gone.stl" not in copy
     assert "2 collision meshes copied" in result.output
     assert "the visual mesh no.dae isn't there" in result.output
-    assert "gone.stl of quill isn't there" in result.output
+    assert "Y1366" in result.output
+    assert "1 collision mesh left out: gone.stl of quill" in result.output
     assert "Y1359" in result.output  # the quill has no collision shape now
     assert "Y1359" in yarc("robot", "check", tmp_path / "r").output
     program = tmp_path / "a.yarc"
@@ -515,7 +529,7 @@ def test_it_asks_on_a_terminal(tmp_path):
     assert "acceleration = 900\n" in text
     assert "xyz = [0, 0, 60]" in text
     marked = {value.split(" = ")[0] for _, value, _ in guesses(text)}
-    assert {"jerk", "HOME"} <= marked
+    assert {"ease", "HOME"} <= marked
     assert not {"acceleration", "K", "xyz"} & marked
 
 

@@ -175,7 +175,7 @@ def test_boxes_without_a_size_and_second_materials(tmp_path):
     file = written(tmp_path, text)
     result = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r")
     assert result.exit_code == 0, result.output
-    assert "1 boxes without a size" in result.output
+    assert "1 shapes without a size" in result.output
     assert "1 mm thick" in result.output
     assert 'size="0.1 0.1 0.001"' in (tmp_path / "r" / "arm.urdf").read_text()
     judged(text, made(file, tmp_path / "s"))
@@ -224,6 +224,35 @@ def test_xacro_and_packages_by_their_package_xml(tmp_path):
     assert "maker_support" in refused.output
     assert "--package-path" in refused.output
     judged(text, made(file, tmp_path / "r", "--package-path", str(tmp_path / "src")))
+
+
+def test_arguments_of_xacro(tmp_path):
+    """Makers' files want the type and a prefix."""
+    text = robot(arm("left_"))
+    asked = text.replace(">", f'{XMLNS}><xacro:arg name="prefix" default="wrong_"/>', 1).replace(
+        "left_", "$(arg prefix)"
+    )
+    asked = asked.replace("0 0 1.075", "0 0 $(arg reach)")
+    file = written(tmp_path, asked, "arm.urdf.xacro")
+    refused = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r", "--arg", "prefix=left_")
+    assert refused.exit_code == 1
+    assert "--arg NAME=VALUE" in refused.output
+    arm_ = made(file, tmp_path / "r", "--arg", "prefix=left_", "--arg", "reach:=1.075")
+    q = within(arm_.chain, arm_.limits, 50)
+    true = poses(text, "left_base_link", "left_tool0", arm_.joint_names, q)
+    np.testing.assert_allclose(flange_poses(arm_.chain, q), true, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "given", "words"),
+    [("a.xacro", "prefix", "isn't NAME=VALUE"), ("a.urdf", "a=b", "for xacro files")],
+)
+def test_wrong_arguments_of_xacro(name, given, words, tmp_path):
+    result = yarc(
+        "robot", "new", written(tmp_path, robot(arm()), name), "--yes", "-o", tmp_path / "r", "--arg", given
+    )
+    assert result.exit_code == 2
+    assert words in " ".join(result.output.split())
 
 
 def test_nothing_is_run_of_the_folder_of_a_xacro_file(tmp_path, monkeypatch):
@@ -336,11 +365,32 @@ def test_what_is_hostile_is_refused_quickly(name, tmp_path):
     assert "\nY9999" not in result.output
 
 
+MISSING = '<collision><geometry><mesh filename="x.stl"/></geometry></collision>'
+
+
 def test_the_name_of_a_mesh_that_is_missing_stays_on_its_line(tmp_path):
     mesh = '<collision><geometry><mesh filename="a&#10;Y9999&#x202e;.stl"/></geometry></collision>'
     text = robot(arm(), link("s", mesh, shape=False), joint("j", "base_link", "s", kind="fixed"))
-    result = yarc("robot", "new", written(tmp_path, text), "--yes", "-o", tmp_path / "r")
-    assert "the collision mesh a?Y9999?.stl of s isn't there" in result.output
+    file = written(tmp_path, text)
+    result = yarc("robot", "new", file, "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert "collision mesh a?Y9999?.stl of s isn't there" in result.output
+    result = yarc("robot", "new", file, "--yes", "--allow-missing-meshes", "-o", tmp_path / "r")
+    assert result.exit_code == 0
+    assert "left out: a?Y9999?.stl of s" in result.output
+    assert "\nY9999" not in result.output
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["<robot", robot(arm(), link("s", MISSING, shape=False), joint("j", "base_link", "s", kind="fixed"))],
+)
+def test_the_name_of_a_file_stays_on_its_line(text, tmp_path):
+    folder = tmp_path / "a\nY9999 \u202eb"
+    result = yarc("robot", "new", written(folder, text, "a\nY9999\u202e.urdf"), "--yes", "-o", tmp_path / "r")
+    assert result.exit_code == 1
+    assert "\nY9999" not in result.output
+    assert "\u202e" not in result.output
 
 
 def test_a_hundred_megabytes_are_refused_quickly(tmp_path):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from yarclang.diagnostics import Diagnostic
@@ -19,13 +19,15 @@ MEMORY = 2_000_000_000
 """Bytes of memory that it gets."""
 
 
-def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
+def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> SourceFile | Diagnostic:
     """Return the URDF that a xacro file writes.
 
     Args:
         path: of the file.
         packages: folders with the ROS packages that `$(find ...)` names.
+        given: the values of its arguments.
     """
+    import json
     import subprocess
     from importlib.util import find_spec
 
@@ -33,7 +35,15 @@ def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
         remedy = "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it writes."
         return Diagnostic("Y1341", f"{path.name[:80]} is xacro, and xacro isn't installed.", help=remedy)
     # -P: nothing is imported from the current folder, which may be a stranger's archive
-    arguments = [sys.executable, "-P", "-m", __name__, str(path), *map(str, packages)]
+    arguments = [
+        sys.executable,
+        "-P",
+        "-m",
+        __name__,
+        str(path),
+        json.dumps(dict(given)),
+        *map(str, packages),
+    ]
     try:
         done = subprocess.run(
             arguments, capture_output=True, timeout=LONGEST, check=False, stdin=subprocess.DEVNULL
@@ -44,7 +54,7 @@ def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
     if done.returncode:
         lines = [line for line in done.stderr.decode("utf-8", "replace").splitlines() if line.strip()]
         said = "".join(one if one.isprintable() else "?" for one in (lines or ["no word"])[-1])[:200]
-        remedy = "Correct the file, or name the folders of its packages with --package-path."
+        remedy = "Correct the file, name the folders of its packages with --package-path, or give its arguments with --arg NAME=VALUE."
         return Diagnostic("Y1341", f"xacro can't read {path.name[:80]}: {said}", help=remedy)
     if len(done.stdout) > LARGEST:
         message = f"xacro makes more than {LARGEST:,} bytes of {path.name[:80]}."
@@ -52,8 +62,9 @@ def expanded(path: Path, packages: Sequence[Path]) -> SourceFile | Diagnostic:
     return SourceFile(str(path), done.stdout.decode("utf-8", "replace"))
 
 
-def _child(path: str, packages: Sequence[str]) -> None:
+def _child(path: str, given: str, packages: Sequence[str]) -> None:
     """Write the URDF on standard output."""
+    import json
     import resource
     from types import ModuleType
 
@@ -74,8 +85,10 @@ def _child(path: str, packages: Sequence[str]) -> None:
     index, module = ModuleType("ament_index_python"), ModuleType("ament_index_python.packages")
     module.get_package_share_directory = share  # type: ignore[attr-defined]
     sys.modules |= {index.__name__: index, module.__name__: module}
-    sys.stdout.buffer.write(xacro.process_file(path).toprettyxml(indent="  ").encode("utf-8"))
+    sys.stdout.buffer.write(
+        xacro.process_file(path, mappings=json.loads(given)).toprettyxml(indent="  ").encode("utf-8")
+    )
 
 
 if __name__ == "__main__":
-    _child(sys.argv[1], sys.argv[2:])
+    _child(sys.argv[1], sys.argv[2], sys.argv[3:])

@@ -5,6 +5,7 @@ coal is imported where it is first used.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,8 @@ from numpy.typing import NDArray
 from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
+from yarclang.meshes.hull import MOST_CORNERS, cover
+from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.ply import read_ply
 from yarclang.meshes.stl import stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
@@ -56,8 +59,8 @@ _FAR = 1e5
 """No corner is farther from its mesh's origin than this [m]: coal can't make a hull of what is very large."""
 
 
-_LARGE_STL = 1_000_000
-"""From so many bytes on, the hull of a binary STL is made of its corners, without coal's reader."""
+_LARGE = 1_000_000
+"""From so many bytes on, the hull of a mesh is made of its corners, without coal's reader where that isn't needed."""
 
 
 class UnreadableError(Exception):
@@ -96,7 +99,10 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """The triangles of a file, or their convex hull, where they aren't all in one plane."""
-    model = (_outer_model(shape) if hull else None) or load_mesh(shape)
+    outer_model = _outer_model(shape) if hull else None
+    model = outer_model or load_mesh(shape)
+    if hull and outer_model is None and shape.path.suffix.lower() == ".obj":
+        model = _with_all_corners(model, shape)
     corners: Array = np.asarray(model.vertices())
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
@@ -126,29 +132,52 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
 
 
 def _outer_model(shape: Mesh) -> Any | None:
-    """Return a model of the corners alone that a large binary STL's hull has; None for another file, and for a flat one.
+    """Return a model of the corners alone that a large mesh's hull has; None for a small file, a flat mesh, and one with a fault.
 
-    coal's reader joins equal corners and builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
+    coal builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
     no corners of a hull change nothing of it, so the body is the same.
     """
-    if shape.path.suffix.lower() != ".stl":
-        return None
     content = _content(shape)
-    if len(content) < _LARGE_STL or mesh_fault(".stl", content):
+    if len(content) < _LARGE:
         return None
-    corners = stl_corners(content)
-    if corners is None:
+    look = _CORNERS.get(shape.path.suffix.lower())
+    corners = look(content) if look is not None else None
+    if corners is not None:
+        corners = corners * (np.array(shape.scale) * shape.unit)
+    else:
+        del content
+        corners = np.array(load_mesh(shape, plain=True).vertices())
+    if not np.isfinite(corners).all() or float(np.abs(corners).max()) > _FAR:
         return None
     from scipy.spatial import ConvexHull, QhullError
 
-    corners = corners * (np.array(shape.scale) * shape.unit)
-    if float(np.abs(corners).max()) > _FAR:
-        return None
     try:
         outer = corners[ConvexHull(corners).vertices]
     except QhullError:
         return None
     return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+def _with_all_corners(model: Any, shape: Mesh) -> Any:
+    """Return coal's model of an OBJ, or, if corners of its faces are missing, one of these corners: its reader leaves out parts of some polygons that it divides into triangles."""
+    from scipy.spatial import cKDTree
+
+    own = obj_corners(_content(shape))
+    if own is None:
+        return model
+    own = own * (np.array(shape.scale) * shape.unit)
+    far, _ = cKDTree(np.asarray(model.vertices())).query(own)
+    if len(own) < 3 or far.max() <= _ROUGH * np.abs(own).max():
+        return model
+    return _modelled(own, np.arange(len(own) // 3 * 3).reshape(-1, 3))
+
+
+_ROUGH = 1e-5
+"""Of its largest coordinate, so much a corner may be off by another reader's rounding."""
+
+
+_CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}
+"""What reads the corners of a file without a fault as arrays; coal reads the others."""
 
 
 _DIRECTIONS = (1000, 300, 100)
@@ -157,38 +186,16 @@ _DIRECTIONS = (1000, 300, 100)
 
 def _with_hull(model: Any, corners: Array) -> Any:
     """Return a model with a hull: its own, or, where a corner has more neighbours than coal can count (the tip of a fine cone), that of a body around it."""
-    for directions in (0, *_DIRECTIONS):
+    for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
-            cover = _cover(corners, directions)
-            model = _modelled(cover, np.arange(len(cover) // 3 * 3).reshape(-1, 3))
+            around = cover(corners, directions)
+            model = _modelled(around, np.arange(len(around) // 3 * 3).reshape(-1, 3))
         try:
             model.buildConvexHull(True, "Qt")
         except RuntimeError:
             continue
         return model
     raise UnreadableError("has no hull that can be computed: simplify it")
-
-
-def _cover(corners: Array, directions: int) -> Array:
-    """Return the corners (k, 3) of a body of planes around some (m, 3): it touches them along the axes and in `directions` between."""
-    from scipy.spatial import HalfspaceIntersection
-
-    number = np.arange(directions) + 0.5
-    height, turn = (
-        1.0 - 2.0 * number / directions,
-        number * np.pi * (1.0 + np.sqrt(5.0)),
-    )  # evenly: Fibonacci's spiral
-    across = np.sqrt(1.0 - height**2)
-    spiral = np.stack((across * np.cos(turn), across * np.sin(turn), height), axis=1)
-    normals = np.concatenate((np.eye(3), -np.eye(3), spiral))
-    reach = np.concatenate([(corners @ part.T).max(axis=0) for part in np.array_split(normals, 50)])
-    faces = np.concatenate((normals, -(reach + _ROUNDED)[:, None]), axis=1)
-    found: Array = HalfspaceIntersection(faces, corners.mean(axis=0)).intersections
-    return found
-
-
-_ROUNDED = 1e-9
-"""What rounding can take away from the reach of a body [m]."""
 
 
 def _content(shape: Mesh) -> bytes:
@@ -199,8 +206,12 @@ def _content(shape: Mesh) -> bytes:
         raise UnreadableError(f"can't be read: {reason_of(error)}") from error
 
 
-def load_mesh(shape: Mesh) -> Any:
+def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
     """Return coal's model of a mesh [m].
+
+    Args:
+        shape: the mesh.
+        plain: only corners are needed: a tree for distances isn't built with care.
 
     Raises:
         UnreadableError: it isn't one, or has a fault of which coal would leave out a face, or end the process.
@@ -217,7 +228,8 @@ def load_mesh(shape: Mesh) -> Any:
     if fault := mesh_fault(shape.path.suffix, content):
         raise UnreadableError(fault)
     try:
-        model = coal.MeshLoader(coal.NODE_TYPE.BV_OBBRSS).load(str(shape.path), scale)
+        tree = coal.NODE_TYPE.BV_AABB if plain else coal.NODE_TYPE.BV_OBBRSS
+        model = coal.MeshLoader(tree).load(str(shape.path), scale)
     except Exception as error:  # assimp and boost throw several kinds, and all mean the same
         raise UnreadableError("can't be read: it isn't one, or is damaged") from error
     if model.num_tris == 0:

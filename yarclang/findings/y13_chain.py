@@ -98,7 +98,8 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the file of a mesh isn't there",
         "Mesh names are seen from the folder of the URDF; package:// is looked for there and in the "
-        "folders above.",
+        "folders above. `yarc robot new` also looks through ROS packages (--package-path, ROS_PACKAGE_PATH, "
+        "AMENT_PREFIX_PATH) and the folders of --meshes; --allow-missing-meshes goes without.",
     ),
     Finding(
         "Y1358",

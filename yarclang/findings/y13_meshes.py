@@ -25,4 +25,11 @@ FINDINGS: tuple[Finding, ...] = (
         '<mesh filename="../../../other/part.stl"/>',
         '<mesh filename="meshes/part.stl"/>',
     ),
+    Finding(
+        "Y1366",
+        "link-without-mesh",
+        "warning",
+        "the robot was made without a collision mesh that its URDF names",
+        "--allow-missing-meshes was given. The collision check lets these links pass through everything, as far as no other shape stands for them.",
+    ),
 )

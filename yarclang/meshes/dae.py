@@ -7,8 +7,11 @@ from xml.parsers import expat
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.meshes.text import integers, numbers
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
 
+_BUFFER = 1_000_000
+"""Bytes of text that the parser hands over together."""
 _FACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 _NO_FACES = ("lines", "linestrips")
 
@@ -22,6 +25,7 @@ def dae_fault(content: bytes) -> str:
     reading = _Reading()
     parser = expat.ParserCreate(namespace_separator=" ")
     parser.buffer_text = True
+    parser.buffer_size = _BUFFER
     parser.StartDoctypeDeclHandler = _refuse
     parser.StartElementHandler, parser.EndElementHandler = reading.begin, reading.end
     parser.CharacterDataHandler = reading.data
@@ -45,14 +49,14 @@ class _Faces:
         self.vertices = ""
         self.place = 0
         self.group = 1
-        self.lists: list[NDArray[np.float64]] = []
+        self.lists: list[NDArray[np.float64] | NDArray[np.int64]] = []
 
 
 class _Reading:
     """What a parser finds: places of corners by the ids of their sources, and faces."""
 
     def __init__(self) -> None:
-        self.places: dict[str, NDArray[np.float64]] = {}  # by the id of the <source>
+        self.texts: dict[str, str] = {}  # by the id of the <source>: numbers of corners, normals, colours
         self.strides: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         self.positions: dict[str, str] = {}  # the source of each <vertices>
@@ -97,12 +101,13 @@ class _Reading:
             self._faces = None
         if self._text is None or name not in ("float_array", "p", "ph"):
             return
-        numbers = _numbers("".join(self._text))
+        text = "".join(self._text)
         self._text = None
         if name == "float_array":
-            self.places[self._source] = numbers
+            self.texts[self._source] = text
         elif self._faces is not None:
-            self._faces.lists.append(numbers)
+            whole = integers(text.encode())
+            self._faces.lists.append(_numbers(text) if whole is None else whole)
 
     def data(self, found: str) -> None:
         """Take a piece of text."""
@@ -111,8 +116,11 @@ class _Reading:
 
     def fault(self) -> str:
         """Return the end of a sentence that names the first fault; empty without one."""
+        found = {
+            source: _numbers(self.texts[source]) for source in self.positions.values() if source in self.texts
+        }
         for source in dict.fromkeys(self.positions.values()):
-            places = self.places.get(source)
+            places = found.get(source)
             if places is not None and not np.isfinite(places).all():
                 return ODD_CORNER
             stride = max(self.strides.get(source, 3), 1)
@@ -125,13 +133,13 @@ class _Reading:
         for faces in self.faces:
             used += sum(len(numbers) for numbers in faces.lists)
             source = self.positions.get(faces.vertices, "")
-            places = self.places.get(source)
+            places = found.get(source)
             if places is None:
                 continue
             corners = len(places) // max(self.strides.get(source, 3), 1)
             corners = min(corners, self.counts.get(source, corners))
-            for numbers in faces.lists:
-                of_corners = numbers[faces.place :: faces.group]
+            for named in faces.lists:
+                of_corners = named[faces.place :: faces.group]
                 wrong = ~((of_corners >= 0.0) & (of_corners < corners))
                 if wrong.any():
                     first = of_corners[wrong][0]
@@ -143,6 +151,9 @@ class _Reading:
 
 def _numbers(text: str) -> NDArray[np.float64]:
     """Return the numbers of a text; one that isn't one is NaN."""
+    found = numbers(text.encode())
+    if found is not None:
+        return found
     words = text.split()
     try:
         return np.array(words, dtype=np.float64)

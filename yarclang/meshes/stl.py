@@ -7,6 +7,7 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.meshes.text import pieces, table
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, cut_off
 
 _HEAD = 84
@@ -14,6 +15,17 @@ _HEAD = 84
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
 _NOT_FINITE = re.compile(rb"^[ \t]*vertex[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 _NAME = re.compile(rb"^([ \t\r\f\v]*(?:end)?solid)\b[^\n]*", re.IGNORECASE | re.MULTILINE)
+_VERTEX = re.compile(rb"^[ \t]*vertex[ \t]([^\r\n]*)", re.MULTILINE)
+_IN_TRIANGLE = {
+    b"facet": 2,
+    b"endfacet": 1,
+    b"normal": 1,
+    b"outer": 1,
+    b"loop": 2,
+    b"endloop": 1,
+    b"vertex": 3,
+}
+"""How often a word stands in the text of a triangle, also as a part of others; names of solids may have them too: such files are unusual."""
 _WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 
 
@@ -23,11 +35,34 @@ def is_binary(content: bytes) -> bool:
 
 
 def stl_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners (3 T, 3) of all triangles of a binary STL file, in its own unit; None for a file of text."""
+    """Return the corners (3 T, 3) of all triangles of an STL file, in its own unit; None for a file with a fault, or of unusual text."""
     if not is_binary(content):
-        return None
+        return _text_corners(content)
     corners = np.frombuffer(content, _TRIANGLE, offset=_HEAD)["corners"]
+    if not len(corners) or not np.isfinite(corners).all():
+        return None
     return corners.reshape(-1, 3).astype(np.float64)
+
+
+def _text_corners(content: bytes) -> NDArray[np.float64] | None:
+    """Return the corners of a file of text, if it has each word as often as its triangles need: then nothing is missing."""
+    if content[:5] != b"solid" or not content.rstrip().rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
+        return None
+    counts = dict.fromkeys(_IN_TRIANGLE, 0)
+    rows: list[NDArray[np.float64]] = []
+    for piece in pieces(content):
+        low = piece.lower()
+        for word in counts:
+            counts[word] += low.count(word)
+        found = table(_VERTEX.findall(piece), 3)
+        if found is None:
+            return None
+        rows.append(found)
+    triangles = counts[b"endfacet"]
+    if not triangles or counts != {word: times * triangles for word, times in _IN_TRIANGLE.items()}:
+        return None
+    corners = np.concatenate(rows)
+    return corners if len(corners) == 3 * triangles else None
 
 
 def stl_fault(content: bytes) -> str:
@@ -43,6 +78,8 @@ def stl_fault(content: bytes) -> str:
         return "" if np.isfinite(corners).all() else ODD_CORNER
     if content.lstrip()[:5].lower() != b"solid":
         return damage(content)
+    if _text_corners(content) is not None:
+        return ""
     if _NOT_FINITE.search(content):
         return ODD_CORNER
     words = [word.lower() for word in _WORD.findall(_NAME.sub(rb"\1", content))]

@@ -18,9 +18,10 @@ def finding_text(diagnostic: Diagnostic) -> str:
     """Return one finding as text: file:line:column, severity, code, message; the source line with carets; the line of a module that was called; the remedy."""
     place = ""
     if diagnostic.source is not None:
-        place = f"{diagnostic.source.name}: "
+        name = "".join(one if one.isprintable() else "?" for one in diagnostic.source.name)
+        place = f"{name}: "
         if diagnostic.span is not None:
-            place = f"{diagnostic.source.name}:{diagnostic.span.line}:{diagnostic.span.column}: "
+            place = f"{name}:{diagnostic.span.line}:{diagnostic.span.column}: "
     severity = click.style(
         f"{diagnostic.severity} {diagnostic.code}", fg=_COLOURS[diagnostic.severity], bold=True
     )

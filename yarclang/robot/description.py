@@ -281,7 +281,7 @@ def _fingerprint(
     }
     tools, dynamics = more
     # what a robot doesn't have leaves its fingerprint as it is
-    later = {"tools", "bodies", "dynamics"}
+    later = {"tools", "bodies", "dynamics", "ramps"}  # what ramps give stands in the joints
     values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", "jog", *later})
     for joint in values["joints"].values():
         joint.pop("effort")

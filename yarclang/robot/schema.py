@@ -28,6 +28,16 @@ class JointTable(Table):
     effort: Positive | None = None
 
 
+Ramp = Annotated[float, Field(ge=1.0, le=60_000.0)]
+
+
+class RampsTable(Table):
+    """`[ramps]`: times [ms] in which joints without an acceleration or jerk of their own reach their velocity (`rise`) and acceleration limit (`ease`)."""
+
+    rise: Ramp | None = None
+    ease: Ramp | None = None
+
+
 class FrameTable(Table):
     """`[frames.NAME]`: mm, deg (roll, pitch, yaw), seen from the parent frame."""
 
@@ -136,6 +146,7 @@ class RobotTable(Document):
     flange: str | None = None
     ignored_joints: list[str] = Field(default=[])
     joints: dict[str, JointTable] | None = None
+    ramps: RampsTable | None = None
     frames: dict[str, FrameTable] = Field(default={})
     positions: dict[str, list[Number]] | None = None
     actuation: ActuationTable | None = None
@@ -150,6 +161,7 @@ class RobotTable(Document):
     wanted: ClassVar = {"bodies": "tables, each under [[bodies]]"}
     tables: ClassVar = {
         "joints": JointTable,
+        "ramps": RampsTable,
         "frames": FrameTable,
         "actuation": ActuationTable,
         "motors": MotorsTable,
@@ -172,8 +184,8 @@ class RobotTable(Document):
         "motors": "it needs numbers = [...] and velocity = [...] in counts/ms.",
         "controller": 'it needs axes = ["X", ...] and feedback = ["P1", ...].',
         "velocity": "for example velocity = 60, in deg/s or mm/s (counts/ms in [motors], a list).",
-        "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2.",
-        "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3.",
+        "acceleration": "for example acceleration = 240, in deg/s^2 or mm/s^2; or [ramps] with rise, in ms, for all joints.",
+        "jerk": "for example jerk = 2000, in deg/s^3 or mm/s^3; or [ramps] with ease, in ms, for all joints.",
         "HOME": "HOME = [...], one value a joint in deg or mm.",
         "tool": 'for example tool = "GRIPPER", the NAME of a table [tools.NAME].',
         "shape": 'for example shape = "box".',

@@ -73,7 +73,7 @@ def mesh_places(filename: str, folder: Path) -> list[Path]:
     if url.scheme == "file":
         return [Path(unquote(url.path))]
     if url.scheme == "package":
-        rest = f"{url.netloc}{url.path}"
+        rest = f"{url.netloc}{url.path}".lstrip("/")  # some write package:///name/file
         return [above / rest for above in (folder, *folder.parents)]
     return [folder / filename]
 

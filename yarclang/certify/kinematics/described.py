@@ -292,18 +292,21 @@ def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Lim
     rows = [table["joints"][name] for name in names]
     ends = np.array([row.get("position", (-np.inf, np.inf)) for row in rows], dtype=np.float64)
 
-    def column(key: str, otherwise: str = "") -> Array:
-        found = [row.get(key, row.get(otherwise)) if otherwise else row[key] for row in rows]
-        return _sealed(np.array(found, dtype=np.float64) * units)
+    def column(key: str, otherwise: Array) -> Array:
+        found = [row.get(key, other) for row, other in zip(rows, otherwise, strict=True)]
+        return np.array(found, dtype=np.float64)
 
-    return Limits(
-        _sealed(ends[:, 0] * units),
-        _sealed(ends[:, 1] * units),
-        column("velocity"),
-        column("acceleration"),
-        column("jerk"),
-        column("stop_acceleration", "acceleration"),
-    )
+    nothing = np.full(len(rows), np.nan)
+    times = table.get("ramps", {})
+    rise, ease = (1e-3 * float(times.get(key, np.nan)) for key in ("rise", "ease"))
+    velocity = column("velocity", nothing)
+    acceleration = column("acceleration", velocity / rise)
+    jerk = column("jerk", acceleration / ease)
+    stops = column("stop_acceleration", acceleration)
+    if not np.isfinite([velocity, acceleration, jerk, stops]).all():
+        raise ContradictionError("a joint has no limit of its velocity, acceleration or jerk")
+    bounds = (ends[:, 0], ends[:, 1], velocity, acceleration, jerk, stops)
+    return Limits(*(_sealed(one * units) for one in bounds))
 
 
 def _dynamics(

@@ -10,7 +10,7 @@ import click
 from yarclang.cli.options import Numbers
 
 if TYPE_CHECKING:
-    from yarclang.robot.model import Robot
+    from yarclang.diagnostics import Diagnostic
     from yarclang.robot.new.folder import Arm, NewRobot, Question
     from yarclang.robot.new.sketch import Given
 
@@ -46,14 +46,20 @@ _EACH = "one for all joints, or one a joint"
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Also copy collision meshes from here (default: only from the URDF's own package). Repeatable.",
+    help="Also look for meshes here, by the ends of their names, and copy them (default: only from the URDF's own package). Repeatable.",
 )
 @click.option(
     "--package-path",
     multiple=True,
     type=click.Path(exists=True, file_okay=False, path_type=Path),
     metavar="FOLDER",
-    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH. Repeatable.",
+    help="Look for the ROS packages of package:// and $(find) here, then in ROS_PACKAGE_PATH and AMENT_PREFIX_PATH. Repeatable.",
+)
+@click.option("--arg", multiple=True, metavar="NAME=VALUE", help="An argument of a xacro file. Repeatable.")
+@click.option(
+    "--allow-missing-meshes",
+    is_flag=True,
+    help="Leave out collision meshes that aren't there: nothing sees what their links hit.",
 )
 @click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
@@ -64,14 +70,16 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
-    from yarclang.robot.new.folder import make, open_arm, proposed_name, questions
+    from yarclang.robot.new.folder import lost_meshes, make, open_arm, proposed_name, questions
 
     packages = _packages(said["package_path"])
     said["source"] = None
+    if said["arg"] and Path(urdf).suffix.lower() != ".xacro":
+        raise click.UsageError("--arg is for xacro files, which end in .xacro")
     if Path(urdf).suffix.lower() == ".xacro" and Path(urdf).is_file():
         from yarclang.cli.xacro import expanded
 
-        said["source"] = expanded(Path(urdf), packages)
+        said["source"] = expanded(Path(urdf), packages, _arguments(said["arg"]))
         if isinstance(said["source"], Diagnostic):
             show_findings((said["source"],))
             raise SystemExit(1)
@@ -84,6 +92,9 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
     if yes and arm.chain.left_out:
         show_findings((arm.chain.incomplete(arm.urdf.source),))
         raise SystemExit(1)
+    if not said["allow_missing_meshes"] and (lost := lost_meshes(arm, said["meshes"], packages)):
+        show_findings(lost)
+        raise SystemExit(1)
     if unknown and not yes:
         arm = _ask(arm, Path(urdf), said, unknown)
     name = said["name"] or proposed_name(arm.urdf)
@@ -92,7 +103,9 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
         raise click.UsageError(f"{folder} is there already and isn't empty; write elsewhere with -o")
     title = said["title"] or f"Made of {arm.path.name}"
     ends = bool(said["base"]), bool(said["tip"])
-    made = make(arm, _given(arm, said), name, title, ends, said["meshes"], packages)
+    made = make(
+        arm, _given(arm, said), name, title, ends, said["meshes"], packages, said["allow_missing_meshes"]
+    )
     if made.value is None:
         show_findings(made.diagnostics)
         raise SystemExit(1)
@@ -100,11 +113,27 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
 
 def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
-    """The folders with ROS packages."""
+    """Return the folders with ROS packages: those that are said, those of ROS 1, then those of ROS 2."""
     import os
 
-    around = os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep)
-    return (*said, *(Path(one) for one in around if one and Path(one).is_dir()))
+    first, second = (
+        [Path(one) for one in os.environ.get(name, "").split(os.pathsep) if one]
+        for name in ("ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH")
+    )
+    around = (*first, *(one / "share" for one in second))
+    return (*said, *(one for one in around if one.is_dir()))
+
+
+def _arguments(said: tuple[str, ...]) -> dict[str, str]:
+    """Return the arguments of a xacro file by their names; ROS's form NAME:=VALUE is taken as well."""
+    found = {}
+    for text in said:
+        name, equals, value = text.partition("=")
+        name = name.removesuffix(":").strip()
+        if not equals or not name:
+            raise click.UsageError(f"--arg {text!r} isn't NAME=VALUE")
+        found[name] = value
+    return found
 
 
 def _given(arm: Arm, said: dict[str, Any]) -> Given:
@@ -201,6 +230,7 @@ def _read(key: str, text: str) -> Any:
 
 def _write(folder: Path, made: NewRobot) -> None:
     """Write the folder, and say what is in it and what isn't."""
+    from yarclang.cli.choosing_home import with_home
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
     from yarclang.collision.checklist import flat_meshes, touching_pairs
@@ -227,7 +257,7 @@ def _write(folder: Path, made: NewRobot) -> None:
         _undo(folder, written)
         click.echo(f"no robot comes of this; {folder} isn't written", err=True)
         raise SystemExit(1)
-    made, robot, touched = _with_free_home(made, loaded.value)
+    made, robot, touched = with_home(made, loaded.value)
     toml = made.toml + collision_table(touching_pairs(robot))
     if toml != files[-1][1]:
         if found := write_whole(folder / "robot.toml", toml):
@@ -243,33 +273,27 @@ def _write(folder: Path, made: NewRobot) -> None:
     for item in tool_axis(loaded.value) if loaded.value is not None else ():
         click.echo(f"  note: {item.found}{f'; {item.remedy}' if item.remedy else ''}", err=True)
     bare = bare_links(loaded.value) if loaded.value is not None else ()
-    show_findings((*loaded.diagnostics, *bare))
+    show_findings((*_left_out(made), *loaded.diagnostics, *bare))
     click.echo(
         f"written to {folder}; {len(guesses(toml))} values are guesses: yarc robot check {folder}",
         err=True,
     )
 
 
-def _with_free_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
-    """Return the robot with the first HOME in which it doesn't touch itself, before and after it is read, and a note if there is none."""
-    from dataclasses import replace
-
-    import numpy as np
-
-    from yarclang.collision.homes import first_free
+def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:
+    """Return the warning about collision meshes that weren't there."""
+    from yarclang.diagnostics import Diagnostic
     from yarclang.robot.checklist.item import listed
 
-    proposed = np.array([home.value for home in made.homes]) * robot.axis_units
-    free, touching = first_free(robot, proposed)
-    if free is None:
-        pairs = listed([" and ".join(pair) for pair in touching], 3)
-        tried = f", as in all {len(proposed)} positions that were tried" if len(proposed) > 1 else ""
-        return made, robot, (f"in HOME {pairs} touch{tried}: choose another with --home",)
-    if free == 0:
-        return made, robot, ()
-    at_home = replace(robot, positions={**robot.positions, "HOME": proposed[free]})
-    home = made.homes[free]
-    return made.with_home(replace(home, note=f"{home.note}; no links touch there")), at_home, ()
+    without = made.urdf.without
+    if not without:
+        return ()
+    each = listed([f"{mesh} of {link}" for link, mesh in without], 4)
+    message = f"{len(without)} collision mesh{'es' * (len(without) != 1)} left out: {each}."
+    remedy = (
+        "Nothing sees what these links hit there. Put the files beside the URDF, and make the robot again."
+    )
+    return (Diagnostic("Y1366", message, made.arm.urdf.source, help=remedy),)
 
 
 def _undo(folder: Path, written: list[Path]) -> None:
@@ -311,12 +335,12 @@ def _notes(made: NewRobot) -> list[str]:
     for what, count in (("collision", len(urdf.meshes) - drawn), ("visual", drawn)):
         if count:
             notes.append(f"{count} {what} mesh{'es' * (count != 1)} copied")
+    if urdf.hulls:
+        notes.append(
+            f"of large collision meshes, the convex hull is copied, which is what counts: {listed(urdf.hulls)}"
+        )
     for name, why in urdf.unseen[:6]:
         notes.append(f"the visual mesh {name} {why}: pictures show the collision shapes")
     if len(urdf.unseen) > 6:
         notes.append(f"and {len(urdf.unseen) - 6} more visual meshes")
-    for link, mesh in urdf.without[:6]:
-        notes.append(f"the collision mesh {mesh} of {link} isn't there; the copy goes without")
-    if len(urdf.without) > 6:
-        notes.append(f"and {len(urdf.without) - 6} more collision meshes")
     return notes

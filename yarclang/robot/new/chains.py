@@ -27,7 +27,10 @@ DEEPEST = 100
 SHORTEST_ARM = 3
 """An arm has at least so many joints before it may split up into fingers."""
 
-HANDS = re.compile(r"gripper|robotiq|schunk|finger|camera|sensor|_sc$", re.IGNORECASE)
+HANDS = re.compile(
+    r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle|welder|eoat|camera|sensor|_sc$",
+    re.IGNORECASE,
+)
 """Names of links that stand on a flange, or are a second shape of the last link."""
 
 _FLANGE_NAMES = (r"(^|_)tool0$", r"(^|_)flange(_link|_frame)?$", r"flange", r"ee_link|link_ee|end_effector")
@@ -98,6 +101,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     if deepest := tree.deeper_than(DEEPEST):
         message = f"link {deepest[:40]} hangs more than {DEEPEST} joints below the root"
         return Diagnostic("Y1353", message, urdf.source, help="Keep the arm and what stands on it.")
+    given = base is not None
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()
@@ -143,7 +147,11 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     fingers = tuple(name for name in ignored if name in on_tip)
     tcp = tree.tcp_of(flange)
     followers = tuple(name for name in ignored if name in tree.leaders and name not in on_tip)
-    left_out = () if tip else tree.limbs(inside | on_tip, len(joints))
+    left_out = (
+        ()
+        if tip
+        else (*tree.limbs(inside | on_tip, len(joints)), *(() if given else tree.driven_above(base)))
+    )
     return ArmChain(
         base,
         flange,
@@ -227,6 +235,15 @@ class _Tree:
         long = [names for names in outside if len(names) >= min(SHORTEST_ARM, size)]
         return tuple(dict.fromkeys(name for names in long for name in names))
 
+    def driven_above(self, link: str) -> tuple[str, ...]:
+        """Return the driven joints above a link: a planar or floating joint in the middle of an arm makes two of it."""
+        found = []
+        while link in self.above:
+            if self.above[link].kind in MOVING and self.above[link].name not in self.leaders:
+                found.append(self.above[link].name)
+            link = self.above[link].parent
+        return tuple(reversed(found))
+
     def depth(self, link: str) -> int:
         """The most moving joints of a chain that begins at `link`."""
         return max((1 + self.depth(joint.child) for joint in self.moving(link)), default=0)
@@ -248,9 +265,13 @@ class _Tree:
         body = self.body(link)
         named = _named(body, _FLANGE_NAMES)
         fixed = [joint.child for joint in self.below[link] if joint.kind == "fixed"]
-        fixed = [name for name in fixed if not HANDS.search(name)]
+        fixed = [name for name in fixed if not (HANDS.search(name) or self.holds(name))]
         flange = named or (fixed[0] if len(fixed) == 1 else link)
         return flange, tuple(name for name in body if name != flange)
+
+    def holds(self, link: str) -> bool:
+        """Return True if something moves on a link itself, as on the base of a gripper."""
+        return any(joint.kind in MOVING for joint in self.below[link])
 
     def tcp_of(self, flange: str) -> str:
         """The link below the flange that is called the tool's tip, or nothing."""

@@ -1,8 +1,8 @@
 """The URDF's copy in a robot folder: the same text, with its meshes beside it.
 
-What collides is needed: a collision mesh that isn't there takes its <collision> out of the copy, so that what the copy
-says is true; one that is no mesh, or is somebody else's file (`meshes.py`), is an error. What is only drawn isn't needed:
-a visual mesh that can't be copied, for the same reasons, is left out, and pictures show the collision shapes of its link.
+What collides is needed: a collision mesh that isn't there (`lookup.py`), is no mesh, or is somebody else's file (`meshes.py`) is an error. If the user
+goes without those that aren't there, their <collision> is taken out of the copy, so that what the copy says is true.
+What is only drawn isn't needed: a visual mesh that can't be copied is left out, and pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ import re
 import shlex
 from collections.abc import Iterable
 from pathlib import Path, PurePosixPath
-from urllib.parse import urlparse
 
 from yarclang.files import reason_of
 from yarclang.frozen import frozen
+from yarclang.meshes.hull import hull_file
+from yarclang.robot.new.lookup import Lookup, shown_name
 from yarclang.robot.new.meshes import LARGEST_TOGETHER, NoMeshError, Surroundings, read_mesh
 from yarclang.robot.new.packages import Packages
 from yarclang.robot.urdf import Urdf
-from yarclang.robot.urdf_shapes import mesh_path, mesh_places
 from yarclang.robot.urdf_xml import Element
 
 MESHES = "meshes"
@@ -27,17 +27,18 @@ MESHES = "meshes"
 VISUALS = f"{MESHES}/visual"
 """The folder of those that are only drawn."""
 
+LARGE = 5_000_000
+"""Of a collision mesh with more bytes, the hull is copied: each command reads the file."""
+
 LARGEST_VISUAL = 20_000_000
 """Largest visual mesh that is copied [bytes]: pictures draw none with that many triangles."""
-
-_SHOWN = 80
-"""Characters of a file's name in a message."""
 
 
 @frozen
 class UrdfCopy:
     """The copy's text, the meshes that belong to it (name in the folder, content), and what isn't as it was.
 
+    `hulls` are the large collision meshes of which only the convex hull was copied, which is all that counts of them.
     `without` are the links that lost a collision mesh, with the mesh's name; `unseen` the names of visual meshes that
     weren't copied, with the reasons.
     """
@@ -46,10 +47,11 @@ class UrdfCopy:
     meshes: tuple[tuple[str, bytes], ...]
     without: tuple[tuple[str, str], ...]
     unseen: tuple[tuple[str, str], ...]
+    hulls: tuple[str, ...] = ()
 
 
 def copy_urdf(
-    urdf: Urdf, file: Path, more: Iterable[Path] = (), packages: Packages | None = None
+    urdf: Urdf, file: Path, more: Iterable[Path], packages: Packages, partial: bool = False
 ) -> UrdfCopy:
     """Return the copy of a URDF; its findings say which files can't be copied.
 
@@ -58,41 +60,53 @@ def copy_urdf(
         file: where it stands.
         more: folders that meshes may come from besides.
         packages: the ROS packages that `package://` may name.
+        partial: True to leave out collision meshes that aren't there; else they are an error.
     """
-    packages = packages or Packages(file)
+    more = tuple(more)
     surroundings = Surroundings(file, more, packages)
+    lookup = Lookup(file, more, packages)
     contents: dict[Path, bytes] = {}
     edits: list[tuple[int, int, str]] = []
     names: dict[Path, str] = {}
     without: list[tuple[str, str]] = []
+    hulls: dict[Path, str] = {}
+    if not partial and (missing := lookup.missing(urdf)):
+        lookup.report(urdf, missing)
+        return UrdfCopy(urdf.text, (), (), ())
     for link in urdf.root.all("link") if urdf.root else ():
         for body in link.all("collision"):
             mesh = _mesh(body)
             if mesh is None:
                 continue
             name = mesh.attributes.get("filename", "")
-            path = _found(name, file.parent, packages)
+            path = lookup.path(name)
             if path is None:
-                without.append((link.attributes.get("name", ""), _shown(name)))
+                without.append((link.attributes.get("name", ""), shown_name(name)))
                 end = urdf.text.index("</collision>", body.end) + len("</collision>")
                 edits.append((body.start, end, "<!-- a collision mesh was here that isn't there -->"))
                 continue
             if path not in contents:
-                contents[path] = _content(urdf, mesh, path, surroundings, sum(map(len, contents.values())))
-                names[path] = _free(PurePosixPath(urlparse(name).path).name, set(names.values()))
+                content = _content(urdf, mesh, path, surroundings, sum(map(len, contents.values())))
+                hull = hull_file(path.suffix, content) if len(content) > LARGE else None
+                contents[path] = content if hull is None else hull
+                named = path.name if hull is None else f"{path.stem}.hull.ply"
+                names[path] = _free(named, set(names.values()))
+                if hull is not None:
+                    hulls[path] = f"{shown_name(path.name)} of {len(content) / 1e6:.0f} MB"
             span = _filename(urdf.text, mesh)
             edits.append((*span, f'"{MESHES}/{names[path]}"'))
-    drawn, unseen = _copy_visuals(urdf, file.parent, surroundings, (contents, names), edits)
+    whole = {path: name for path, name in names.items() if path not in hulls}
+    drawn, unseen = _copy_visuals(urdf, lookup, surroundings, (contents, whole), edits)
     text = urdf.text
     for start, stop, new in sorted(edits, reverse=True):
         text = text[:start] + new + text[stop:]
     meshes = tuple((f"{MESHES}/{name}", contents[path]) for path, name in names.items())
-    return UrdfCopy(text, (*meshes, *drawn), tuple(without), unseen)
+    return UrdfCopy(text, (*meshes, *drawn), tuple(without), unseen, tuple(hulls.values()))
 
 
 def _copy_visuals(
     urdf: Urdf,
-    folder: Path,
+    lookup: Lookup,
     surroundings: Surroundings,
     collisions: tuple[dict[Path, bytes], dict[Path, str]],
     edits: list[tuple[int, int, str]],
@@ -101,7 +115,7 @@ def _copy_visuals(
 
     Args:
         urdf: a sound tree.
-        folder: where it stands.
+        lookup: finds the files.
         surroundings: the folders that meshes may come from.
         collisions: content and name of each collision mesh: one that is drawn as well isn't copied twice.
         edits: begin, end and text of what is another text in the copy; added to.
@@ -117,16 +131,18 @@ def _copy_visuals(
     bodies = [body for link in (urdf.root.all("link") if urdf.root else ()) for body in link.all("visual")]
     for mesh in filter(None, map(_mesh, bodies)):
         name = mesh.attributes.get("filename", "")
-        path = _found(name, folder, surroundings.packages)
+        path = lookup.path(name)
         if path is None:
-            unseen[_shown(name)] = "isn't there"
+            unseen[shown_name(name)] = "isn't there"
             continue
         if path not in names:
             content = _visual(name, path, surroundings)
             if isinstance(content, str) or size + len(content) > LARGEST_TOGETHER:
-                unseen[_shown(name)] = content if isinstance(content, str) else "is too much with the others"
+                unseen[shown_name(name)] = (
+                    content if isinstance(content, str) else "is too much with the others"
+                )
                 continue
-            free = _free(PurePosixPath(urlparse(name).path).name, {PurePosixPath(one).name for one in drawn})
+            free = _free(path.name, {PurePosixPath(one).name for one in drawn})
             names[path] = f"{VISUALS}/{free}"
             drawn[names[path]] = content
             size += len(content)
@@ -159,7 +175,7 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
         before: the size of the meshes before [bytes].
     """
     name = mesh.attributes.get("filename", "")
-    shown = _shown(name)
+    shown = shown_name(name)
     if not surroundings.has(name, path):
         message = f"The mesh {shown} is outside the URDF's package and isn't copied."
         remedy = f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes {shlex.quote(str(path.resolve().parent))}."
@@ -182,27 +198,9 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
     return content
 
 
-def _shown(name: str) -> str:
-    """Return a file's name as a message has it."""
-    plain = "".join(one if one.isprintable() else "?" for one in name)
-    return plain if len(plain) <= _SHOWN else f"...{plain[-_SHOWN:]}"
-
-
 def _mesh(body: Element) -> Element | None:
     geometry = body.first("geometry")
     return geometry.first("mesh") if geometry is not None else None
-
-
-def _found(name: str, folder: Path, packages: Packages | None) -> Path | None:
-    """Return what a mesh's name means, if there is something, and no empty file."""
-    try:
-        named = packages.path(name) if packages else None
-        path = named if named is not None and named.is_file() else mesh_path(name, folder)
-        if path is None:
-            return next((one for one in mesh_places(name, folder) if name and one.exists()), None)
-        return path if path.stat().st_size > 0 else None
-    except (OSError, ValueError):
-        return None
 
 
 def _free(name: str, taken: set[str]) -> str:

@@ -14,6 +14,7 @@ from yarclang.robot.checks import MOST_JOINTS
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.copying import UrdfCopy, copy_urdf
 from yarclang.robot.new.home import homes
+from yarclang.robot.new.lookup import Lookup
 from yarclang.robot.new.mending import mend
 from yarclang.robot.new.packages import Packages
 from yarclang.robot.new.sketch import COUNTS, EASE, RISE, Given, Said, Sketch, sketch
@@ -92,15 +93,19 @@ def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile |
     return Result(Arm(path, urdf, chain, mended.notes), in_order(urdf.findings))
 
 
+_FORMATS = {
+    "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
+    "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
+}
+"""Descriptions of robots that aren't URDFs, by their roots: what they are, and what to do."""
+
+
 def _other_format(source: SourceFile) -> Diagnostic | None:
     """Return what to do with a description of a robot that isn't a URDF."""
-    root = re.search(r"<(mujoco|sdf)\b", source.text[:10_000])
-    if root is None or re.search(r"<robot\b", source.text[: root.start()]):
+    root = re.search(r"<([A-Za-z]+)", re.sub(r"<!--.*?-->", "", source.text[:10_000], flags=re.DOTALL))
+    if root is None or root[1] not in _FORMATS:
         return None
-    name, way = {
-        "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
-        "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
-    }[root[1]]
+    name, way = _FORMATS[root[1]]
     return Diagnostic("Y1341", f"The file is {name}, and not a URDF.", source, Span.on_line(1, 1, 2), way)
 
 
@@ -127,10 +132,10 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     each = f"one for all, or {size} with commas"
     if given.acceleration is None:
         text = f"accelerations in deg/s^2 or mm/s^2, {each}"
-        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s"))
+        asked.append(Question("--acceleration", text, f"the velocity limit in {RISE:g} s, by [ramps]"))
     if given.jerk is None:
         text = f"jerks in deg/s^3 or mm/s^3, {each}"
-        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s"))
+        asked.append(Question("--jerk", text, f"the acceleration limit in {EASE:g} s, by [ramps]"))
     if given.counts is None:
         asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
     if given.tcp is None:
@@ -143,6 +148,20 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     return tuple(asked)
 
 
+def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
+    """Return the finding about collision meshes that aren't there, before anything is asked.
+
+    Args:
+        arm: the URDF and its chain.
+        meshes: folders that meshes may come from, besides the URDF's own package.
+        packages: folders with ROS packages that `package://` may name.
+    """
+    lookup = Lookup(arm.path, meshes, Packages(arm.path, packages))
+    if missing := lookup.missing(arm.urdf):
+        lookup.report(arm.urdf, missing)
+    return tuple(one for one in arm.urdf.findings if one.is_error)
+
+
 def make(
     arm: Arm,
     given: Given,
@@ -151,6 +170,7 @@ def make(
     said: tuple[bool, bool],
     meshes: Iterable[Path] = (),
     packages: Iterable[Path] = (),
+    partial: bool = False,
 ) -> Result[NewRobot]:
     """The files of the folder.
 
@@ -162,13 +182,14 @@ def make(
         said: whether base and tip were said.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
+        partial: True to leave out collision meshes that aren't there; else they are an error.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
     made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
-    copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages))
+    copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages), partial)
     if has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
     proposed = homes(chain, made, given)

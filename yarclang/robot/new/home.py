@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from yarclang.robot.dynamics import holding_torques
 from yarclang.robot.kinematics.search import span, within
 from yarclang.robot.kinematics.singularity import smallest_singular_values
-from yarclang.robot.model import Array, Chain, Limits
+from yarclang.robot.model import Array, Chain, Limits, Robot
 from yarclang.robot.new.sketch import Given, Said, Sketch
 from yarclang.units import DEG, MM
 
@@ -54,6 +55,19 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
         )
         for at in order
     )
+
+
+STANDS = 0.9
+"""To stand in HOME takes at most this share of each effort, where some position allows it."""
+
+
+def standing(robot: Robot, positions: Array) -> Array:
+    """Return the share of its effort (K, n) that each joint needs to stand in some positions (K, n) [rad or m]; 0 where masses or efforts aren't known."""
+    dynamics = robot.dynamics
+    if dynamics is None or not dynamics.wanted or (dynamics.mass <= 0.0).any():
+        return np.zeros_like(positions)
+    share: Array = np.abs(holding_torques(robot.chain, dynamics, positions)) / dynamics.effort
+    return share
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:

@@ -17,7 +17,7 @@ from xml.parsers import expat
 
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.stl import is_binary
-from yarclang.robot.new.packages import PACKAGE, Packages
+from yarclang.robot.new.packages import PACKAGE, Packages, package_of
 from yarclang.toml.bodies import MESHES
 
 LARGEST = 100_000_000
@@ -41,6 +41,7 @@ _OBJ_WORDS = set(
     b"surf parm trim hole scrv sp end con ctech stech bmat step".split()
 )
 _LONGEST_HEADER = 100_000
+_LFS = b"version https://git-lfs.github.com/spec/"
 _PLY_HEADER = re.compile(
     rb"ply\r?\nformat (?P<form>ascii|binary_little_endian|binary_big_endian) 1\.0\s*?\n"
     rb"(?:(?:comment|obj_info|element|property)\b[^\n]*\n)*?end_header\r?\n"
@@ -85,6 +86,8 @@ def _damage(kind: str, content: bytes) -> str:
     """Return the end of a sentence that names how a file was cut off; empty if its content shows nothing of that."""
     if not content:
         return ": it is empty"
+    if content.startswith(_LFS):
+        return ": a pointer of Git LFS, which 'git lfs pull' replaces by the file"
     if kind == ".stl" and len(content) >= 84 and not content.startswith(b"solid"):
         count = int.from_bytes(content[80:84], "little")
         return f" (a binary STL of {count:,} triangles has {84 + 50 * count:,} bytes, this one has {len(content):,})"
@@ -132,16 +135,16 @@ class Surroundings:
             return True
         package = _package(name, path)
         if self.packages is not None and self.packages.path(name) == path:
-            package = self.packages.folder(urlparse(name).netloc)
+            package = self.packages.folder(package_of(name))
             package = package.resolve() if package is not None else None
         return package is not None and there.is_relative_to(package)
 
 
 def _package(name: str, path: Path) -> Path | None:
     """Return the folder of the ROS package that a mesh's name begins with, if there is one."""
-    url = urlparse(name)
-    inside = Path(url.path.lstrip("/")).parts
-    if url.scheme != "package" or not url.netloc or ".." in (url.netloc, *inside):
+    package, url = package_of(name), urlparse(name)
+    inside = Path(url.path.lstrip("/")).parts[0 if url.netloc else 1 :]
+    if not inside or not package or ".." in (package, *inside):
         return None
     folder = path.absolute().parents[len(inside) - 1]
     return folder.resolve() if (folder / PACKAGE).is_file() else None

@@ -28,7 +28,7 @@ class Packages:
     """
 
     def __init__(self, urdf: Path, paths: Iterable[Path] = ()) -> None:
-        self._paths = tuple(paths)
+        self.paths = tuple(paths)
         self._urdf = urdf.absolute()
         self._found: dict[str, Path] | None = None
 
@@ -36,18 +36,20 @@ class Packages:
         """Return the folder of a package."""
         if self._found is None:
             self._found = {}
-            for folder in (*self._near(), *(one for path in self._paths for one in _below(path))):
+            for folder in (*self._near(), *(one for path in self.paths for one in _below(path))):
                 if (found := package_name(folder)) is not None:
                     self._found.setdefault(found, folder)
         return self._found.get(name)
 
     def path(self, filename: str) -> Path | None:
         """Return the file that a `package://` name means by package.xml; None if there is none."""
-        url = urlparse(filename)
-        inside = PurePosixPath(unquote(url.path).lstrip("/"))
-        if url.scheme != "package" or not url.netloc or ".." in inside.parts:
+        name = package_of(filename)
+        inside = PurePosixPath(unquote(urlparse(filename).path).lstrip("/"))
+        if not urlparse(filename).netloc:
+            inside = PurePosixPath(*inside.parts[1:])
+        if not name or ".." in inside.parts:
             return None
-        folder = self.folder(url.netloc)
+        folder = self.folder(name)
         return folder / inside if folder is not None else None
 
     def _near(self) -> Iterator[Path]:
@@ -57,6 +59,14 @@ class Packages:
                 with contextlib.suppress(OSError):
                     yield from sorted(one for one in above.parent.iterdir() if one.is_dir())
                 return
+
+
+def package_of(filename: str) -> str:
+    """Return the package that a `package://` name means, also of one with three slashes; empty for other names."""
+    url = urlparse(filename)
+    if url.scheme != "package":
+        return ""
+    return url.netloc or unquote(url.path).lstrip("/").partition("/")[0]
 
 
 def package_name(folder: Path) -> str | None:

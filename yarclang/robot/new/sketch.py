@@ -16,10 +16,10 @@ from yarclang.robot.urdf import Joint, Urdf
 from yarclang.units import DEG, MM
 
 RISE = 0.25
-"""A guessed acceleration reaches the velocity limit in this time [s]."""
+"""A joint reaches its velocity limit in this time [s], where nothing is known of its acceleration."""
 
 EASE = 0.12
-"""A guessed jerk reaches the acceleration limit in this time [s]."""
+"""It reaches its acceleration limit in this time [s], where nothing is known of its jerk."""
 
 COUNTS = 10_000.0
 """Guessed encoder counts of a deg or mm."""
@@ -70,15 +70,15 @@ class Given:
 
 @frozen
 class JointSketch:
-    """A joint's table; `position` is None for a continuous joint. `unit` is deg or mm."""
+    """A joint's table; `position` is None for a continuous joint, `acceleration` and `jerk` are None where [ramps] gives them. `unit` is deg or mm."""
 
     name: str
     kind: str
     unit: str
     position: Said | None
     velocity: Said
-    acceleration: Said
-    jerk: Said
+    acceleration: Said | None
+    jerk: Said | None
     effort: float
 
 
@@ -148,14 +148,7 @@ def unit_of(joint: Joint) -> str:
 def _joint(joint: Joint, at: int, size: int, given: Given) -> JointSketch:
     unit = unit_of(joint)
     velocity = _one(given.velocity, at, size) or _velocity(joint, unit)
-    acceleration = _one(given.acceleration, at, size) or Said(
-        (_rounded(velocity.value[0] / RISE),), "guess", f"{unit}/s^2, the velocity limit in {RISE:g} s"
-    )
-    jerk = _one(given.jerk, at, size) or Said(
-        (_rounded(acceleration.value[0] / EASE),),
-        "guess",
-        f"{unit}/s^3, the acceleration limit in {EASE:g} s",
-    )
+    acceleration, jerk = _one(given.acceleration, at, size), _one(given.jerk, at, size)
     limit = joint.element.first("limit")
     effort = float(limit.attributes.get("effort", "0")) if limit is not None else 0.0
     position = None if joint.kind == "continuous" else _position(joint, unit, given)
@@ -220,10 +213,6 @@ def _given(values: Sequence[float] | None, size: int) -> Said | None:
 def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
     said = _given(values, size)
     return None if said is None else Said((said.value[at],), "given")
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.3g}")
 
 
 def _rounded_down(value: float) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from yarclang.robot.controller import Kind
 from yarclang.robot.kinds import DEFAULT, kind_of
-from yarclang.robot.new.sketch import JointSketch, Said, Sketch
+from yarclang.robot.new.sketch import EASE, RISE, JointSketch, Said, Sketch
 
 MARK = "guess:"
 """Begins the comment of a value that somebody has to check; whoever has, deletes the comment."""
@@ -60,6 +60,7 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
     lines += ["", "# One table a joint of the URDF, in the order from the base to the flange."]
     for joint in sketch.joints:
         lines += _joint(joint)
+    lines += _ramps(sketch.joints)
     lines += [
         "[frames.TCP]",
         'parent = "FLANGE"',
@@ -141,8 +142,26 @@ def _joint(joint: JointSketch) -> list[str]:
         ("acceleration", joint.acceleration),
         ("jerk", joint.jerk),
     ):
-        lines.append(f"{key} = {_number(said.value[0])}{_tail(said)}")
+        if said is not None:
+            lines.append(f"{key} = {_number(said.value[0])}{_tail(said)}")
     return [*lines, ""]
+
+
+def _ramps(joints: Sequence[JointSketch]) -> list[str]:
+    """Return the table of what joints have no limit of their own for."""
+    lines = []
+    if any(joint.acceleration is None for joint in joints):
+        lines.append(
+            f"rise = {RISE * 1e3:g}  # ms from rest to the velocity limit; {MARK} one rule for all joints"
+        )
+    if any(joint.jerk is None for joint in joints):
+        lines.append(
+            f"ease = {EASE * 1e3:g}  # ms up to the acceleration limit; {MARK} one rule for all joints"
+        )
+    if not lines:
+        return []
+    why = "# Accelerations and jerks of all joints; a joint's own table may give its own."
+    return [why, "[ramps]", *lines, ""]
 
 
 def _tail(said: Said) -> str:

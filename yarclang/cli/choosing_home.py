@@ -1,0 +1,49 @@
+"""HOME of a new robot: where its links are apart and its motors can hold it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.collision.homes import first_free
+from yarclang.robot.checklist.item import listed
+from yarclang.robot.new.home import STANDS, standing
+
+if TYPE_CHECKING:
+    from yarclang.robot.model import Robot
+    from yarclang.robot.new.folder import NewRobot
+
+
+def with_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
+    """Return a new robot with the first HOME in which it doesn't touch itself and can stand, before and after it is read, and notes if there is none.
+
+    Args:
+        made: with the positions that may be HOME, the best first.
+        robot: as it is read, with the first of them.
+    """
+    proposed = np.array([home.value for home in made.homes]) * robot.axis_units
+    stands = np.flatnonzero(standing(robot, proposed).max(axis=1) <= STANDS)
+    chosen, notes = 0, []
+    for places in (stands, np.arange(len(proposed))):
+        free, touching = first_free(robot, proposed[places]) if len(places) else (None, ())
+        if free is not None:
+            chosen = int(places[free])
+            break
+    else:
+        pairs = listed([" and ".join(pair) for pair in touching], 3)
+        tried = f", as in all {len(proposed)} positions that were tried" if len(proposed) > 1 else ""
+        notes.append(f"in HOME {pairs} touch{tried}: choose another with --home")
+    if chosen:
+        robot = replace(robot, positions={**robot.positions, "HOME": proposed[chosen]})
+        home = made.homes[chosen]
+        made = made.with_home(replace(home, note=f"{home.note}; no links touch there"))
+    share = standing(robot, proposed[chosen : chosen + 1])[0]
+    if share.max() > 1.0:
+        most = int(np.argmax(share))
+        notes.append(
+            f"in HOME {robot.joint_names[most]} needs {share[most]:.0%} of its effort to stand, so that motions are refused: the URDF's masses and efforts "
+            "aren't all that holds it; give effort in [joints.NAME], another HOME with --home, or checked = false in [dynamics]"
+        )
+    return made, robot, tuple(notes)

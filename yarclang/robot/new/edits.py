@@ -1,0 +1,51 @@
+"""Edits of a URDF's text by its elements, and what is said of them."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.robot.urdf_xml import Element, UrdfText
+
+
+class Edits:
+    """Edits of a text, and a sentence for each kind of them."""
+
+    def __init__(self, urdf: UrdfText) -> None:
+        self._urdf = urdf
+        self._edits: dict[tuple[int, int], str] = {}
+        self.notes: list[str] = []
+
+    def text(self) -> str:
+        """Return the text with all edits; where one lies in another, the outer one counts."""
+        parts, at = [], 0
+        for (start, end), new in sorted(self._edits.items(), key=lambda edit: (edit[0][0], -edit[0][1])):
+            if start >= at:
+                parts += [self._urdf.text[at:start], new]
+                at = end
+        return "".join((*parts, self._urdf.text[at:]))
+
+    def put(self, place: Element, attribute: str, value: str) -> None:
+        """Give an element's attribute a value, whether it has one or not."""
+        pattern = re.compile(rf"""\s{attribute}\s*=\s*("[^"]*"|'[^']*')""")
+        match = pattern.search(self._urdf.text, place.start, place.end)
+        if match:
+            self._edits[match.span(1)] = f'"{value}"'
+        else:
+            after = place.start + 1 + len(place.tag)
+            self._edits[after, after] = f' {attribute}="{value}"'
+
+    def remove(self, element: Element) -> bool:
+        """Take an element out, but for its line ends; False if its end isn't found."""
+        end = element.end
+        if self._urdf.text[end - 2 : end] != "/>":
+            closing = re.compile(rf"</{element.tag}\s*>").search(self._urdf.text, end)
+            if closing is None:
+                return False
+            end = closing.end()
+        self._edits[element.start, end] = re.sub(r"[^\n]", "", self._urdf.text[element.start : end])
+        return True
+
+    def count(self, number: int, what: str) -> None:
+        """Say how often something was changed, if at all."""
+        if number:
+            self.notes.append(f"{number} {what}")

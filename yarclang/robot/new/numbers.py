@@ -1,0 +1,17 @@
+"""Numbers in attributes of URDFs."""
+
+from __future__ import annotations
+
+import re
+
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
+
+
+def numbers(text: str) -> tuple[float, ...]:
+    """Return the numbers of a text with blanks between them, up to the first word that isn't one."""
+    found = []
+    for part in text.split():
+        if not _NUMBER.fullmatch(part):
+            break
+        found.append(float(part))
+    return tuple(found)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from yarclang.mistakes.line import Guess, Line
 
 _DEGREES = re.compile(r"(?<=[0-9.])\s?[°º˚]")
+_FRACTIONS = re.compile(r"(?<![^\s])(?P<whole>[0-9]*)(?P<part>[¼½¾⅛⅜⅝⅞])(?=\s|$)")
 _COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
 
 
@@ -26,6 +28,10 @@ def alike(line: Line) -> Guess | None:
             help_,
             *repaired,
         )
+    if found := _FRACTIONS.search(line.bare):
+        number = f"{float(found['whole'] or 0) + unicodedata.numeric(found['part']):g}"
+        what = f"`{found['part']}` can't stand in code: numbers are decimal"
+        return line.guess(found.start(), found.end(), what, number)
     if found := _COMMAS.search(line.bare):
         without = _COMMAS.sub("", line.text)
         return Guess(

@@ -1,0 +1,54 @@
+"""Names of places in braces, quotes or behind a word, and way-points that stand apart."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.mistakes.line import Guess, Line
+
+_NAMED = re.compile(
+    r"\s+(?P<all>\{\s*(?P<braces>[A-Za-z_]\w*)\s*\}|[\"'](?P<quotes>[A-Za-z_]\w*)[\"']|\(\s*(?P<round>[A-Za-z_]\w*)\s*\)|(?P<to>TO)\s+(?P<name>[A-Za-z_]\w*))(?P<rest>\s*[;\[(].*|\s*)",
+    re.I,
+)
+_VALUE = r"[-+]?[0-9.]+"
+_ALONE = re.compile(rf"\s*(?P<all>{_VALUE}(?:\s+{_VALUE}){{2,}})\s*;?\s*(?:[\[(].*)?")
+_COMMA = re.compile(rf"(?<=[0-9.])\s*(?P<comma>,)\s+(?={_VALUE})")
+
+
+def named(line: Line) -> Guess | None:
+    """Answer the name of a joint position or pose in braces, quotes or brackets, or behind TO."""
+    found = _NAMED.fullmatch(line.values) if line.is_motion else None
+    if found is None:
+        return None
+    name = next(one for one in (found["braces"], found["quotes"], found["round"], found["name"]) if one)
+    declared = line.around.declared
+    known = {"HOME", *(one.upper() for kind in ("JOINTS", "POSE") for one in declared.get(kind, ()))}
+    if name.upper() not in known:
+        return None
+    at, end = line.behind + found.start("all"), line.behind + found.end("all")
+    if found["to"]:
+        end = line.behind + found.start("name")
+        repaired = f"{line.text[:at]}{line.text[end:]}"
+        message = f"`{found['to']}` can't stand before {name}"
+        return Guess(at, at + len(found["to"]), message, f"write {line.word} {name}", repaired)
+    marks = "braces" if found["braces"] else "quotes" if found["quotes"] else "brackets"
+    return line.guess(at, end, f"{name} is a joint position or pose: its name stands without {marks}", name)
+
+
+def apart(line: Line) -> Guess | None:
+    """Answer a way-point in a line of its own, and a comma between way-points."""
+    if line.is_motion and ("MOVEC" in line.word.upper() or "SPLINE" in line.word.upper()):
+        commas = list(_COMMA.finditer(line.bare, line.behind))
+        if len(commas) == 1:
+            found = commas[0]
+            repaired = f"{line.text[: found.start()]}; {line.text[found.end() :]}"
+            message = "a semicolon stands between way-points"
+            return Guess(found.start("comma"), found.end("comma"), message, "write ; for the comma", repaired)
+    found = _ALONE.fullmatch(line.bare)
+    if found is None or line.number < 2:
+        return None
+    before = line.around.before(line.number)
+    if not re.match(r"\s*(?:P[0-9]+\s+)?MOVE(?:C|[A-Z]_SPLINE)", before, re.I):
+        return None
+    message = "a way-point in the next line needs a `;` at the end of the line before it"
+    return line.guess(found.start("all"), found.end("all"), message, None, "write `;` at the end of the line above, or these values there")

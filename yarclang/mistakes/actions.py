@@ -90,7 +90,9 @@ def wait(line: Line) -> Guess | None:
     if line.word.upper() != "WAIT":
         return None
     found = re.fullmatch(
-        r"\s+(?P<all>(?:(?:SEC|FOR)\s+)?\(?\s*(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|seconds?|secs?|s)?\s*\)?)\s*;?", line.values, re.I
+        r"\s+(?P<all>(?:(?:SEC|FOR)\s+)?\(?\s*(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|seconds?|secs?|s)?\s*\)?)\s*;?",
+        line.values,
+        re.I,
     )
     if found is not None:
         at = line.behind + found.start("all")
@@ -135,16 +137,24 @@ def turned(line: Line) -> Guess | None:
             line.begin, len(line.bare), f"{line.word} is an output, which SET sets", put, f"write {put}"
         )
     if word == "SET":
-        found = re.fullmatch(r"\s+(?P<all>(?P<state>ON|OFF)\s*,?\s*(?P<name>[A-Za-z_]\w*))", line.values, re.I)
+        found = re.fullmatch(
+            r"\s+(?P<all>(?P<state>ON|OFF)\s*,?\s*(?P<name>[A-Za-z_]\w*))", line.values, re.I
+        )
         if found and found["name"].upper() in outputs:
             put, at = f"{found['name']} {found['state']}", line.behind + found.start("all")
             return line.guess(
                 at, len(line.bare), "SET takes the output first, then its state", put, f"write SET {put}"
             )
     if word in ("SET", "WAIT", "PULSE", "WHEN") and (
-        found := re.match(r"\s+(?P<name>[A-Za-z_]\w*)(?P<sign>\s*,)\s*(?P<state>ON|OFF|TRUE|FALSE|[01])\b", line.values, re.I)
+        found := re.match(
+            r"\s+(?P<name>[A-Za-z_]\w*)(?P<sign>\s*,)\s*(?P<state>ON|OFF|TRUE|FALSE|[01])\b",
+            line.values,
+            re.I,
+        )
     ):
-        state = _STATES.get(found["state"].upper()) or {"0": "OFF", "1": "ON"}.get(found["state"], found["state"])
+        state = _STATES.get(found["state"].upper()) or {"0": "OFF", "1": "ON"}.get(
+            found["state"], found["state"]
+        )
         at, end = line.behind + found.start("sign"), line.behind + found.end()
         repaired = f"{line.text[: line.behind + found.end('name')]} {state}{line.text[end:]}"
         help_ = f"write {word} {found['name']} {state}"
@@ -153,7 +163,11 @@ def turned(line: Line) -> Guess | None:
         name, at = found["name"], line.behind + found.start("name")
         if name.upper() in inputs:
             return line.guess(
-                at, len(line.bare), f"what {name} is to be is missing", None, f"write WHEN {name} ON, or WHEN {name} OFF"
+                at,
+                len(line.bare),
+                f"what {name} is to be is missing",
+                None,
+                f"write WHEN {name} ON, or WHEN {name} OFF",
             )
     return None
 
@@ -172,7 +186,9 @@ def rounds(line: Line) -> Guess | None:
     count = int(found["last"]) - int(found["first"]) + 1 if found["last"] else int(found["first"])
     name, at = found["name"], line.behind + found.start("all")
     put = f"REPEAT {name or 'I'} {count}"
-    help_ = f"write {put}: ${name or 'I'} counts from 0" + ("" if name else f", or REPEAT {count} without a name")
+    help_ = f"write {put}: ${name or 'I'} counts from 0" + (
+        "" if name else f", or REPEAT {count} without a name"
+    )
     return line.guess(at, len(line.bare), "REPEAT takes the number of rounds alone", None, help_)
 
 

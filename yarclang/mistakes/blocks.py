@@ -60,6 +60,10 @@ def condition(line: Line) -> Guess | None:
                 found.start(kind), found.end(kind), f"`{found[kind]}` can't stand behind the condition", "",
                 "take it away; what comes then has lines of its own, up to END",
             )  # fmt: skip
+    if found := re.fullmatch(r"\s*(?P<word>ELSE|LOOP)\s*(?P<sign>:|THEN|DO|\{|;)", line.bare, re.I):
+        repaired = f"{line.text[: found.end('word')]}{line.comment and ' ' + line.comment}"
+        what = f"`{found['sign']}` can't stand behind {found['word']}"
+        return Guess(found.start("sign"), found.end("sign"), what, "take it away", repaired)
     inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
     found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
     if word == "IF" and found and found["name"].upper() in inputs:
@@ -98,10 +102,13 @@ def assignment(line: Line) -> Guess | None:
     if line.is_declaration or line.is_command:
         return None
     found = _ASSIGNED.fullmatch(line.bare, len(line.index))
-    if found is None or not re.fullmatch(r"[-+0-9.$(][\w\s.+*/()$-]*", found["value"]):
+    if found is None:
         return None
     name, value = found["name"], found["value"]
-    if name.upper() in {one.upper() for one in line.around.declared.get("REGISTER", ())}:
+    is_register = name.upper() in {one.upper() for one in line.around.declared.get("REGISTER", ())}
+    if not re.fullmatch(r"[\w\s.+*/()$-]+" if is_register else r"[-+0-9.$(][\w\s.+*/()$-]*", value):
+        return None
+    if is_register:
         put = f"SET {name} = {value}"
     elif line.index.strip():
         return None

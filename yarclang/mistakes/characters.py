@@ -8,6 +8,7 @@ import unicodedata
 from yarclang.mistakes.line import Guess, Line
 
 _DEGREES = re.compile(r"(?<=[0-9.])\s?[°º˚]")
+_MINUTES = re.compile(r"(?<=[0-9])(?P<sign>[′″’”])")
 _FRACTIONS = re.compile(r"(?<![^\s])(?P<whole>[0-9]*)(?P<part>[¼½¾⅛⅜⅝⅞])(?=\s|$)")
 _COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
 
@@ -27,6 +28,11 @@ def alike(line: Line) -> Guess | None:
             "`°` can't stand in code: units stand in brackets, once for all angles",
             help_,
             *repaired,
+        )
+    if found := _MINUTES.search(line.bare):
+        help_ = "write the angle as one decimal number: 10.5 for 10 degrees and 30 minutes"
+        return line.guess(
+            found.start("sign"), found.end("sign"), f"`{found['sign']}` can't stand in code", None, help_
         )
     if found := _FRACTIONS.search(line.bare):
         number = f"{float(found['whole'] or 0) + unicodedata.numeric(found['part']):g}"

@@ -44,11 +44,17 @@ def apart(line: Line) -> Guess | None:
             repaired = f"{line.text[: found.start()]}; {line.text[found.end() :]}"
             message = "a semicolon stands between way-points"
             return Guess(found.start("comma"), found.end("comma"), message, "write ; for the comma", repaired)
-    found = _ALONE.fullmatch(line.bare)
-    if found is None or line.number < 2:
+    alone = _ALONE.fullmatch(line.bare)
+    if alone is None or line.number == 1:
         return None
     before = line.around.before(line.number)
     if not re.match(r"\s*(?:P[0-9]+\s+)?MOVE(?:C|[A-Z]_SPLINE)", before, re.I):
         return None
     message = "a way-point in the next line needs a `;` at the end of the line before it"
-    return line.guess(found.start("all"), found.end("all"), message, None, "write `;` at the end of the line above, or these values there")
+    return line.guess(
+        alone.start("all"),
+        alone.end("all"),
+        message,
+        None,
+        "write `;` at the end of the line above, or these values there",
+    )

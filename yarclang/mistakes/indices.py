@@ -35,10 +35,17 @@ def index(line: Line) -> Guess | None:
     if (found := _CLOSE.match(line.bare)) and is_command(found["word"]):
         put = f"{found['index']} {found['word']}"
         return line.guess(found.start("index"), found.end("word"), "a blank is missing behind the index", put)
-    if (found := _SIGNED.match(line.bare)) and is_command(found["word"]) and found["index"][1:] != found["number"]:
+    if (
+        (found := _SIGNED.match(line.bare))
+        and is_command(found["word"])
+        and found["index"][1:] != found["number"]
+    ):
         put = f"P{found['number']}"
         return line.guess(
-            found.start("index"), found.end("index"), f"an index is P and a number, not `{found['index']}`", put
+            found.start("index"),
+            found.end("index"),
+            f"an index is P and a number, not `{found['index']}`",
+            put,
         )
     found = _APART.match(line.bare) or _MISTYPED.match(line.bare)
     if found is None:

@@ -25,11 +25,13 @@ _FRAME = (
 )
 _TOOL = "write the frame that moves before the values, as {TCP}; tools stand in the robot's or cell's file"
 _NUMBERS = "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and changed by SET N = N + 1"
-_POINTS = "write JOINTS PICK and its joint values, or POSE PICK and X Y Z roll pitch yaw, and go there by name"
+_POINTS = (
+    "write JOINTS PICK and its joint values, or POSE PICK and X Y Z roll pitch yaw, and go there by name"
+)
 _SPEED = "write the speed with its motion, as [V 200] or [50%], or once as DEFAULT [50%]; accelerations stand in the robot's file"
 _LOAD = "take the line away: masses stand in the robot's or cell's file"
 _HOLD = 'write P0010 HOLD "insert the part" to wait for the operator'
-_SAY = 'write P0010 SAY "hello", and what the operator is told'
+_SAY = 'write P0010 SAY "hello" to tell the operator something'
 _NOTHING = "take the line away: YARC needs no such setting"
 _END = "write P0010 STOP, or nothing: a program ends with its last line"
 
@@ -62,9 +64,7 @@ WORDS = MappingProxyType(
         **_all("ENDPROC ENDMODULE ENDDEF ENDFCT", SUB),
         **_all("DELAY TIMER TWAIT G4 G04 DWELL", TIME),
         **_all("M30 M2 M02 EXIT_PROGRAM", _END),
-        **_all(
-            "HALT", 'write P0010 STOP to end the program, or P0010 HOLD "look" to wait for the operator'
-        ),
+        **_all("HALT", 'write P0010 STOP to end the program, or P0010 HOLD "look" to wait for the operator'),
         **_all("PAUSE POPUP UIMSGBOX M0 M00 M1 M01", _HOLD),
         **_all("TEXTMSG TPWRITE MESSAGE PRINT TYPE DISPLAY", _SAY),
         **_all("IMPORT INCLUDE LOAD", "write USE PALLET, with the module's name"),

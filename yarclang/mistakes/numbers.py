@@ -181,13 +181,20 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
         put = text.translate(str.maketrans("OoIl", "0011"))
         if is_number(put):
             return line.guess(at, end, f"`{text}` is not a number: a letter stands for a digit", put)
+    if line.is_motion and (found := re.fullmatch(r"(?P<signs>[-+]{2,})(?P<value>[0-9.]+)", text)):
+        help_ = f"write {found['value']} or -{found['value']}: a number has one sign"
+        return line.guess(at, end, f"`{text}` is not a number", None, help_)
+    if line.is_motion and re.fullmatch(r"[-+]?[0-9]+(?:\.[0-9]+){2,}", text):
+        first, _, rest = text.partition(".")
+        help_ = f"a number has one decimal point: write {first}.{rest.replace('.', '')}, or two numbers with a blank between them"
+        return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and text.upper() == "PI":
         return line.guess(
             at,
             end,
             "`pi` is not a number: names have a `$` before them",
             None,
-            "write $PI or $(180*PI), in the line's units",
+            _half_turn(line.units.get("angle")),
         )
     if line.is_motion and _SUM.fullmatch(text) and _knows(line, text):
         put = f"$({text})"
@@ -195,6 +202,13 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
     if line.is_motion and any(text.upper() == one.upper() for one in line.around.declared.get("LET", ())):
         return line.guess(at, end, f"`{text}` is not a number", f"${text}", f"write ${text} for its value")
     return None
+
+
+def _half_turn(unit: str | None) -> str:
+    """Return what to write for half a turn."""
+    if unit == "rad":
+        return "write $PI"
+    return f"write 180 for half a turn: the line's angles are in {unit or 'deg'}; the number is $PI"
 
 
 def _knows(line: Line, text: str) -> bool:
@@ -215,7 +229,7 @@ def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | 
                 end,
                 f"`{text}` is no length of a BLEND: units stand in brackets behind the command",
                 value,
-                f"write BLEND {value} ({unit})",
+                f"write BLEND {value}; the line's units have {unit} already",
             )
         return None
     message = f"`{text}` is not a number: units stand in brackets, one for all values of their kind"

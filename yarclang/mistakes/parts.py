@@ -14,16 +14,25 @@ _TIME = re.compile(
 _BARE = re.compile(r"\s(?P<bare>[0-9.]+%|MIN)(?=\s|$)")
 _INSIDE = re.compile(r"\[\s*(?P<inside>[^\]\[]*?)\s*\]")
 _SECONDS = re.compile(r"(?P<number>[0-9.]+)\s*(?P<unit>[A-Za-z]+)")
-_SPEED = re.compile(r"(?:[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?|(?P<alone>[0-9.]+)\s*(?P<per>[A-Za-z]+\s*/\s*[A-Za-z]+))")
+_SPEED = re.compile(
+    r"(?:[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?|(?P<alone>[0-9.]+)\s*(?P<per>[A-Za-z]+\s*/\s*[A-Za-z]+))"
+)
 _BARE_SECONDS = re.compile(
-    r"(?<=\s)(?P<all>(?:(?:in|for|time)\s+)?(?P<number>[0-9.]+)\s*(?P<unit>s|ms|sec|secs|seconds?))(?=\s|$)", re.I
+    r"(?<=\s)(?P<all>(?:(?:in|for|time)\s+)?(?P<number>[0-9.]+)\s*(?P<unit>s|ms|sec|secs|seconds?))(?=\s|$)",
+    re.I,
 )
 _FEED = re.compile(r"(?<=\s)(?P<all>[FV](?P<value>[0-9.]+))(?=\s|$)", re.I)
 _EARLY = r"(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\)|(?:BLEND|TOL|ACC)\s+[0-9.]+|NEAR\s+[A-Za-z_]\w*)"
 _ORDER = re.compile(rf"(?P<early>{_EARLY}(?:\s*{_EARLY})*)\s*(?P<time>\[[^\]]*\])", re.I)
-_BRACKETED_OPTION = re.compile(r"(?<=\s)(?P<word>BLEND|TOL|ACC)\s*(?:\[\s*(?P<square>[0-9.]+)\s*\]|\(\s*(?P<round>[0-9.]+)\s*\))", re.I)
-_BOTH_FRAMES = re.compile(r"\s+(?P<moving>\{\s*\w+\s*\})\s*(?P<base>\{\s*\w+\s*\})(?P<values>(?:\s+[-+$0-9.][^\s\[({;]*)+)(?=\s|$)")
-_UNITS_ELSEWHERE = re.compile(r"(?<=\s)(?P<open>[\[{(]?)\s*(?P<units>[A-Za-z]+(?:\s*[,;]\s*[A-Za-z]+)+)\s*(?P<close>[\]})]?)(?=\s|$)")
+_BRACKETED_OPTION = re.compile(
+    r"(?<=\s)(?P<word>BLEND|TOL|ACC)\s*(?:\[\s*(?P<square>[0-9.]+)\s*\]|\(\s*(?P<round>[0-9.]+)\s*\))", re.I
+)
+_BOTH_FRAMES = re.compile(
+    r"\s+(?P<moving>\{\s*\w+\s*\})\s*(?P<base>\{\s*\w+\s*\})(?P<values>(?:\s+[-+$0-9.][^\s\[({;]*)+)(?=\s|$)"
+)
+_UNITS_ELSEWHERE = re.compile(
+    r"(?<=\s)(?P<open>[\[{(]?)\s*(?P<units>[A-Za-z]+(?:\s*[,;]\s*[A-Za-z]+)+)\s*(?P<close>[\]})]?)(?=\s|$)"
+)
 _UNITS_APART = re.compile(r"\((?P<units>[A-Za-z]+(?:[\s;/]+[A-Za-z]+)+)\)")
 _UNIT_LIST = re.compile(r"\((?P<units>[A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
 _SQUARE_FRAME = re.compile(r"\[\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\]")
@@ -58,8 +67,10 @@ def time(line: Line) -> Guess | None:
     if line.is_motion and "[" not in line.bare and (found := _BARE_SECONDS.search(line.bare, line.behind)):
         return _with_unit(line, found.start("all"), found.end("all"), found)
     if line.is_motion and "[" not in line.bare and (found := _FEED.search(line.bare, line.behind)):
-        help_ = f"write [V {found['value']}], if that is the speed in {_units(line)}"
-        return line.guess(found.start("all"), found.end("all"), "a speed stands in square brackets", None, help_)
+        help_ = f"write [V {found['value']}] for the speed of the moving frame in {_rate(line)}"
+        return line.guess(
+            found.start("all"), found.end("all"), "a speed stands in square brackets", None, help_
+        )
     found = _INSIDE.search(line.bare, line.behind)
     if found is None:
         return None
@@ -121,14 +132,24 @@ def order(line: Line) -> Guess | None:
         return None
     if line.is_motion and (found := _BRACKETED_OPTION.search(line.bare, line.behind)):
         put = f"{found['word'].upper()} {found['square'] or found['round']}"
-        return line.guess(found.start(), found.end(), f"the value of {found['word'].upper()} has no brackets", put)
+        return line.guess(
+            found.start(), found.end(), f"the value of {found['word'].upper()} has no brackets", put
+        )
     if line.is_motion and (found := _BOTH_FRAMES.match(line.values)):
         at, base = line.behind + found.start("base"), found["base"]
         put = f"{found['values'].strip()} {base}"
         if "[" in line.values[found.end() :] or "(" in line.values[found.end() :]:
-            return line.guess(at, at + len(base), f"{base} stands behind values, time and units", None, f"write {base} there: the moving frame alone stands before the values")
-        return line.guess(at, line.behind + found.end(), f"{base} stands behind the values: it is the base frame", put)
-    times = list(_INSIDE.finditer(line.bare, line.behind))
+            return line.guess(
+                at,
+                at + len(base),
+                f"{base} stands behind values, time and units",
+                None,
+                f"write {base} there: the moving frame alone stands before the values",
+            )
+        return line.guess(
+            at, line.behind + found.end(), f"{base} stands behind the values: it is the base frame", put
+        )
+    times = [one for one in _INSIDE.finditer(line.bare, line.behind) if not _is_name(one["inside"])]
     if len(times) > 1:
         one = times[1]
         return line.guess(
@@ -146,7 +167,7 @@ def order(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end(),
-            f"{motion_time} stands before units and base frame, not behind {early}",
+            f"{motion_time} stands before units, base frame and options, not behind {early}",
             f"{motion_time} {early}",
         )
     if found := re.match(
@@ -158,6 +179,10 @@ def order(line: Line) -> Guess | None:
             f"write {found['option']} behind values, time and units: options come last",
         )  # fmt: skip
     return None
+
+
+def _is_name(text: str) -> bool:
+    return text.upper() != "MIN" and re.fullmatch(r"[A-Za-z_]\w*", text) is not None
 
 
 def units(line: Line) -> Guess | None:
@@ -172,7 +197,9 @@ def units(line: Line) -> Guess | None:
         names = re.split(r"\s*[,;]\s*", found["units"])
         if (found["open"] != "(" or ";" in found["units"]) and all(name.lower() in UNITS for name in names):
             put = f"({','.join(names)})"
-            return line.guess(found.start(), found.end(), "units stand in round brackets, with commas between them", put)
+            return line.guess(
+                found.start(), found.end(), "units stand in round brackets, with commas between them", put
+            )
     for found in _UNIT_LIST.finditer(line.bare, line.begin):
         for part in re.finditer(r"[A-Za-z]+", found["units"]):
             meant = _NAMES_OF_UNITS.get(part[0].lower())
@@ -277,6 +304,10 @@ def bracket(line: Line) -> Guess | None:
     end = at + 1 + found.end()
     repaired = line.text[:end] + pairs[sign] + line.text[end:]
     return Guess(at, at + 1, f"this `{sign}` is not closed", f"close it with `{pairs[sign]}`", repaired)
+
+
+def _rate(line: Line) -> str:
+    return f"{line.units.get('length', 'mm')}/{line.units.get('time', 's')}"
 
 
 def _units(line: Line) -> str:

@@ -20,6 +20,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import check_controller_text, is_compiled
+from yarclang.pipeline.explained import explained
 from yarclang.pipeline.followers import few_in_a_line, without_followers
 from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
@@ -223,7 +224,7 @@ def settled(
     """
     told: list[Diagnostic] = []
     go_on()
-    found = without_followers(answered(diagnostics, source), source)
+    found = without_followers(explained(answered(diagnostics, source)), source)
     unjudged: frozenset[int] = frozenset()
     if opened is not None:
         unjudged = uncalled_lines(opened.module) if is_whole and has_suppressions(source) else unjudged

@@ -395,6 +395,13 @@ def _seconds(
         return None
     if not 0.0 < seconds <= LONGEST_WAIT:
         message = f"[{found}]: a wait is above 0 and at most {LONGEST_WAIT:g} s"
-        findings.add("Y0407", message, span)
+        findings.add(
+            "Y0407",
+            message,
+            span,
+            "write how long, as [0.5] (s), or take the WAIT away"
+            if not seconds > 0.0
+            else "split it, or wait for an input: WAIT DOOR ON",
+        )
         return None
     return seconds

@@ -43,7 +43,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
         help_ = (
             f"{difference} missing: {' '.join(labels[given:])}"
             if difference > 0
-            else f"{-difference} surplus"
+            else f"take the last {-difference} away"
         )
         verb = "is" if given == 1 else "are"
         message = f"{which} wants {len(labels)} values ({' '.join(labels)}), {given} {verb} given"

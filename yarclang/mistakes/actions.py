@@ -159,6 +159,37 @@ def turned(line: Line) -> Guess | None:
         repaired = f"{line.text[: line.behind + found.end('name')]} {state}{line.text[end:]}"
         help_ = f"write {word} {found['name']} {state}"
         return Guess(at, at + len(found["sign"]), f"no comma stands in a {word}", help_, repaired)
+    if (
+        word in ("WHEN", "WHILE", "UNTIL")
+        and (
+            found := re.fullmatch(
+                r"\s+(?P<name>[A-Za-z_]\w*)(?P<sign>\s*=\s*|\s+)(?P<state>TRUE|FALSE|HIGH|LOW)",
+                line.values,
+                re.I,
+            )
+        )
+        and found["name"].upper() in inputs
+    ):
+        at = line.behind + found.start("state")
+        message = f"`{found['state']}` is neither ON nor OFF"
+        return line.guess(at, len(line.bare), message, _STATES[found["state"].upper()])
+    if word == "STOP" and (found := re.fullmatch(r'\s+(?P<all>"[^"]*")', line.values)):
+        help_ = (
+            f"write SAY {found['all']} in the line before it, or ABORT {found['all']} if something is wrong"
+        )
+        return line.guess(line.behind + found.start("all"), len(line.bare), "STOP says nothing", None, help_)
+    if word == "REGISTER" and (
+        found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)(?:\s*=\s*(?P<value>[0-9]+))?", line.values)
+    ):
+        begins = f", as REGISTER {found['name']} 0..9" + (f" {found['value']}" if found["value"] else "")
+        at = line.behind + found.start("name")
+        return line.guess(
+            at,
+            len(line.bare),
+            f"the range of {found['name']} is missing",
+            None,
+            f"write it behind the name{begins}",
+        )
     if word == "WHEN" and (found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)):
         name, at = found["name"], line.behind + found.start("name")
         if name.upper() in inputs:

@@ -9,6 +9,7 @@ from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.findings import SYNTAX, family_of
 from yarclang.mistakes import (
     actions,
+    behind,
     blocks,
     calls,
     characters,
@@ -69,11 +70,13 @@ GUESSERS: tuple[Guesser, ...] = (
     words.suffix,
     parts.bracket,
     parts.units,
+    behind.behind,
     parts.time,
     parts.order,
     numbers.decimal_commas,
     numbers.value_list,
     goals.named,
+    goals.several,
     goals.apart,
     parts.frame,
     parts.option,

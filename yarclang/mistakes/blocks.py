@@ -66,6 +66,12 @@ def condition(line: Line) -> Guess | None:
         return Guess(found.start("sign"), found.end("sign"), what, "take it away", repaired)
     inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
     found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
+    negated = re.fullmatch(r"\s+(?P<all>NOT\s+(?P<name>[A-Za-z_]\w*))", line.values, re.I)
+    if word in ("IF", "WHEN") and negated and negated["name"].upper() in inputs:
+        at, name = line.behind + negated.start("all"), negated["name"]
+        message = f"{name} is an input: whether it is ON is asked when the program runs"
+        help_ = f"write WHEN {name} OFF ... ELSE ... END"
+        return line.guess(at, len(line.bare), message, None, help_)
     if word == "IF" and found and found["name"].upper() in inputs:
         at, name = line.behind + found.start("name"), found["name"]
         return line.guess(

@@ -44,6 +44,25 @@ def call(line: Line) -> Guess | None:
         at = line.behind + found.start("all")
         message = "the name of a SUB stands without quotes"
         return line.guess(at, len(line.bare), message, found["name"], f"write CALL {found['name']}")
+    if word == "CALL" and (
+        found := re.fullmatch(
+            r"\s+(?P<name>[A-Za-z_][\w.]*)\s*(?P<all>\((?P<inside>[^()]+)\))\s*;?", line.values
+        )
+    ):
+        name = found["name"]
+        if name.upper() in subs:
+            put = " ".join(one.strip() for one in found["inside"].split(","))
+            at = line.behind + found.start("all")
+            repaired = (
+                f"{line.text[: line.behind + found.end('name')]} {put}{line.comment and ' ' + line.comment}"
+            )
+            return Guess(
+                at,
+                line.behind + found.end("all"),
+                "arguments have blanks between them, and no brackets",
+                f"write CALL {name} {put}",
+                repaired,
+            )
     if word in subs and re.fullmatch(r"\s*(?:\(\s*\))?\s*;?", line.values) and line.values.strip():
         put = f"CALL {line.word}"
         return line.guess(line.begin, len(line.bare), f"{line.word} is a SUB, which CALL carries out", put)

@@ -26,6 +26,12 @@ def sum_(line: Line) -> Guess | None:
     begin = line.behind
     if found := _BEHIND_DOLLAR.search(line.bare, begin):
         put = f"$({found['sum'].replace('$', '')})"
+        if re.search(r"\s-\s", found[0]):
+            apart = re.sub(r"\s-\s+", " -", found[0])
+            help_ = f"write {put} for one value, or {apart} for several"
+            return line.guess(
+                found.start(), found.end(), f"`{found[0]}` may be one value or several", None, help_
+            )
         return line.guess(found.start(), found.end(), f"`{found[0]}` needs brackets around the sum", put)
     if found := _APART.search(line.bare, begin):
         return line.guess(found.start(), found.end(), "`$` stands close to its name", f"${found['name']}")

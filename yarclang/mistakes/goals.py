@@ -21,9 +21,7 @@ def named(line: Line) -> Guess | None:
     if found is None:
         return None
     name = next(one for one in (found["braces"], found["quotes"], found["round"], found["name"]) if one)
-    declared = line.around.declared
-    known = {"HOME", *(one.upper() for kind in ("JOINTS", "POSE") for one in declared.get(kind, ()))}
-    if name.upper() not in known:
+    if name.upper() not in _known(line):
         return None
     at, end = line.behind + found.start("all"), line.behind + found.end("all")
     if found["to"]:
@@ -33,6 +31,27 @@ def named(line: Line) -> Guess | None:
         return Guess(at, at + len(found["to"]), message, f"write {line.word} {name}", repaired)
     marks = "braces" if found["braces"] else "quotes" if found["quotes"] else "brackets"
     return line.guess(at, end, f"{name} is a joint position or pose: its name stands without {marks}", name)
+
+
+def several(line: Line) -> Guess | None:
+    """Answer several names behind a motion that goes to one place."""
+    found = re.fullmatch(
+        r"\s+(?P<all>(?P<one>[A-Za-z_]\w*)(?P<others>(?:\s*,\s*|\s+)[A-Za-z_]\w*)+)\s*(?:[\[(].*)?",
+        line.values,
+    )
+    if found is None or not line.is_motion:
+        return None
+    names = re.findall(r"[A-Za-z_]\w*", found["all"])
+    if not all(name.upper() in _known(line) for name in names):
+        return None
+    help_ = f"write {line.word} {names[0]}, then {line.word} {names[1]} in the next line; a MOVEJ_SPLINE has `;` between them"
+    at = line.behind + found.start("all")
+    return line.guess(at, at + len(found["all"]), f"{line.word} goes to one place", None, help_)
+
+
+def _known(line: Line) -> set[str]:
+    declared = line.around.declared
+    return {"HOME", *(one.upper() for kind in ("JOINTS", "POSE") for one in declared.get(kind, ()))}
 
 
 def apart(line: Line) -> Guess | None:

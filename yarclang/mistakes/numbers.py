@@ -15,6 +15,7 @@ _COMMA = re.compile(r"(?P<whole>[-+]?[0-9]+),(?P<part>[0-9]+)")
 _LETTERS = re.compile(r"[-+]?[0-9OoIl]*[0-9][0-9OoIl.]*|[-+]?[OoIl]+[0-9.]+")
 _MARKED = re.compile(r"[-+]?[0-9]{1,3}(?:['_][0-9]{3})+(?:\.[0-9]+)?")
 _BLANK = re.compile(r"(?<=\s)-\s+(?=[0-9.])")
+_PLUS = re.compile(r"(?<=\s)\+\s+(?P<number>[0-9.]+)")
 _SUM = re.compile(
     r"[A-Za-z_][A-Za-z0-9_]*(?:\s*[-+*/]\s*(?:[A-Za-z_][A-Za-z0-9_]*|[0-9.]+))+|[0-9.]+(?:[*/+][A-Za-z0-9_.]+)+"
 )
@@ -158,6 +159,10 @@ def number(line: Line) -> Guess | None:
         end = found.end() + len(_TOKEN.match(line.bare[found.end() :])[0])  # type: ignore[index]  # a digit follows
         put = f"-{line.bare[found.end() : end]}"
         return line.guess(found.start(), end, "the minus sign stands apart from its number", put)
+    if line.is_motion and (found := _PLUS.search(line.bare, line.behind)):
+        number_ = found["number"]
+        help_ = f"write {number_} for one value, or $(...) around a sum"
+        return line.guess(found.start(), found.end(), "a plus sign stands by itself", None, help_)
     for at, text in _tokens(line):
         if is_number(text):
             continue

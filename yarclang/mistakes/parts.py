@@ -9,7 +9,7 @@ from yarclang.syntax.words import OPTIONS, STATES
 from yarclang.units import UNITS
 
 _TIME = re.compile(
-    r"\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
+    r"(?<!BLEND)(?<!TOL)(?<!ACC)\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
 )
 _BARE = re.compile(r"\s(?P<bare>[0-9.]+%|MIN)(?=\s|$)")
 _INSIDE = re.compile(r"\[\s*(?P<inside>[^\]\[]*?)\s*\]")
@@ -21,7 +21,6 @@ _BARE_SECONDS = re.compile(
     r"(?<=\s)(?P<all>(?:(?:in|for|time)\s+)?(?P<number>[0-9.]+)\s*(?P<unit>s|ms|sec|secs|seconds?))(?=\s|$)",
     re.I,
 )
-_FEED = re.compile(r"(?<=\s)(?P<all>[FV](?P<value>[0-9.]+))(?=\s|$)", re.I)
 _EARLY = r"(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\)|(?:BLEND|TOL|ACC)\s+[0-9.]+|NEAR\s+[A-Za-z_]\w*)"
 _ORDER = re.compile(rf"(?P<early>{_EARLY}(?:\s*{_EARLY})*)\s*(?P<time>\[[^\]]*\])", re.I)
 _BRACKETED_OPTION = re.compile(
@@ -66,11 +65,6 @@ def time(line: Line) -> Guess | None:
         )
     if line.is_motion and "[" not in line.bare and (found := _BARE_SECONDS.search(line.bare, line.behind)):
         return _with_unit(line, found.start("all"), found.end("all"), found)
-    if line.is_motion and "[" not in line.bare and (found := _FEED.search(line.bare, line.behind)):
-        help_ = f"write [V {found['value']}] for the speed of the moving frame in {_rate(line)}"
-        return line.guess(
-            found.start("all"), found.end("all"), "a speed stands in square brackets", None, help_
-        )
     found = _INSIDE.search(line.bare, line.behind)
     if found is None:
         return None
@@ -131,10 +125,14 @@ def order(line: Line) -> Guess | None:
     if not line.is_command:
         return None
     if line.is_motion and (found := _BRACKETED_OPTION.search(line.bare, line.behind)):
-        put = f"{found['word'].upper()} {found['square'] or found['round']}"
-        return line.guess(
-            found.start(), found.end(), f"the value of {found['word'].upper()} has no brackets", put
-        )
+        word = found["word"].upper()
+        put = f"{word} {found['square'] or found['round']}"
+        message = f"the value of {word} has no brackets"
+        if found["square"] and line.bare.count("[") == 1:
+            # it may be the time, and the value left out
+            help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value behind it"
+            return line.guess(found.start(), found.end(), message, None, help_)
+        return line.guess(found.start(), found.end(), message, put)
     if line.is_motion and (found := _BOTH_FRAMES.match(line.values)):
         at, base = line.behind + found.start("base"), found["base"]
         put = f"{found['values'].strip()} {base}"
@@ -304,10 +302,6 @@ def bracket(line: Line) -> Guess | None:
     end = at + 1 + found.end()
     repaired = line.text[:end] + pairs[sign] + line.text[end:]
     return Guess(at, at + 1, f"this `{sign}` is not closed", f"close it with `{pairs[sign]}`", repaired)
-
-
-def _rate(line: Line) -> str:
-    return f"{line.units.get('length', 'mm')}/{line.units.get('time', 's')}"
 
 
 def _units(line: Line) -> str:

@@ -77,6 +77,7 @@ GUESSERS: tuple[Guesser, ...] = (
     numbers.value_list,
     goals.named,
     goals.several,
+    goals.along,
     goals.apart,
     parts.frame,
     parts.option,

@@ -49,6 +49,25 @@ def several(line: Line) -> Guess | None:
     return line.guess(at, at + len(found["all"]), f"{line.word} goes to one place", None, help_)
 
 
+_AXIS = re.compile(
+    r"\s+(?P<all>\{?\s*(?P<axis>[XYZ])\s*[=:]?\s*(?P<value>[-+]?[0-9.]+)\s*\}?)(?=\s*(?:[\[({]|$))", re.I
+)
+
+
+def along(line: Line) -> Guess | None:
+    """Answer a way along one axis that is named."""
+    found = _AXIS.match(line.values) if line.word.upper() == "DMOVE" else None
+    if found is None:
+        return None
+    way = ["0"] * 6
+    way["XYZ".index(found["axis"].upper())] = found["value"]
+    at, end = line.behind + found.start("all"), line.behind + found.end("all")
+    help_ = f"write DMOVE {' '.join(way)}: X Y Z roll pitch yaw"
+    return line.guess(
+        at, end, "a way is written with all its values, and without the names of axes", None, help_
+    )
+
+
 def _known(line: Line) -> set[str]:
     declared = line.around.declared
     return {"HOME", *(one.upper() for kind in ("JOINTS", "POSE") for one in declared.get(kind, ()))}

@@ -262,11 +262,9 @@ def numbers_of_line(
         verb = "is" if len(given) == 1 else "are"
         message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
         missing = labels[len(given) :]
-        help_ = (
-            f"write {' '.join(missing)} behind them"
-            if missing
-            else f"take the last {len(given) - len(labels)} away"
-        )
+        help_ = f"write {' '.join(missing)} behind them" if given else "write one for each behind the name"
+        if not missing:
+            help_ = f"take the last {len(given) - len(labels)} away"
         where = from_to(given[0].place, given[-1].place) if given else None
         findings.add("Y0401", message, statement.span(where) if where else statement.whole_span, help_)
         return None

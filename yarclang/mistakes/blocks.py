@@ -129,6 +129,10 @@ def hold(line: Line) -> Guess | None:
         return None
     at = line.behind + len(line.values) - len(line.values.lstrip())
     said = line.text[at:].rstrip()
+    if said.startswith('"') and said.endswith('"') and said.count('"') == 4:
+        inner = said[1:-1].replace('"', "'")
+        message = "a text has no quotes within it"
+        return line.guess(at, at + len(said), message, None, f'write "{inner}"')
     if said.startswith('"') and said.count('"') == 1:
         inner = said[1:]
     elif said[0] in "'`" and said[-1] in "'`" and len(said) > 1:

@@ -34,6 +34,7 @@ _UNITS_ELSEWHERE = re.compile(
 )
 _UNITS_APART = re.compile(r"\((?P<units>[A-Za-z]+(?:[\s;/]+[A-Za-z]+)+)\)")
 _UNIT_LIST = re.compile(r"\((?P<units>[A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
+_ELSEWHERE = re.compile(r"\{\s*(?P<name>WORLD0?|BASE0?|ROBROOT|ROBOT|WOBJ0|TOOL0?)\s*\}", re.I)
 _SQUARE_FRAME = re.compile(r"\[\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\]")
 _ROUND_FRAME = re.compile(r"\(\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\)")
 _OPTION = re.compile(r"(?<=\s)(?P<word>[A-Za-z]{3,})(?P<rest>\s*=\s*|\s+)(?P<value>[0-9][0-9.]*)(?=\s|$)")
@@ -220,6 +221,13 @@ def frame(line: Line) -> Guess | None:
         )
     if not line.is_motion:
         return None
+    if (found := _ELSEWHERE.search(line.bare, line.behind)) and found["name"].upper() not in names:
+        meant = (
+            "{TCP}, or {FLANGE} without a tool"
+            if "TOOL" in found["name"].upper()
+            else "{B}, the robot's base"
+        )
+        return line.guess(found.start(), found.end(), f"no frame is named {found[0]}", None, f"write {meant}")
     if (found := _SQUARE_FRAME.search(line.bare, line.behind)) and found["name"].upper() in names:
         put = f"{{{names[found['name'].upper()]}}}"
         return line.guess(found.start(), found.end(), "a frame's name stands in braces", put)

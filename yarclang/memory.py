@@ -47,6 +47,8 @@ class Recent:
         self._most = most
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
         self._used: set[Hashable] = set()
+        self._before: list[set[Hashable]] = []
+        """What looks have used that ended since the order was last put right."""
         self._uses = deque([0], maxlen=_LOOKS)
         self.hits = 0
         self.misses = 0
@@ -74,7 +76,9 @@ class Recent:
         """Keep a result, and drop what wasn't used for longest."""
         self._kept[key] = value
         self._used.add(key)
-        self._drop(self._most)
+        if len(self._kept) > self._most:
+            self._put_in_order()
+            self._drop(self._most)
 
     def settle(self, least: int) -> None:
         """Drop what wasn't used for long, after one look at something: up to `least` results stay, or as many as the largest of the last looks
@@ -82,15 +86,27 @@ class Recent:
         """
         used, self._used = self._used, set()
         self._uses.append(len(used))
-        for key in list(used):
-            with suppress(KeyError):  # it was dropped already
-                self._kept.move_to_end(key)
-        self._drop(max(least, 2 * max(self._uses)))
+        self._before.append(used)
+        # to put the order right costs as much as a look at some lines: that is done for several looks at once
+        most = max(least, 2 * max(self._uses))
+        if len(self._before) >= _LOOKS_AT_ONCE or len(self._kept) > most + least // 8:
+            self._put_in_order()
+            self._drop(most)
 
     def clear(self) -> None:
         """Forget everything."""
         self._kept.clear()
         self._used.clear()
+        self._before.clear()
+
+    def _put_in_order(self) -> None:
+        before, self._before = self._before, []
+        last: dict[Hashable, None] = {}
+        for used in reversed(before):
+            last.update(dict.fromkeys(used - last.keys()))
+        for key in reversed(last):
+            with suppress(KeyError):  # it was dropped already
+                self._kept.move_to_end(key)
 
     def _drop(self, most: int) -> None:
         while len(self._kept) > most:
@@ -99,6 +115,9 @@ class Recent:
             except KeyError:
                 return
 
+
+_LOOKS_AT_ONCE = 8
+"""Looks after which the order of what was used is put right at the latest."""
 
 _LOOKS = 32
 """Looks at something that count for how much is kept after one of them."""

@@ -12,11 +12,12 @@ import pytest
 from click.testing import CliRunner
 from conftest import EXAMPLES
 
-from yarclang.cli.formats import FORMATS, document
+from yarclang.cli.formats import FORMATS, document, sarif
 from yarclang.cli.show import show_without_notes
 from yarclang.cli.watching import changes
 from yarclang.cli.yarc import main
 from yarclang.diagnostics import Diagnostic
+from yarclang.lint.registry import everything
 from yarclang.pipeline.checking import check_text
 from yarclang.pipeline.fixing import fixed
 from yarclang.pipeline.inputs import Options
@@ -259,6 +260,23 @@ def test_a_fingerprint_stays_with_its_line(here):
     assert before == moved
     assert len(set(before)) == len(before) > 1
     assert marks(BAD.replace("10 0", "11 0"))[0] != before[0]
+
+
+def test_sarif_names_the_projects_pages(monkeypatch):
+    """A rule links to its page once the package names an address; until then its page is in the rule itself."""
+    pages = {"homepage": "https://yarc.example", "documentation": "https://yarc.example/docs/"}
+    monkeypatch.setattr(sarif, "addresses", lambda: pages)
+    driver = json.loads(document("sarif", FILES, FOUND))["runs"][0]["tool"]["driver"]
+    assert driver["informationUri"] == "https://yarc.example"
+    for rule in driver["rules"]:
+        code = rule["id"]
+        assert (
+            rule["helpUri"] == f"https://yarc.example/docs/findings#{code.lower()}-{everything()[code].name}"
+        )
+    monkeypatch.setattr(sarif, "addresses", dict)
+    driver = json.loads(document("sarif", FILES, FOUND))["runs"][0]["tool"]["driver"]
+    assert "informationUri" not in driver
+    assert all("helpUri" not in rule and rule["help"]["markdown"] for rule in driver["rules"])
 
 
 def test_sarif_of_fixes(here):

@@ -127,7 +127,15 @@ def test_a_vsix_is_made(vscode, tool):
     assert "snippets" not in contributes  # the server's would stand beside them
     paths = ["snippets/yarc.json", *(one["path"] for one in contributes["grammars"])]
     paths += [one["configuration"] for one in contributes["languages"]] + [manifest["main"]]
-    assert {f"extension/{one.removeprefix('./')}" for one in paths} <= names
+    paths += [manifest["icon"], "README.md", "CHANGELOG.md"]
+    paths += [step["media"]["markdown"] for walk in contributes["walkthroughs"] for step in walk["steps"]]
+    # the package calls its two pages by small letters
+    there = {one.lower() for one in names}
+    assert {f"extension/{one.removeprefix('./')}".lower() for one in paths} <= there
+    known = {one["command"] for one in contributes["commands"]}
+    for walk in contributes["walkthroughs"]:
+        for step in walk["steps"]:
+            assert {one.removeprefix("onCommand:") for one in step.get("completionEvents", ())} <= known
     assert not any("node_modules" in name for name in names)
     for one in contributes["commands"]:
         assert one["command"] in bundle

@@ -10,6 +10,7 @@ from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 from yarclang.pipeline.inputs import Options
+from yarclang.source import Span
 
 SOON = 10.0
 
@@ -23,21 +24,41 @@ class Slow:
         self.told_at_once: tuple[Diagnostic, ...] | None = None
         self.go_on = threading.Event()
         self.is_slow_at_first = False
+        self.planned: tuple[str, ...] | None = None
+        """What planning finds in the first line, if it says so before the proof."""
+        self.proved: tuple[str, ...] = ()
 
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
         return self.told_at_once
 
     def check(
-        self, document: Document, plans: bool, begun: Checked | None, is_stale: Callable[[], bool]
+        self,
+        document: Document,
+        plans: bool,
+        begun: Checked | None,
+        is_stale: Callable[[], bool],
+        early: Callable[[Checked], None],
     ) -> Checked | None:
         assert plans == (begun is not None)  # what was found without planning is gone on from
+        if plans and self.planned is not None:
+            early(Checked(findings(document, self.planned)))
         if plans or self.is_slow_at_first:
             self.begun.set()
             while not self.go_on.wait(0.005):
                 if is_stale():
                     return None
         self.done.append((document.uri, document.version, plans))
-        return Checked(())
+        told = (*(self.planned or ()), *self.proved) if plans else ()
+        return Checked(findings(document, told))
+
+
+def findings(document: Document, codes: tuple[str, ...]) -> tuple[Diagnostic, ...]:
+    span = Span(1, 1, 1, 2)
+    return tuple(Diagnostic(code, code, document.source, span, level="note") for code in codes)
+
+
+def codes_of(analysis: Analysis) -> list[str]:
+    return [one.code for one in analysis.shown]
 
 
 def run(work: Callable[[Analyses, Slow, list[Analysis]], object]) -> None:
@@ -83,6 +104,63 @@ def test_what_needs_no_planning_is_there_while_motions_are_planned():
         checks.go_on.set()
         assert (await analyses.whole("a", None)).is_whole
         assert [one.is_whole for one in arrived] == [False, True]
+
+    run(work)
+
+
+def test_what_planning_finds_is_shown_before_the_proof():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.planned = ("Y0505",)
+        analyses.put(Document("a", 1, "P0010 MOVEJ HOME"))
+        early = await analyses.most("a", 5.0)
+        assert (early.is_planned, early.is_whole) == (True, False)
+        assert codes_of(early) == ["Y0505"]
+        assert not analyses.of("a").is_whole
+        checks.go_on.set()
+        whole = await analyses.whole("a", None)
+        assert whole.is_whole
+        assert await analyses.most("a", 5.0) is whole
+        assert [(one.is_planned, one.repeats) for one in arrived] == [
+            (False, False),
+            (True, False),
+            (False, True),
+        ]
+
+    run(work)
+
+
+def test_what_the_proof_has_found_stays_until_the_next_proof():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.planned, checks.proved = ("Y0505",), ("Y0611",)
+        checks.go_on.set()
+        analyses.put(Document("a", 1, "P0010 MOVEJ HOME\n"))
+        whole = await analyses.whole("a", None)
+        assert codes_of(whole) == ["Y0505", "Y0611"]
+        assert not whole.repeats
+        checks.proved = ()
+        analyses.put(Document("a", 2, "P0010 MOVEJ HOME\n! edited\n"))
+        whole = await analyses.whole("a", None)
+        quick, early, last = arrived[-3:]
+        assert codes_of(quick) == ["Y0505", "Y0611"]
+        assert codes_of(early) == ["Y0505", "Y0611"]
+        assert last is whole
+        assert codes_of(whole) == ["Y0505"]
+        assert not whole.repeats
+
+    run(work)
+
+
+def test_nothing_old_is_shown_early():
+    async def work(analyses: Analyses, checks: Slow, arrived: list[Analysis]) -> None:
+        checks.planned = ("Y0505",)
+        analyses.put(Document("a", 1, ""))
+        await begun(checks)
+        analyses.put(Document("a", 2, ""))
+        assert (await analyses.most("a", 5.0)).document.version == 2
+        checks.go_on.set()
+        assert (await analyses.whole("a", None)).document.version == 2
+        versions = [one.document.version for one in arrived]
+        assert versions == sorted(versions)
 
     run(work)
 

@@ -290,3 +290,21 @@ def test_edits_leave_no_texts_behind(folder):
     del source
     gc.collect()
     assert [one() for one in gone] == [None] * 6
+
+
+def test_what_is_known_before_the_proof(tmp_path):
+    """It is told once, with the findings of planning; a program with errors isn't proved, and has nothing to tell before."""
+    program = (
+        "DEFAULT {TCP} [5] (mm,deg,s) {B}\nP0010 MOVEJ 0 10 0 0 -30 0 [5000]\nP0020 MOVEJ 0 20 0 0 -30 0\n"
+    )
+    for text, times in ((program, 1), (program + "P0030 MOVEJ 0 500 0 0 0 0\n", 0), (program + "X\n", 0)):
+        analyst, told = Analyst(Options(robot="INDUSTRIAL6")), []
+        source = SourceFile("a.yarc", text)
+        quick = analyst.analyse(source, tmp_path, quick=True)
+        whole = analyst.analyse(source, tmp_path, begun=quick.checked, early=told.append)
+        assert len(told) == times
+        for early in told:
+            assert early.compiled is None
+            assert early.plan is not None
+            assert "Y0611" in {one.code for one in early.diagnostics}
+            assert set(early.diagnostics) <= set(whole.checked.diagnostics)

@@ -1,12 +1,13 @@
 """What the pipeline says of the open texts: found in threads, newest first, given up where a text has changed meanwhile.
 
-Each version of a text is looked at twice: first what needs no planning, then all of it. Each has a thread of its own, so that the first look at one text
+Each version of a text is looked at twice: first what needs no planning, then all of it; of the second look, what planning has found is there before the proof. Each has a thread of its own, so that the first look at one text
 doesn't wait for the motions of another. Who asks gets what is there.
 """
 
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -18,6 +19,9 @@ from yarclang.lsp.carried import Planned, carried, planned_alone
 from yarclang.lsp.checks import Checks
 from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
+
+_SHOWN_BY = 0.1
+"""So long [s] a proof waits at most until what was found before it is shown."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,6 +36,10 @@ class Analysis:
     checked: Checked
     is_whole: bool
     carried: tuple[Diagnostic, ...] = ()
+    is_planned: bool = False
+    """Whether motions are planned, and perhaps not proved."""
+    repeats: bool = False
+    """Whether all of it was shown before the proof."""
 
     @property
     def shown(self) -> tuple[Diagnostic, ...]:
@@ -48,8 +56,14 @@ class _Desk:
     analysis: Analysis | None = None
     begun: Checked | None = None
     planned: Planned | None = None
+    early: Analysis | None = None
+    """What was known of the newest version before the proof."""
+    proved: Planned | None = None
+    """What only a proof has said."""
     whole: asyncio.Event = field(default_factory=asyncio.Event)
     some: asyncio.Event = field(default_factory=asyncio.Event)
+    most: asyncio.Event = field(default_factory=asyncio.Event)
+    """All is known, or all but the proof."""
 
 
 class Analyses:
@@ -90,8 +104,9 @@ class Analyses:
         if desk is None:
             return
         desk.generation += 1
-        desk.begun = None
+        desk.begun, desk.early = None, None
         desk.whole.clear()
+        desk.most.clear()
         desk.some.clear()
         self._take_out(uri)
         self._touched.append(uri)
@@ -103,6 +118,7 @@ class Analyses:
         desk = self._desks.pop(uri, None)
         if desk is not None:
             desk.whole.set()
+            desk.most.set()
             desk.some.set()
         self._take_out(uri)
 
@@ -136,6 +152,19 @@ class Analyses:
         except TimeoutError:
             await desk.some.wait()
         return self.of(uri)
+
+    async def most(self, uri: str, patience: float) -> Analysis | None:
+        """What is to be said of a text when its motions are planned, though perhaps not proved; else as `whole`."""
+        desk = self._desks.get(uri)
+        if desk is None:
+            return None
+        try:
+            async with asyncio.timeout(patience):
+                await desk.most.wait()
+        except TimeoutError:
+            await desk.some.wait()
+        found = self.of(uri)
+        return found if found is None or found.is_whole else desk.early or found
 
     def close(self) -> None:
         """End all work."""
@@ -191,15 +220,24 @@ class Analyses:
             return self._desks.get(uri) is not desk or desk.generation != generation
 
         pool = self._planning if plans else self._checking
+        loop = asyncio.get_running_loop()
+
+        def early(checked: Checked) -> None:
+            # what is shown first has the processor first
+            shown = threading.Event()
+            loop.call_soon_threadsafe(self._show_early, desk, document, generation, checked, shown)
+            shown.wait(_SHOWN_BY)
+
         try:
-            checked = await asyncio.get_running_loop().run_in_executor(
-                pool, self._checks.check, document, plans, begun, is_stale
+            checked = await loop.run_in_executor(
+                pool, self._checks.check, document, plans, begun, is_stale, early
             )
         except Exception:
             # a bug: nobody shall wait for what doesn't come
             if not is_stale():
                 self._take_out(uri)
             desk.some.set()
+            desk.most.set()
             desk.whole.set()
             raise
         if is_stale():
@@ -211,6 +249,20 @@ class Analyses:
         if not plans:
             desk.begun = checked
 
+    def _show_early(
+        self, desk: _Desk, document: Document, generation: int, checked: Checked, shown: threading.Event
+    ) -> None:
+        """Show what was found before the proof, with what the last proof has said of unchanged lines."""
+        if self._desks.get(document.uri) is desk and desk.generation == generation:
+            rest = () if desk.proved is None else tuple(carried(desk.proved, document.source))
+            desk.early = Analysis(document, generation, checked, False, rest, is_planned=True)
+            desk.most.set()
+            try:
+                self._arrived(desk.early)
+            finally:
+                shown.set()
+        shown.set()
+
     @staticmethod
     def _put_down(desk: _Desk, found: Analysis) -> None:
         """Keep what was found, for whoever waits for it."""
@@ -218,7 +270,13 @@ class Analyses:
         if found.is_whole:
             quick = desk.analysis.checked.diagnostics if desk.analysis else ()
             desk.planned = planned_alone(source, found.checked.diagnostics, quick)
+            if desk.early is not None:
+                desk.proved = planned_alone(source, found.checked.diagnostics, desk.early.checked.diagnostics)
+                found = replace(found, repeats=found.shown == desk.early.shown)
+            else:
+                desk.proved = None
             desk.whole.set()
+            desk.most.set()
         elif desk.planned is not None:
             found = replace(found, carried=tuple(carried(desk.planned, source)))
         desk.analysis = found

@@ -36,7 +36,12 @@ class Checks:
         """The texts that are open, by their paths; never changed in its place, since threads read it."""
 
     def check(
-        self, document: Document, plans: bool, begun: Checked | None, is_stale: Callable[[], bool]
+        self,
+        document: Document,
+        plans: bool,
+        begun: Checked | None,
+        is_stale: Callable[[], bool],
+        early: Callable[[Checked], None] | None = None,
     ) -> Checked | None:
         """What is to be said of a text.
 
@@ -45,6 +50,7 @@ class Checks:
             plans: whether motions are planned and proved.
             begun: what was found in this very text without planning, if it was looked for.
             is_stale: whether nobody waits for it any more: asked between motions.
+            early: called with what is known when all motions are planned, before they are proved.
 
         Returns:
             None where there is nothing to say: the work was given up; or a description is to be checked, which is done once.
@@ -52,7 +58,12 @@ class Checks:
         try:
             if document.is_program:
                 found = self._look(
-                    document.source, document.folder, quick=not plans, begun=begun, is_stale=is_stale
+                    document.source,
+                    document.folder,
+                    quick=not plans,
+                    begun=begun,
+                    is_stale=is_stale,
+                    early=early,
                 )
                 return found.checked if found is not None else None
             return self._described(document) if plans else None
@@ -79,12 +90,13 @@ class Checks:
         quick: bool,
         begun: Checked | None = None,
         is_stale: Callable[[], bool] | None = None,
+        early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
         analyst = copy(
             self._analyst
         )  # it remembers the same: other threads look with the texts that are open then
         analyst.options = replace(analyst.options, texts=self.texts)
-        return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale)
+        return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale, early=early)
 
     def _described(self, document: Document) -> Checked:
         """Check a cell's file, for the robot that its folder is for; or a robot's, or a project's. Of a table of way-points, the programs that name it say what is wrong."""

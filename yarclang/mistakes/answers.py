@@ -7,7 +7,22 @@ from dataclasses import replace
 
 from yarclang.diagnostics import Diagnostic, Edit, Fix
 from yarclang.findings import SYNTAX, family_of
-from yarclang.mistakes import blocks, characters, comments, foreign, indices, numbers, parts, words
+from yarclang.mistakes import (
+    actions,
+    behind,
+    blocks,
+    calls,
+    characters,
+    comments,
+    declarations,
+    expressions,
+    foreign,
+    goals,
+    indices,
+    numbers,
+    parts,
+    words,
+)
 from yarclang.mistakes.line import Around, Guess, Guesser, Line, first
 from yarclang.mistakes.names import named
 from yarclang.progress import each
@@ -19,7 +34,7 @@ from yarclang.syntax.parse import parse_statement
 _FAMILIES = (SYNTAX, "02", "03", "04")
 """Of what is said of a line that isn't understood: syntax, names, frames and units, values."""
 
-_NO_INDEX, _NO_UNIT, _NO_END = "Y0105", "Y0304", "Y0113"
+_NO_INDEX, _NO_UNIT, _NO_END, _NO_BLOCK = "Y0105", "Y0304", "Y0113", "Y0114"
 _NO_TEXT, _CHARACTER = "Y0108", "Y0118"
 
 _UNDERSTOOD = frozenset((_NO_INDEX, _NO_UNIT, _NO_TEXT))
@@ -34,24 +49,36 @@ _LONGEST = 400
 GUESSERS: tuple[Guesser, ...] = (
     characters.alike,
     comments.whole,
+    foreign.numbered,
     indices.index,
-    foreign.foreign,
-    comments.behind,
     blocks.end,
+    calls.request,
+    foreign.foreign,
+    calls.call,
+    declarations.declared,
+    expressions.sum_,
+    comments.behind,
     blocks.condition,
     blocks.hold,
-    blocks.wait,
-    blocks.signal,
+    actions.signal,
+    actions.turned,
+    actions.wait,
+    actions.rounds,
     blocks.several,
     blocks.assignment,
     words.relative,
     words.suffix,
     parts.bracket,
     parts.units,
+    behind.behind,
     parts.time,
     parts.order,
     numbers.decimal_commas,
     numbers.value_list,
+    goals.named,
+    goals.several,
+    goals.along,
+    goals.apart,
     parts.frame,
     parts.option,
     numbers.number,
@@ -78,7 +105,7 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
     if not wrong:
         return tuple(named(one, source, around) if _line(one, source) else one for one in found)
     answers: dict[int, Diagnostic] = {}
-    ends = 0
+    ends, begins = 0, list[int]()
     for number in each(sorted(wrong)[:_MOST_LINES]):
         text = source.line(number)
         if len(text) > _LONGEST or all(
@@ -89,11 +116,15 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
         if guess := first(Line(text, number, around, after), GUESSERS):
             answers[number] = _answer(wrong[number], guess, text)
             ends += guess.ends_block
+            if guess.begins_block:
+                begins.append(number)
     told: list[Diagnostic] = []
     for one in found:
         line = _line(one, source)
         if one.code == _NO_END and ends:
             ends -= 1  # the line that was meant for it has an answer
+        elif one.code == _NO_BLOCK and line not in answers and begins and begins[0] < line:
+            begins.pop(0)  # so has the line that was meant to begin its block
         elif line not in answers or (one.code == _NO_INDEX and answers[line].fix is not None):
             told.append(one)
         elif one is wrong[line][0]:

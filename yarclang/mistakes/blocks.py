@@ -8,24 +8,15 @@ from yarclang.mistakes.line import Guess, Line
 from yarclang.semantics.names.commands import is_command
 
 _ENDS = re.compile(
-    r"(?P<index>\s*)(?P<word>END[_ ]?(?:IF|FOR|WHILE|REPEAT|WHEN|CASE|SUB|SWITCH|SELECT|LOOP|PROC|FCT|DEF|FUNCTION)|NEXT|FI|OD|DONE|WEND|ENDSUB)\s*(?:[A-Za-z_]\w*)?\s*;?\s*$",
+    r"(?P<index>\s*)(?P<word>END[_ ]?(?:IF|FOR|WHILE|REPEAT|WHEN|CASE|SUB|SWITCH|SELECT|LOOP|PROC|FCT|DEF|FUNCTION)|NEXT|FI|OD|DONE|WEND|ENDSUB|\})\s*(?:[A-Za-z_]\w*)?\s*;?\s*$",
     re.I,
 )
+_MAIN = re.compile(r"END[_ ]?(?:PROC|FCT|DEF|FUNCTION)", re.I)
 _OPERATORS = {"==": "=", "!=": "<>", "/=": "<>", "&&": "AND", "||": "OR", ":=": "=", "=>": ">=", "=<": "<="}
 _SIGNS = re.compile(r"==|!=|/=|&&|\|\||:=|=>|=<")
-_THEN = re.compile(r"\s+(?P<word>THEN|DO|:)\s*$", re.I)
+_THEN = re.compile(r"(?:\s+(?P<word>THEN|DO|\{)|\s*(?P<sign>:))\s*$", re.I)
 _ELSE_IF = re.compile(r"\s*(?P<word>ELSE\s?IF|ELIF|ELSIF)\b.*", re.I)
 _ASSIGNED = re.compile(r"\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*:?=(?!=)\s*(?P<value>[^=].*?)\s*;?\s*$")
-_STATES = {
-    "TRUE": "ON",
-    "FALSE": "OFF",
-    "HIGH": "ON",
-    "LOW": "OFF",
-    "YES": "ON",
-    "NO": "OFF",
-    "OPEN": "",
-    "CLOSED": "",
-}
 _SECOND = re.compile(r"(?<=\s)(?P<index>[Pp][0-9]{2,9})\s+(?P<word>[A-Za-z_]+)")
 
 
@@ -33,6 +24,10 @@ def end(line: Line) -> Guess | None:
     """Answer ENDIF, END IF and the like."""
     found = _ENDS.fullmatch(line.bare)
     if found is None or (found["word"].upper() in ("DONE",) and line.values.strip()):
+        return None
+    if _MAIN.fullmatch(found["word"]) and not line.around.has_open_block(line.number):
+        return None  # a whole program ends here
+    if found["word"] == "}" and not line.around.has_open_block(line.number):
         return None
     begin = found.start("word")
     apart = re.match(r"END\s+(?P<kind>\w+)", line.bare[begin:], re.I)
@@ -60,12 +55,23 @@ def condition(line: Line) -> Guess | None:
                 _how(line, found, meant),
             )
         if (found := _THEN.search(line.bare)) and word in ("IF", "WHEN", "WHILE", "REPEAT"):
+            kind = "word" if found["word"] else "sign"
             return line.guess(
-                found.start("word"), found.end("word"), f"`{found['word']}` can't stand behind the condition", "",
+                found.start(kind), found.end(kind), f"`{found[kind]}` can't stand behind the condition", "",
                 "take it away; what comes then has lines of its own, up to END",
             )  # fmt: skip
+    if found := re.fullmatch(r"\s*(?P<word>ELSE|LOOP)\s*(?P<sign>:|THEN|DO|\{|;)", line.bare, re.I):
+        repaired = f"{line.text[: found.end('word')]}{line.comment and ' ' + line.comment}"
+        what = f"`{found['sign']}` can't stand behind {found['word']}"
+        return Guess(found.start("sign"), found.end("sign"), what, "take it away", repaired)
     inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
     found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
+    negated = re.fullmatch(r"\s+(?P<all>NOT\s+(?P<name>[A-Za-z_]\w*))", line.values, re.I)
+    if word in ("IF", "WHEN") and negated and negated["name"].upper() in inputs:
+        at, name = line.behind + negated.start("all"), negated["name"]
+        message = f"{name} is an input: whether it is ON is asked when the program runs"
+        help_ = f"write WHEN {name} OFF ... ELSE ... END"
+        return line.guess(at, len(line.bare), message, None, help_)
     if word == "IF" and found and found["name"].upper() in inputs:
         at, name = line.behind + found.start("name"), found["name"]
         return line.guess(
@@ -99,119 +105,22 @@ def assignment(line: Line) -> Guess | None:
         repaired = f"{line.text[:at]}= {line.text[at:]}"
         shown = repaired.strip().partition(" !")[0].strip()
         return Guess(at, len(line.bare), "`=` is missing", f"write {shown}", repaired)
-    if line.index.strip() or line.is_declaration or line.is_command:
+    if line.is_declaration or line.is_command:
         return None
-    found = _ASSIGNED.fullmatch(line.bare)
-    if found is None or not re.fullmatch(r"[-+0-9.$(][\w\s.+*/()$-]*", found["value"]):
+    found = _ASSIGNED.fullmatch(line.bare, len(line.index))
+    if found is None:
         return None
     name, value = found["name"], found["value"]
-    if name.upper() in {one.upper() for one in line.around.declared.get("REGISTER", ())}:
+    is_register = name.upper() in {one.upper() for one in line.around.declared.get("REGISTER", ())}
+    if not re.fullmatch(r"[\w\s.+*/()$-]+" if is_register else r"[-+0-9.$(][\w\s.+*/()$-]*", value):
+        return None
+    if is_register:
         put = f"SET {name} = {value}"
+    elif line.index.strip():
+        return None
     else:
         put = f"LET {name} = {value}"
     return line.guess(found.start("name"), len(line.bare), f"{name} is no command", put)
-
-
-def signal(line: Line) -> Guess | None:
-    """Answer what SET and WAIT want otherwise."""
-    word = line.word.upper()
-    if word not in ("SET", "WAIT"):
-        return None
-    counted = re.fullmatch(
-        r"\s+(?P<all>(?P<name>[A-Za-z_]\w*)\s*(?P<sign>\+\+|--|[-+*]=\s*(?P<value>\w+)))\s*;?", line.values
-    )
-    if counted:
-        at, name = line.behind + counted.start("all"), counted["name"]
-        put = f"{name} = {name} {counted['sign'][0]} {counted['value'] or 1}"
-        return line.guess(
-            at,
-            at + len(counted["all"]),
-            f"`{counted['sign']}` is no operator of the language",
-            put,
-            f"write SET {put}",
-        )
-    declared = line.around.declared
-    inputs, outputs = ({one.upper() for one in declared.get(kind, ())} for kind in ("INPUT", "OUTPUT"))
-    found = re.fullmatch(
-        r"\s+(?P<name>[A-Za-z_]\w*)(?P<sign>\s*=\s*|\s+)?(?P<state>\w+)?(?P<rest>.*)", line.values
-    )
-    if found is None:
-        return None
-    name, at = found["name"], line.behind + found.start("name")
-    state = (found["state"] or "").upper()
-    if word == "SET" and name.upper() in inputs:
-        return line.guess(
-            at,
-            at + len(name),
-            f"{name} is an input, and SET sets outputs",
-            None,
-            f"write WAIT {name} ON to wait for it, or declare it by OUTPUT",
-        )
-    if word == "WAIT" and name.upper() in outputs:
-        return line.guess(
-            at,
-            at + len(name),
-            f"{name} is an output, and WAIT waits for inputs",
-            None,
-            f"write SET {name} ON to set it, or declare it by INPUT",
-        )
-    if name.upper() not in (outputs if word == "SET" else inputs):
-        return None
-    if not state and not found["rest"].strip():
-        states = "ON or OFF"
-        return line.guess(
-            at,
-            at + len(name),
-            f"what {name} shall be is missing",
-            None,
-            f"write {word} {name} ON, or OFF: {states}",
-        )
-    if _STATES.get(state):
-        begin = line.behind + found.start("state")
-        return line.guess(
-            begin, begin + len(state), f"`{found['state']}` is neither ON nor OFF", _STATES[state]
-        )
-    if state in ("ON", "OFF") and found["sign"] and "=" in found["sign"] and not found["rest"].strip():
-        begin = line.behind + found.start("sign") + found["sign"].index("=")
-        put = f"{word} {name} {state}"
-        repaired = f"{line.text[: at + len(name)]} {line.text[line.behind + found.start('state') :]}"
-        return Guess(begin, begin + 1, f"{word} has no equals sign here", f"write {put}", repaired)
-    return None
-
-
-def wait(line: Line) -> Guess | None:
-    """Answer a WAIT whose time has other brackets."""
-    if line.word.upper() != "WAIT":
-        return None
-    found = re.fullmatch(
-        r"\s+(?P<all>(?:SEC\s+)?(?P<time>[0-9]+(?:\.[0-9]*)?)\s*(?:\(sec\)|sec|s)?)\s*;?", line.values, re.I
-    )
-    if found is not None:
-        at = line.behind + found.start("all")
-        put = f"[{found['time']}]"
-        return line.guess(
-            at,
-            at + len(found["all"]),
-            "the time of a WAIT stands in square brackets",
-            put,
-            f"write WAIT {put}",
-        )
-    if found := re.fullmatch(r"\s+(?P<all>FOR\s+(?P<name>[A-Za-z_]\w*))", line.values, re.I):
-        at = line.behind + found.start("all")
-        return line.guess(
-            at,
-            at + len(found["all"]),
-            "WAIT takes an input and what it shall be",
-            f"{found['name']} ON",
-            f"write WAIT {found['name']} ON",
-        )
-    if found := re.fullmatch(r"\s+(?P<all>(?:FOR\s+)?\$?[A-Z]*IN?\s*\[.*)", line.values, re.I):
-        at = line.behind + found.start("all")
-        help_ = "declare the input, as INPUT DOOR M11, and write WAIT DOOR ON"
-        return line.guess(
-            at, at + len(found["all"]), "WAIT takes an input by its name, and what it shall be", None, help_
-        )
-    return None
 
 
 def hold(line: Line) -> Guess | None:
@@ -220,6 +129,10 @@ def hold(line: Line) -> Guess | None:
         return None
     at = line.behind + len(line.values) - len(line.values.lstrip())
     said = line.text[at:].rstrip()
+    if said.startswith('"') and said.endswith('"') and said.count('"') == 4:
+        inner = said[1:-1].replace('"', "'")
+        message = "a text has no quotes within it"
+        return line.guess(at, at + len(said), message, None, f'write "{inner}"')
     if said.startswith('"') and said.count('"') == 1:
         inner = said[1:]
     elif said[0] in "'`" and said[-1] in "'`" and len(said) > 1:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 
 from yarclang.mistakes.line import Guess, Line
 
 _DEGREES = re.compile(r"(?<=[0-9.])\s?[°º˚]")
+_MINUTES = re.compile(r"(?<=[0-9])(?P<sign>[′″’”])")
+_FRACTIONS = re.compile(r"(?<![^\s])(?P<whole>[0-9]*)(?P<part>[¼½¾⅛⅜⅝⅞])(?=\s|$)")
 _COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
 
 
@@ -26,6 +29,15 @@ def alike(line: Line) -> Guess | None:
             help_,
             *repaired,
         )
+    if found := _MINUTES.search(line.bare):
+        help_ = "write the angle as one decimal number: 10.5 for 10 degrees and 30 minutes"
+        return line.guess(
+            found.start("sign"), found.end("sign"), f"`{found['sign']}` can't stand in code", None, help_
+        )
+    if found := _FRACTIONS.search(line.bare):
+        number = f"{float(found['whole'] or 0) + unicodedata.numeric(found['part']):g}"
+        what = f"`{found['part']}` can't stand in code: numbers are decimal"
+        return line.guess(found.start(), found.end(), what, number)
     if found := _COMMAS.search(line.bare):
         without = _COMMAS.sub("", line.text)
         return Guess(

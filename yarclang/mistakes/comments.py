@@ -18,6 +18,11 @@ def whole(line: Line) -> Guess | None:
     found = _REM.match(line.text) or _WHOLE.match(line.text)
     if found is not None:
         sign, said = found["sign"], found["said"] or ""
+        if module := re.match(r"(?:include|import)\s*[\"<]?\s*(?P<name>[A-Za-z_]\w*)", said, re.I):
+            at = found.start("sign")
+            end = found.start("said") + len(said.split()[0])
+            help_ = f"write USE {module['name'].upper()}, with the module's name"
+            return line.guess(at, end, f"`{line.text[at:end]}` belongs to another language", None, help_)
         if sign == "(":
             if not said.endswith(")") or not _WORDS.match(said):
                 return None

@@ -9,6 +9,9 @@ from yarclang.semantics.names.commands import is_command
 
 _MISTYPED = re.compile(r"\s*(?P<index>[PpNn](?P<number>[0-9OoIl]+)|(?P<alone>[0-9]{2,9}))(?=\s+[A-Za-z])")
 _APART = re.compile(r"\s*(?P<index>[PpNn]\s+(?P<number>[0-9]{1,9}))(?=\s+[A-Za-z])")
+_SIGNED = re.compile(
+    r"\s*(?P<index>[\[(<]?[Pp][-_.# \[(]*(?P<number>[0-9]{1,9})[\])>]?[:.,;]?)\s+(?P<word>[A-Za-z_]+)"
+)
 _CLOSE = re.compile(r"\s*(?P<index>[Pp][0-9]+)(?P<word>[A-Za-z][A-Za-z_0-9]*)")
 _COLON = re.compile(r"\s*[Pp][0-9]+(?P<sign>\s?[:.,;)]|\s?-(?=\s))(?=\s|$)")
 _ALONE = re.compile(r"\s*(?P<index>[Pp][0-9]+)\s*$")
@@ -32,6 +35,18 @@ def index(line: Line) -> Guess | None:
     if (found := _CLOSE.match(line.bare)) and is_command(found["word"]):
         put = f"{found['index']} {found['word']}"
         return line.guess(found.start("index"), found.end("word"), "a blank is missing behind the index", put)
+    if (
+        (found := _SIGNED.match(line.bare))
+        and is_command(found["word"])
+        and found["index"][1:] != found["number"]
+    ):
+        put = f"P{found['number']}"
+        return line.guess(
+            found.start("index"),
+            found.end("index"),
+            f"an index is P and a number, not `{found['index']}`",
+            put,
+        )
     found = _APART.match(line.bare) or _MISTYPED.match(line.bare)
     if found is None:
         return None

@@ -20,6 +20,7 @@ _DECLARED = re.compile(
     r"^\s*(FRAME|FRAME_QUAT|LET|FUNC|TABLE|JOINTS|POSE|SUB|INPUT|OUTPUT|REGISTER)\s+\{?([A-Za-z_][A-Za-z0-9_]*)",
     re.I,
 )
+_BLOCK = re.compile(r"^\s*(SUB|IF|WHEN|CASE|REPEAT|LOOP|WHILE|END)(?![A-Za-z0-9_])", re.I)
 _LONGEST = 400
 """Characters of a line that somebody has typed."""
 
@@ -38,12 +39,14 @@ class Guess:
         lines: what stands instead of the line, if one repair is likely.
     """
 
-    __slots__ = ("begin", "end", "ends_block", "help", "lines", "message")
+    __slots__ = ("begin", "begins_block", "end", "ends_block", "help", "lines", "message")
 
     def __init__(self, begin: int, end: int, message: str, help_: str, *lines: str) -> None:
         self.begin, self.end, self.message, self.help, self.lines = begin, end, message, help_, lines
         self.ends_block = False
         """Whether it is an END: the block's first line has one then."""
+        self.begins_block = False
+        """Whether it begins a block: an END below is its own."""
 
 
 Guesser = Callable[["Line"], Guess | None]
@@ -72,6 +75,18 @@ class Around:
             if match := _DECLARED.match(line[:_LONGEST]):
                 found.setdefault(match[2].upper(), number)
         return found
+
+    def before(self, number: int) -> str:
+        """Return the line before one, counted from 1."""
+        return code_of(self._source.line(number - 1)[:_LONGEST]) if number > 1 else ""
+
+    def has_open_block(self, number: int) -> bool:
+        """Return True if a block that began before a line, counted from 1, has no END before it."""
+        depth = 0
+        for line in self._source.lines[: number - 1]:
+            if match := _BLOCK.match(line[:_LONGEST]):
+                depth = max(0, depth + (-1 if match[1].upper() == "END" else 1))
+        return depth > 0
 
     def free_index(self, number: int) -> str:
         """Return an index for a new command in a line, counted from 1, that no line has."""

@@ -15,6 +15,7 @@ _COMMA = re.compile(r"(?P<whole>[-+]?[0-9]+),(?P<part>[0-9]+)")
 _LETTERS = re.compile(r"[-+]?[0-9OoIl]*[0-9][0-9OoIl.]*|[-+]?[OoIl]+[0-9.]+")
 _MARKED = re.compile(r"[-+]?[0-9]{1,3}(?:['_][0-9]{3})+(?:\.[0-9]+)?")
 _BLANK = re.compile(r"(?<=\s)-\s+(?=[0-9.])")
+_PLUS = re.compile(r"(?<=\s)\+\s+(?P<number>[0-9.]+)")
 _SUM = re.compile(
     r"[A-Za-z_][A-Za-z0-9_]*(?:\s*[-+*/]\s*(?:[A-Za-z_][A-Za-z0-9_]*|[0-9.]+))+|[0-9.]+(?:[*/+][A-Za-z0-9_.]+)+"
 )
@@ -158,6 +159,10 @@ def number(line: Line) -> Guess | None:
         end = found.end() + len(_TOKEN.match(line.bare[found.end() :])[0])  # type: ignore[index]  # a digit follows
         put = f"-{line.bare[found.end() : end]}"
         return line.guess(found.start(), end, "the minus sign stands apart from its number", put)
+    if line.is_motion and (found := _PLUS.search(line.bare, line.behind)):
+        number_ = found["number"]
+        help_ = f"write {number_} for one value, or $(...) around a sum"
+        return line.guess(found.start(), found.end(), "a plus sign stands by itself", None, help_)
     for at, text in _tokens(line):
         if is_number(text):
             continue
@@ -181,13 +186,20 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
         put = text.translate(str.maketrans("OoIl", "0011"))
         if is_number(put):
             return line.guess(at, end, f"`{text}` is not a number: a letter stands for a digit", put)
+    if line.is_motion and (found := re.fullmatch(r"(?P<signs>[-+]{2,})(?P<value>[0-9.]+)", text)):
+        help_ = f"write {found['value']} or -{found['value']}: a number has one sign"
+        return line.guess(at, end, f"`{text}` is not a number", None, help_)
+    if line.is_motion and re.fullmatch(r"[-+]?[0-9]+(?:\.[0-9]+){2,}", text):
+        first, _, rest = text.partition(".")
+        help_ = f"a number has one decimal point: write {first}.{rest.replace('.', '')}, or two numbers with a blank between them"
+        return line.guess(at, end, f"`{text}` is not a number", None, help_)
     if line.is_motion and text.upper() == "PI":
         return line.guess(
             at,
             end,
             "`pi` is not a number: names have a `$` before them",
             None,
-            "write $PI or $(180*PI), in the line's units",
+            _half_turn(line.units.get("angle")),
         )
     if line.is_motion and _SUM.fullmatch(text) and _knows(line, text):
         put = f"$({text})"
@@ -195,6 +207,13 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
     if line.is_motion and any(text.upper() == one.upper() for one in line.around.declared.get("LET", ())):
         return line.guess(at, end, f"`{text}` is not a number", f"${text}", f"write ${text} for its value")
     return None
+
+
+def _half_turn(unit: str | None) -> str:
+    """Return what to write for half a turn."""
+    if unit == "rad":
+        return "write $PI"
+    return f"write 180 for half a turn: the line's angles are in {unit or 'deg'}; the number is $PI"
 
 
 def _knows(line: Line, text: str) -> bool:
@@ -215,7 +234,7 @@ def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | 
                 end,
                 f"`{text}` is no length of a BLEND: units stand in brackets behind the command",
                 value,
-                f"write BLEND {value} ({unit})",
+                f"write BLEND {value}; the line's units have {unit} already",
             )
         return None
     message = f"`{text}` is not a number: units stand in brackets, one for all values of their kind"

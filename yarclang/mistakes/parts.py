@@ -9,17 +9,33 @@ from yarclang.syntax.words import OPTIONS, STATES
 from yarclang.units import UNITS
 
 _TIME = re.compile(
-    r"\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
+    r"(?<!BLEND)(?<!TOL)(?<!ACC)\s(?P<time>\(\s*(?P<round>[0-9.]+%?|MIN)\s*\)|<\s*(?P<angle>[0-9.]+)\s*>|[Tt]\s*=\s*(?P<equals>[0-9.]+))(?=\s|$)"
 )
 _BARE = re.compile(r"\s(?P<bare>[0-9.]+%|MIN)(?=\s|$)")
 _INSIDE = re.compile(r"\[\s*(?P<inside>[^\]\[]*?)\s*\]")
 _SECONDS = re.compile(r"(?P<number>[0-9.]+)\s*(?P<unit>[A-Za-z]+)")
-_SPEED = re.compile(r"[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?")
-_ORDER = re.compile(
-    r"(?P<early>(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\))(?:\s*(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\)))*)\s*(?P<time>\[[^\]]*\])"
+_SPEED = re.compile(
+    r"(?:[Vv]\s*=?\s*(?P<value>[0-9.]+)\s*(?P<unit>[A-Za-z]+\s*/\s*[A-Za-z]+)?|(?P<alone>[0-9.]+)\s*(?P<per>[A-Za-z]+\s*/\s*[A-Za-z]+))"
+)
+_BARE_SECONDS = re.compile(
+    r"(?<=\s)(?P<all>(?:(?:in|for|time)\s+)?(?P<number>[0-9.]+)\s*(?P<unit>s|ms|sec|secs|seconds?))(?=\s|$)",
+    re.I,
+)
+_EARLY = r"(?:\{\s*\w+\s*\}|\([A-Za-z, ]+\)|(?:BLEND|TOL|ACC)\s+[0-9.]+|NEAR\s+[A-Za-z_]\w*)"
+_ORDER = re.compile(rf"(?P<early>{_EARLY}(?:\s*{_EARLY})*)\s*(?P<time>\[[^\]]*\])", re.I)
+_BRACKETED_OPTION = re.compile(
+    r"(?<=\s)(?P<word>BLEND|TOL|ACC)\s*(?:\[\s*(?P<square>[0-9.]+)\s*\]|\(\s*(?P<round>[0-9.]+)\s*\))", re.I
+)
+_BOTH_FRAMES = re.compile(
+    r"\s+(?P<moving>\{\s*\w+\s*\})\s*(?P<base>\{\s*\w+\s*\})(?P<values>(?:\s+[-+$0-9.][^\s\[({;]*)+)(?=\s|$)"
+)
+_UNITS_ELSEWHERE = re.compile(
+    r"(?<=\s)(?P<open>[\[{(]?)\s*(?P<units>[A-Za-z]+(?:\s*[,;]\s*[A-Za-z]+)+)\s*(?P<close>[\]})]?)(?=\s|$)"
 )
 _UNITS_APART = re.compile(r"\((?P<units>[A-Za-z]+(?:[\s;/]+[A-Za-z]+)+)\)")
 _UNIT_LIST = re.compile(r"\((?P<units>[A-Za-z]+(?:\s*,\s*[A-Za-z]+)*)\)")
+_ELSEWHERE = re.compile(r"\{\s*(?P<name>WORLD0?|BASE0?|ROBROOT|ROBOT|WOBJ0|TOOL0?)\s*\}", re.I)
+_SQUARE_FRAME = re.compile(r"\[\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\]")
 _ROUND_FRAME = re.compile(r"\(\s*(?P<name>[A-Za-z_][A-Za-z0-9_]*)\s*\)")
 _OPTION = re.compile(r"(?<=\s)(?P<word>[A-Za-z]{3,})(?P<rest>\s*=\s*|\s+)(?P<value>[0-9][0-9.]*)(?=\s|$)")
 _FRAMES = ("TCP", "FLANGE", "B")
@@ -48,6 +64,8 @@ def time(line: Line) -> Guess | None:
             "a motion time stands in square brackets",
             f"[{found['bare']}]",
         )
+    if line.is_motion and "[" not in line.bare and (found := _BARE_SECONDS.search(line.bare, line.behind)):
+        return _with_unit(line, found.start("all"), found.end("all"), found)
     found = _INSIDE.search(line.bare, line.behind)
     if found is None:
         return None
@@ -64,7 +82,7 @@ def time(line: Line) -> Guess | None:
             at, at + len(inside), f"`{inside}` is not a number: the decimal sign is a point", value
         )
     if (speed := _SPEED.fullmatch(inside)) and inside.split() != ["V", speed["value"]]:
-        per = speed["unit"]
+        per, value = speed["unit"] or speed["per"], speed["value"] or speed["alone"]
         if (
             per
             and line.units
@@ -76,7 +94,7 @@ def time(line: Line) -> Guess | None:
                 end,
                 f"a speed is written without its unit: units stand in brackets behind it, and here they are ({_units(line)})",
                 None,
-                f"write [V {speed['value']}] in them",
+                f"write [V {value}] in them",
             )
         return line.guess(
             begin,
@@ -84,7 +102,7 @@ def time(line: Line) -> Guess | None:
             "a speed is written with a blank, and without its unit"
             if per
             else "a speed is V, a blank and a number",
-            f"[V {speed['value']}]",
+            f"[V {value}]",
         )
     if (seconds := _SECONDS.fullmatch(inside)) and UNITS.get(seconds["unit"].lower()) is not None:
         return _with_unit(line, begin, end, seconds)
@@ -92,7 +110,8 @@ def time(line: Line) -> Guess | None:
 
 
 def _with_unit(line: Line, begin: int, end: int, found: re.Match[str]) -> Guess | None:
-    unit, here = UNITS[found["unit"].lower()], line.units.get("time")
+    written = found["unit"].lower()
+    unit, here = UNITS[_NAMES_OF_UNITS.get(written, written)], line.units.get("time")
     if unit.kind != "time" or not is_number(found["number"]):
         return None
     message = "a motion time is a number without its unit: units stand in brackets behind it"
@@ -106,7 +125,30 @@ def order(line: Line) -> Guess | None:
     """Answer a time behind units or the base frame, a second time, and an option before the values."""
     if not line.is_command:
         return None
-    times = list(_INSIDE.finditer(line.bare, line.behind))
+    if line.is_motion and (found := _BRACKETED_OPTION.search(line.bare, line.behind)):
+        word = found["word"].upper()
+        put = f"{word} {found['square'] or found['round']}"
+        message = f"the value of {word} has no brackets"
+        if found["square"] and line.bare.count("[") == 1:
+            # it may be the time, and the value left out
+            help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value behind it"
+            return line.guess(found.start(), found.end(), message, None, help_)
+        return line.guess(found.start(), found.end(), message, put)
+    if line.is_motion and (found := _BOTH_FRAMES.match(line.values)):
+        at, base = line.behind + found.start("base"), found["base"]
+        put = f"{found['values'].strip()} {base}"
+        if "[" in line.values[found.end() :] or "(" in line.values[found.end() :]:
+            return line.guess(
+                at,
+                at + len(base),
+                f"{base} stands behind values, time and units",
+                None,
+                f"write {base} there: the moving frame alone stands before the values",
+            )
+        return line.guess(
+            at, line.behind + found.end(), f"{base} stands behind the values: it is the base frame", put
+        )
+    times = [one for one in _INSIDE.finditer(line.bare, line.behind) if not _is_name(one["inside"])]
     if len(times) > 1:
         one = times[1]
         return line.guess(
@@ -124,7 +166,7 @@ def order(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end(),
-            f"{motion_time} stands before units and base frame, not behind {early}",
+            f"{motion_time} stands before units, base frame and options, not behind {early}",
             f"{motion_time} {early}",
         )
     if found := re.match(
@@ -138,6 +180,10 @@ def order(line: Line) -> Guess | None:
     return None
 
 
+def _is_name(text: str) -> bool:
+    return text.upper() != "MIN" and re.fullmatch(r"[A-Za-z_]\w*", text) is not None
+
+
 def units(line: Line) -> Guess | None:
     """Answer units without commas, and units by their names in full."""
     if found := _UNITS_APART.search(line.bare, line.begin):
@@ -145,6 +191,13 @@ def units(line: Line) -> Guess | None:
         if all(name.lower() in UNITS for name in names):
             return line.guess(
                 found.start(), found.end(), "units have commas between them", f"({','.join(names)})"
+            )
+    for found in _UNITS_ELSEWHERE.finditer(line.bare, line.behind):
+        names = re.split(r"\s*[,;]\s*", found["units"])
+        if (found["open"] != "(" or ";" in found["units"]) and all(name.lower() in UNITS for name in names):
+            put = f"({','.join(names)})"
+            return line.guess(
+                found.start(), found.end(), "units stand in round brackets, with commas between them", put
             )
     for found in _UNIT_LIST.finditer(line.bare, line.begin):
         for part in re.finditer(r"[A-Za-z]+", found["units"]):
@@ -168,6 +221,16 @@ def frame(line: Line) -> Guess | None:
         )
     if not line.is_motion:
         return None
+    if (found := _ELSEWHERE.search(line.bare, line.behind)) and found["name"].upper() not in names:
+        meant = (
+            "{TCP}, or {FLANGE} without a tool"
+            if "TOOL" in found["name"].upper()
+            else "{B}, the robot's base"
+        )
+        return line.guess(found.start(), found.end(), f"no frame is named {found[0]}", None, f"write {meant}")
+    if (found := _SQUARE_FRAME.search(line.bare, line.behind)) and found["name"].upper() in names:
+        put = f"{{{names[found['name'].upper()]}}}"
+        return line.guess(found.start(), found.end(), "a frame's name stands in braces", put)
     found = _ROUND_FRAME.search(line.bare, line.behind)
     if found is not None and found["name"].upper() in names and found["name"].lower() not in UNITS:
         return line.guess(

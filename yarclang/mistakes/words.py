@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from yarclang.commands.registry import actions, commands
-from yarclang.mistakes.line import Guess, Line, only
+from yarclang.mistakes.line import Guess, Line, is_number, only
 from yarclang.motion.profile import profile_names
 from yarclang.semantics.names.commands import is_command
 from yarclang.suggestions import is_slip, near
@@ -17,6 +17,9 @@ _RELATIVE = re.compile(
     re.I,
 )
 _APART = re.compile(r"(?P<sign>\s*[-.]\s*|\s+)(?P<suffix>[A-Za-z][A-Za-z0-9]*)(?=\s|$)")
+_POSITION = 3
+"""Values of a position."""
+
 _SAME = {"DMOVEL": "DMOVE", "DMOVEC": "DMOVE", "DMOVE_L": "DMOVE", "DMOVE_J": "DMOVEJ"}
 
 
@@ -80,6 +83,9 @@ def relative(line: Line) -> Guess | None:
     """Answer a word for a relative motion: never with an absolute one."""
     upper = line.word.upper()
     if (meant := _SAME.get(upper)) is not None:
+        if len(line.values.split()) == _POSITION and all(map(is_number, line.values.split())):
+            help_ = f"write {meant} {line.values.strip()} 0 0 0: the way, then no turn"
+            return line.guess(line.begin, line.behind, f"{line.word} is no command", meant, help_)
         return line.guess(line.begin, line.behind, f"{line.word} is no command", meant)
     if _RELATIVE.fullmatch(upper) and not (is_command(upper) and upper in commands()):
         return line.guess(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from pathlib import Path
 from typing import cast
@@ -20,6 +20,7 @@ from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import check_controller_text, is_compiled
+from yarclang.pipeline.explained import explained
 from yarclang.pipeline.followers import few_in_a_line, without_followers
 from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
@@ -111,8 +112,13 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
         return Checked((failure(error, source),), source)
 
 
-def check_further(checked: Checked) -> Checked:
-    """Return what a check of the same text with planning gives, from one without; nothing is done twice, but that loops are carried out in full."""
+def check_further(checked: Checked, early: Callable[[Checked], None] | None = None) -> Checked:
+    """Return what a check of the same text with planning gives, from one without; nothing is done twice, but that loops are carried out in full.
+
+    Args:
+        checked: what a check without planning has found.
+        early: called with what is known when all motions are planned, before they are proved; not for a program with errors.
+    """
     begun = checked.begun
     if begun is None:
         return checked
@@ -122,13 +128,13 @@ def check_further(checked: Checked) -> Checked:
         assert begun.program.value is not None  # a check always gives a program
         is_whole = not begun.program.value.is_cut
         begun = replace(begun, opened=opened) if is_whole else _begun(opened, begun.found, begun.project)
-    return _planned_if_possible(begun)
+    return _planned_if_possible(begun, early)
 
 
-def _planned_if_possible(begun: Begun) -> Checked:
+def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None = None) -> Checked:
     """What all stages make; if one of them fails, what was found without them, and the failure."""
     try:
-        return _planned(begun)
+        return _planned(begun, early)
     except Exception as error:  # a bug of ours
         checked = _unplanned(begun)
         found = in_order((*checked.diagnostics, failure(error, begun.source)))
@@ -169,26 +175,36 @@ def _unplanned(begun: Begun) -> Checked:
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, begun=begun)
 
 
-def _planned(begun: Begun) -> Checked:
+def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
     """What all stages make. Lines that couldn't be read are missing from the plan: what such a program does isn't proved."""
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
-    found, compiled, products = (*begun.found, *planned.diagnostics), None, list[object]()
+    found, compiled, said = (*begun.found, *planned.diagnostics), None, dict(begun.said)
     if planned.value is not None:
-        products.append(planned.value)
+        said |= remarks((planned.value,), begun.around, _silent(project))
         if not has_errors(begun.found):
+            if early is not None:
+                early(_before_the_proof(begun, planned.value, found, said))
             made = certified(planned.value, request)
             found, compiled = (*found, *made.diagnostics), made.value
             if compiled is not None:
-                products.append(compiled.certificate)
-    tell("looking for what else is worth saying", 0)
-    said = {**begun.said, **remarks(products, begun.around, _silent(project))}
+                tell("looking for what else is worth saying", 0)
+                said |= remarks((compiled.certificate,), begun.around, _silent(project))
     go_on()
     found = (*found, *findings_of(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)
     diagnostics = settled(found, source, project, begun.opened, is_whole=is_whole)
     proved = None if has_errors(diagnostics) else compiled
     return Checked(diagnostics, source, begun.opened, begun.program.value, planned.value, proved)
+
+
+def _before_the_proof(
+    begun: Begun, plan: MotionPlan, found: tuple[Diagnostic, ...], said: Remarks
+) -> Checked:
+    """What is known of a program whose motions are planned, and not proved."""
+    found = (*found, *findings_of(said, begun.around, found))
+    diagnostics = settled(found, begun.source, begun.project, begun.opened)
+    return Checked(diagnostics, begun.source, begun.opened, begun.program.value, plan)
 
 
 def _silent(project: Project) -> set[str]:
@@ -223,7 +239,7 @@ def settled(
     """
     told: list[Diagnostic] = []
     go_on()
-    found = without_followers(answered(diagnostics, source), source)
+    found = without_followers(explained(answered(diagnostics, source)), source)
     unjudged: frozenset[int] = frozenset()
     if opened is not None:
         unjudged = uncalled_lines(opened.module) if is_whole and has_suppressions(source) else unjudged

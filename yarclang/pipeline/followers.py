@@ -79,6 +79,7 @@ class _Reasons:
 
     def __init__(self, found: Iterable[Diagnostic], causes: set[int], source: SourceFile) -> None:
         self._source, self._causes = source, causes
+        self._wrong = {_line(one, source) for one in each(found) if one.is_error} - {0}
         self._lines: dict[str, set[int]] = {}
         """The lines of the findings of each code, 0 in other files."""
         for one in each(found):
@@ -118,10 +119,20 @@ class _Reasons:
             case "default":
                 return self._lost_default and not _is_like(self._firsts.get(line, ""), "DEFAULT")
             case "use":
-                return self._lost_name
+                return self._lost_name or self._is_spoken_of(one)
             case "name" | "meaning":
                 return self._lost(one, line)
         return False
+
+    def _is_spoken_of(self, one: Diagnostic) -> bool:
+        """Return True if a line with an error has the name that a finding is about."""
+        if one.span is None or one.source is not self._source or one.span.line != one.span.end_line:
+            return False
+        said = self._source.line(one.span.line)[one.span.column - 1 : one.span.end_column - 1]
+        return any(
+            said.strip("{} ").upper() in _words(self._source.line(line))
+            for line in each(self._wrong - {one.span.line})
+        )
 
     def _like(self, word: str) -> list[int]:
         """Return the lines with errors that begin with a word, or one like it."""

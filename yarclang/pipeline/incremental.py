@@ -116,6 +116,7 @@ class Analyst:
         quick: bool = False,
         begun: Checked | None = None,
         cancelled: Callable[[], bool] | None = None,
+        early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
         """Look at the text of a program that belongs to a folder.
 
@@ -125,6 +126,7 @@ class Analyst:
             quick: only what needs no planning, and of loops and SUBs no more than ENOUGH_AT_FIRST lines.
             begun: what such a look has found in this text, if there was one: then the look goes on from there.
             cancelled: asked often whether to give up.
+            early: called with what is known when all motions are planned, before they are proved, if the look goes on from a quick one.
 
         Returns:
             None where the work was given up; what was worked out up to there is remembered.
@@ -133,7 +135,7 @@ class Analyst:
         try:
             with told_to(unless(cancelled) if cancelled is not None else None):
                 if begun is not None and not quick:
-                    checked = check_further(begun)
+                    checked = check_further(begun, early)
                 else:
                     checked = check_text(source, folder, options, plans=not quick)
         except GivenUp:

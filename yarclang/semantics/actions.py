@@ -248,6 +248,10 @@ def read_wait(
     return WaitUntil(origin, condition, seconds)
 
 
+def _changes(name: str) -> str:
+    return f"SET changes an output, or a register, which REGISTER {name} 0..9 declares"
+
+
 def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> Assign | None:
     """SET COUNT = COUNT + 1, SET GO = COUNT and SET GO COUNT."""
     before = len(findings.found)
@@ -263,7 +267,12 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
         )
         findings.add("Y0210", f"no register or output is named {word.text}", span, help_, subject=subject)
     elif not isinstance(found, Register | Output):
-        findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a register or an output", span)
+        findings.add(
+            "Y0209",
+            f"{word.text} is {KINDS[type(found)]}, not a register or an output",
+            span,
+            _changes(word.text),
+        )
     try:
         if statement.expression is not None:
             value = number_of(statement.expression, scope)
@@ -397,6 +406,13 @@ def _seconds(
         return None
     if not 0.0 < seconds <= LONGEST_WAIT:
         message = f"[{found}]: a wait is above 0 and at most {LONGEST_WAIT:g} s"
-        findings.add("Y0407", message, span)
+        findings.add(
+            "Y0407",
+            message,
+            span,
+            "write how long, as [0.5] (s), or take the WAIT away"
+            if not seconds > 0.0
+            else "split it, or wait for an input: WAIT DOOR ON",
+        )
         return None
     return seconds

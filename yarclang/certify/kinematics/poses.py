@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang import hir
 from yarclang.cell.model import Cell, HalfSpace, Mount, ShapeRegion
@@ -32,25 +33,27 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
                 given.setdefault(len(goal.told.numbers), []).append((step, goal, goal.told))
         yield from ((step, reason) for reason in frames.wrong(motion.origin.tool))
     for group in given.values():
-        numbers = of_numbers(np.array([told.numbers for *_, told in group]))
-        for (step, goal, told), pose in zip(group, numbers, strict=True):
-            base, moving = frames.placed(told.base), frames.placed(told.moving)
-            if isinstance(goal, hir.PoseGoal):
-                pairs = [(goal.base_from_moving, base @ pose)]
-            else:
-                asked = np.eye(4)
-                asked[:3, :3], asked[:3, 3] = goal.turn, goal.shift
-                axes = np.eye(4)
-                axes[:3, :3] = base[:3, :3]
-                said = np.eye(4)
-                said[:3, :3] = goal.axes
-                pairs = [(asked, pose), (said, axes)]
-            pairs.append((goal.flange_from_moving, moving))
-            if not all(_are_one(one, other) for one, other in pairs):
-                yield (
-                    step,
-                    "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
-                )
+        written = of_numbers(np.array([told.numbers for *_, told in group]))
+        bases = np.array([frames.placed(told.base) for *_, told in group])
+        moving = np.array([frames.placed(told.moving) for *_, told in group])
+        same = _are_all_one(np.array([goal.flange_from_moving for _, goal, _ in group]), moving)
+        are_poses = np.array([isinstance(goal, hir.PoseGoal) for _, goal, _ in group])
+        poses = [goal.base_from_moving for _, goal, _ in group if isinstance(goal, hir.PoseGoal)]
+        if poses:
+            same[are_poses] &= _are_all_one(np.array(poses), bases[are_poses] @ written[are_poses])
+        deltas = [goal for _, goal, _ in group if isinstance(goal, hir.PoseDelta)]
+        if deltas:
+            asked, said, axes = (np.tile(np.eye(4), (len(deltas), 1, 1)) for _ in range(3))
+            asked[:, :3, :3] = [goal.turn for goal in deltas]
+            asked[:, :3, 3] = [goal.shift for goal in deltas]
+            said[:, :3, :3] = [goal.axes for goal in deltas]
+            axes[:, :3, :3] = bases[~are_poses, :3, :3]
+            same[~are_poses] &= _are_all_one(asked, written[~are_poses]) & _are_all_one(said, axes)
+        for place in np.flatnonzero(~same).tolist():
+            yield (
+                group[place][0],
+                "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
+            )
     if program.cell is not None:
         yield from ((None, reason) for reason in _wrong_places(program.cell))
 
@@ -135,5 +138,11 @@ def _followed(told: tuple[Array, ...]) -> Array:
 
 def _are_one(one: Array, other: Array) -> bool:
     """Return True if two transforms (4, 4) are one but for rounding."""
-    allowed = SAME * max(1.0, float(np.abs(other[:3, 3]).max()))
-    return bool(np.abs(one - other).max() <= allowed)
+    return bool(_are_all_one(one[None], other[None])[0])
+
+
+def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
+    """Return for each pair of transforms (n, 4, 4) if they are one but for rounding; one that isn't finite is not."""
+    allowed = SAME * np.maximum(1.0, np.abs(others[:, :3, 3]).max(axis=1))
+    made: NDArray[np.bool_] = np.abs(ones - others).max(axis=(1, 2)) <= allowed
+    return made

@@ -6,6 +6,8 @@ import hashlib
 import json
 from collections import Counter
 from collections.abc import Sequence
+from functools import cache
+from importlib.metadata import PackageNotFoundError, metadata
 from pathlib import PurePath
 from typing import Any
 from urllib.parse import quote
@@ -25,14 +27,16 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
     """One run, with the rules of the findings that there are."""
     codes = sorted({one.code for one in found})
+    pages = addresses()
+    driver: dict[str, Any] = {
+        "name": "yarc check",
+        "version": __version__,
+        "rules": [_rule(everything()[code], pages.get("documentation", "")) for code in codes],
+    }
+    if "homepage" in pages:
+        driver["informationUri"] = pages["homepage"]
     run = {
-        "tool": {
-            "driver": {
-                "name": "yarc check",
-                "version": __version__,
-                "rules": [_rule(everything()[code]) for code in codes],
-            }
-        },
+        "tool": {"driver": driver},
         "columnKind": "unicodeCodePoints",
         "artifacts": [{"location": {"uri": _uri(file)}} for file in files],
         "results": _results(found, codes),
@@ -43,12 +47,24 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
     )
 
 
-def _rule(finding: Finding) -> dict[str, Any]:
+@cache
+def addresses() -> dict[str, str]:
+    """Return the project's public addresses by their labels in small letters, as the installed package names them; none of a package that names none."""
+    try:
+        named = metadata("yarclang").get_all("Project-URL") or []
+    except PackageNotFoundError:  # a tree that isn't installed
+        return {}
+    pairs = (one.partition(",") for one in named)
+    return {label.strip().lower(): address.strip() for label, _, address in pairs}
+
+
+def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
     text = finding.why
     for title, lines in (("For example", finding.example), ("Better", finding.better)):
         if lines:
             text += f"\n\n{title}:\n\n{lines}"
-    return {
+    page_of = {"helpUri": f"{documentation.rstrip('/')}/findings#{finding.code.lower()}-{finding.name}"}
+    return (page_of if documentation else {}) | {
         "id": finding.code,
         "name": "".join(part.capitalize() for part in finding.name.split("-")),
         "shortDescription": {"text": f"{finding.title}."},

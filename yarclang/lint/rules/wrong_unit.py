@@ -56,12 +56,12 @@ def _placed(away: float, arm: float) -> tuple[str, str]:
     if away > arm:
         return (
             f"this pose is {away:,.0f} m from {{B}}; the arm is {arm:.2g} m long",
-            "are these mm and not metres?",
+            "are these mm and not metres? then write mm among the units",
         )
     meant = "; 1000 times as far would be within reach" if away * 1e3 < 1.5 * arm else ""
     return (
         f"this pose is {away / MM:.3g} mm from {{B}}, inside of the robot's foot{meant}",
-        "are these metres and not mm?",
+        "are these metres and not mm? then write m among the units",
     )
 
 

@@ -58,14 +58,18 @@ def _page(server: Server, code: str) -> types.CodeDescription:
 
 def _name(analysis: Analysis) -> str:
     """What tells an answer from another one."""
-    return f"{analysis.document.version}.{analysis.generation}.{int(analysis.is_whole)}"
+    return f"{analysis.document.version}.{analysis.generation}.{2 if analysis.is_whole else int(analysis.is_planned)}"
 
 
 async def _asked(
     server: Server, params: types.DocumentDiagnosticParams
 ) -> types.RelatedFullDocumentDiagnosticReport | types.RelatedUnchangedDocumentDiagnosticReport:
     patience = PATIENCE if _can_ask_again(server) else None
-    analysis = await server.analyses.whole(params.text_document.uri, patience)
+    uri = params.text_document.uri
+    if patience is None:
+        analysis = await server.analyses.whole(uri, None)
+    else:
+        analysis = await server.analyses.most(uri, patience)
     if analysis is None:
         return types.RelatedFullDocumentDiagnosticReport(items=[])
     if not analysis.is_whole:
@@ -79,7 +83,9 @@ async def _asked(
 def _arrived(server: Server, analysis: Analysis) -> None:
     """Send findings, or tell a client that asks that there are more now."""
     uri = analysis.document.uri
-    if not _asks(server):
+    if analysis.repeats:
+        server.owed.discard(uri)
+    elif not _asks(server):
         server.text_document_publish_diagnostics(
             types.PublishDiagnosticsParams(uri, _items(server, analysis), version=analysis.document.version)
         )

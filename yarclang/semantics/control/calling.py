@@ -68,7 +68,9 @@ class Calls:
             else:
                 known = sorted(set(scope.names(Routine)))
                 subject = unknown(word.text, known)
-                help_ = subject.question or (f"there are {', '.join(known)}" if known else "")
+                help_ = subject.question or (
+                    f"there are {', '.join(known)}" if known else f"write SUB {word.name}, its lines and END"
+                )
                 findings.add("Y0210", f"no SUB is named {word.text}", span, help_, subject=subject)
             return None
         if sub in self._subs:

@@ -61,7 +61,9 @@ def bind(
             f"{values_of(head)[0].text} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), "
             f"{len(given)} given"
         )
-        findings.add("Y0411", message, statement.whole_span)
+        name = values_of(head)[0].text
+        help_ = f"write CALL {name} {listed}, with a value for each" if wanted else f"write CALL {name} alone"
+        findings.add("Y0411", message, statement.whole_span, help_)
         return False
     fine = True
     for parameter, value in zip(wanted, given, strict=True):

@@ -31,6 +31,7 @@ from yarclang.semantics.values.units import amount, joint_kinds, number_fault, r
 from yarclang.source import SourceFile
 from yarclang.subjects import LeftOut
 from yarclang.syntax.ast import FrameName, Statement, Value, Word
+from yarclang.syntax.leaves import from_to
 from yarclang.syntax.words import RESERVED
 from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
@@ -260,7 +261,12 @@ def numbers_of_line(
     if len(given) != len(labels):
         verb = "is" if len(given) == 1 else "are"
         message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
-        findings.add("Y0401", message, statement.whole_span)
+        missing = labels[len(given) :]
+        help_ = f"write {' '.join(missing)} behind them" if given else "write one for each behind the name"
+        if not missing:
+            help_ = f"take the last {len(given) - len(labels)} away"
+        where = from_to(given[0].place, given[-1].place) if given else None
+        findings.add("Y0401", message, statement.span(where) if where else statement.whole_span, help_)
         return None
     numbers = np.empty(len(labels))
     for place, (value, kind) in enumerate(zip(given, values.kinds(joint_kinds(robot)), strict=True)):

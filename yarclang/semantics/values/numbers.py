@@ -43,7 +43,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
         help_ = (
             f"{difference} missing: {' '.join(labels[given:])}"
             if difference > 0
-            else f"{-difference} surplus"
+            else _surplus(waypoint.values[len(labels) :])
         )
         verb = "is" if given == 1 else "are"
         message = f"{which} wants {len(labels)} values ({' '.join(labels)}), {given} {verb} given"
@@ -54,6 +54,14 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
     if line.units is None:
         return None
     return _in_si(line, waypoint, values.kinds(joint_kinds(line.robot)))
+
+
+def _surplus(values: tuple[Value, ...]) -> str:
+    """Return what to do about values behind the last one that is wanted."""
+    if len(values) > 1:
+        return f"take the last {len(values)} away"
+    text = values[0].text
+    return f"take {text} away, or write [{text}] if it is the motion time"
 
 
 def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:

@@ -41,12 +41,21 @@ def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> Non
         and _is_within(robot, turned)
         and np.abs(turned - q).max() > 2.0 * np.pi
     ):
-        help_ = f"{help_}; are these deg and not rad?"
+        help_ = f"{help_}; are these deg and not rad? then write (deg)"
     findings.add("Y0502", message, span, help_)
 
 
 def _is_within(robot: Robot, q: Array) -> bool:
     return bool(((q >= robot.limits.lower) & (q <= robot.limits.upper)).all())
+
+
+def _unit_quaternion(numbers: Array, norm: float) -> str:
+    """Return what to do about a quaternion (4,) that isn't of length one."""
+    order = "the order is qx qy qz qw, with the real part last"
+    if not norm > QUATERNION_TOLERANCE:
+        return order
+    scaled = " ".join(f"{value:.9g}" for value in numbers / norm)
+    return f"{order}; with the length 1 these are {scaled}"
 
 
 def rotation_of(
@@ -58,7 +67,7 @@ def rotation_of(
     norm = float(np.linalg.norm(numbers))
     if abs(norm - 1.0) > QUATERNION_TOLERANCE:
         message = f"the quaternion qx qy qz qw has the norm {norm:.6g}, not 1"
-        findings.add("Y0404", message, span(), "the order is qx qy qz qw, with the real part last")
+        findings.add("Y0404", message, span(), _unit_quaternion(numbers, norm))
         return None
     return quaternion_rotation(numbers)
 

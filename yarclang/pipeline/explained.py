@@ -1,0 +1,41 @@
+"""Errors of places that can't be reached, with the rule's sentence that says why, as one finding."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.lint.registry import rules
+
+_UNREACHED = ("Y0501", "Y0502")
+"""A pose out of reach, and one that needs a joint beyond its limits."""
+
+
+def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
+    """Return the findings, an error and the warning that explains it as one: the error, with what the warning asks.
+
+    Args:
+        diagnostics: all findings, those of one command with the same file and first line.
+    """
+    found = tuple(diagnostics)
+    unreached = {_place(one) for one in found if one.is_error and one.code in _UNREACHED}
+    if not unreached:
+        return found
+    reasons: dict[tuple[str, int], Diagnostic] = {}
+    explaining = {rule.finding.code for rule in rules() if rule.explains_errors}
+    for one in found:
+        if one.code in explaining and not one.is_error and _place(one) in unreached:
+            reasons.setdefault(_place(one), one)
+    told: list[Diagnostic] = []
+    for one in found:
+        reason = reasons.get(_place(one))
+        if reason is None or (one is not reason and one.code not in _UNREACHED):
+            told.append(one)
+        elif one.is_error:
+            told.append(replace(one, help=f"{reason.help} {reason.message}", fix=one.fix or reason.fix))
+    return tuple(told)
+
+
+def _place(one: Diagnostic) -> tuple[str, int]:
+    return (one.source.name if one.source else "", one.span.line if one.span else 0)

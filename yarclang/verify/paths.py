@@ -239,7 +239,7 @@ def frame_path(
         0 if turns else in_si(x, PRINTED, turns) + 1
         for x, turns in zip(travel, motion.arm.turns, strict=True)
     ]
-    reach = motion.arm.reaches(tool, slides)
+    reach = motion.arm.reaches(len(slides), motion.arm.to_flange(tool[1]), slides)
     most = chord = 0
     speeds = []
     here = start

@@ -10,9 +10,10 @@ from itertools import chain
 from typing import Any, NoReturn
 
 from yarclang.verify import course, joints
+from yarclang.verify.apart import check_apart
 from yarclang.verify.arm import Arm, in_si, placed
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need
+from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, whole
 from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
@@ -23,12 +24,11 @@ _ROBOT = (
 )
 _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
 _MOVES = ("joint", "spline", "line", "arc")
-FORM = 1
+FORM = 2
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
-    "collisions of the robot with itself and with its cell, zones, and parts that are carried",
     "torques",
-    "that program and robot's numbers, as told here, are those of the source and of the robot's files",
+    "that program, cell and robot's numbers, as told here, are those of the source and of the files",
 )
 _MALFORMED = (
     KeyError,
@@ -131,7 +131,32 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.told.append(f"program {name}: {_shown(program[name])}")
     verdict.told += [f"between motions: {deed}" for deed in done if not deed.startswith("move ")]
     _check_motions(rows, program, proof, arm, verdict)
+    _check_bodies(rows, proof, arm, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:
+    """Check that bodies stay apart, and tell them."""
+    cell = proof["cell"]
+    need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell is told by other names than a cell's")
+    checked, left = check_apart(rows, cell, proof["planes"], arm)
+    verdict.checked.append(checked)
+    verdict.unchecked += left
+    bodies = cell["bodies"]
+    if any("during" in body for body in bodies):
+        verdict.unchecked.append("where carried parts are: as told here")
+    for body in bodies:
+        numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
+        for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):
+            numbers[f"corners in {axis}"] = [min(column), max(column)]
+        verdict.told.append(f"body {body['name']} [m]: {_shown(numbers)}")
+    for zone in cell["zones"]:
+        watched = [bodies[whole(one)]["name"] for one in zone["watched"]]
+        verdict.told.append(f"zone {_shown({**zone, 'watched': watched})}")
+    for one, other, least, first, last in cell["exceptions"]:
+        how = "may touch" if least is None else f"stay {float(least) * 1000:.6g} mm apart"
+        names = f"{bodies[whole(one)]['name']} and {bodies[whole(other)]['name']}"
+        verdict.told.append(f"{names} {how} during commands {first} to {last} of the map")
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:

@@ -12,11 +12,13 @@ import numpy as np
 from yarclang import hir
 from yarclang.certify.blends.corner import tolerance_of
 from yarclang.certify.claims import Claims
-from yarclang.certify.kinematics.arm import axes_of, flange_poses, steps_of
+from yarclang.certify.kinematics.arm import axes_of, flange_poses
 from yarclang.certify.kinematics.described import own_robot
 from yarclang.certify.kinematics.motors import counts_per_joint
 from yarclang.certify.motion.joint import joint_weights
 from yarclang.certify.motion.programmed import goal_pose
+from yarclang.certify.pmac.proof.planes import planes_of
+from yarclang.certify.pmac.proof.room import Room, commands_of, told_arm, told_frame
 from yarclang.certify.pmac.proof.shares import frame_proof, spline_proof
 from yarclang.certify.pmac.reader import READER
 from yarclang.certify.read.layout import Layout, Place, lay_out
@@ -66,7 +68,7 @@ def proof_of(
         raise NoProofError("the text isn't the program's")
     controller = turbo_pmac(robot)
     told = read(text, list(controller.axes), list(controller.motors), controller.coordinate_system)
-    _, course = follow(told)
+    rows, course = follow(told)
     motions, steps = dict[str, Any](), list[dict[str, Any]]()
     places = {place.step: (row, place) for row, place in enumerate(layout.places)}
     begins = flange_poses(robot.chain, layout.begins) if places else np.empty((0, 4, 4))
@@ -83,6 +85,7 @@ def proof_of(
                 steps[-1]["unchecked"] = proof
             elif proof is not None:
                 motions[str(number)] = proof
+    around = Room(commands_of(layout, program, robot), robot)
     document = {
         "form": FORM,
         "version": content.header.version,
@@ -97,6 +100,8 @@ def proof_of(
             "steps": steps,
         },
         "motions": motions,
+        "cell": around.told,
+        "planes": planes_of(rows, around.told, around.items, robot),
     }
     made = json.dumps(document, separators=(",", ":"), allow_nan=False) + "\n"
     verdict = verify(text.encode("ascii"), made.encode("ascii"))
@@ -122,7 +127,6 @@ def _robot(robot: Robot) -> dict[str, Any]:
         "name": robot.name,
         "fingerprint": robot.fingerprint,
         "joints": list(robot.joint_names),
-        "kinds": ["turns" if one else "slides" for one in turns.tolist()],
         "axes": list(controller.axes),
         "motors": list(controller.motors),
         "feedback": list(controller.feedback),
@@ -138,17 +142,13 @@ def _robot(robot: Robot) -> dict[str, Any]:
         "hold_time": controller.hold_time,
         "i8": controller.i8,
         "i10": controller.i10,
-        "arm": [_frame(step) for step in steps_of(robot.chain)],
+        **told_arm(robot),
     }
 
 
 def _in_units(numbers: Array) -> list[float | None]:
     """Return numbers of robot.toml as it writes them, without the last digits that the way to SI and back has changed."""
     return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
-
-
-def _frame(pose: Array) -> list[float]:
-    return [float(one) for one in pose[:3].ravel()]
 
 
 def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
@@ -171,7 +171,7 @@ def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claim
     match motion:
         case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
             pose = goal_pose(goal, begin.flange)[1]
-            told |= {"move": "line", "pose": _frame(pose), "tool": _frame(goal.flange_from_moving)}
+            told |= {"move": "line", "pose": told_frame(pose), "tool": told_frame(goal.flange_from_moving)}
             if isinstance(motion, hir.ArcMove):
                 told |= {"move": "arc", "via": motion.via.tolist()}
         case hir.JointMove() | hir.SplineMove() | hir.AvoidMove():
@@ -180,7 +180,7 @@ def _told(place: Place, begin: _Begin, robot: Robot, tolerance: Tolerance, claim
             if motion.tolerance is not None and place.size:
                 told["unchecked"] = "its path, since TOL is of the moving frame"
         case hir.PoseSplineMove(waypoints=waypoints):
-            poses = [_frame(one.base_from_moving) for one in waypoints]
+            poses = [told_frame(one.base_from_moving) for one in waypoints]
             told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}
         case hir.TimedMove():
             told |= {"move": "timetable", "unchecked": "its path and time, a timetable"}
@@ -212,8 +212,8 @@ def _through(place: Place, begin: _Begin, robot: Robot, claims: Claims) -> Itera
             case hir.PoseGoal():
                 of_text = isinstance(motion, hir.JointMove) or claimed is None
                 q_told = None if of_text or claimed is None else (claimed[number] / robot.axis_units).tolist()
-                frame = _frame(goal.flange_from_moving)
-                yield {"q": q_told, "pose": _frame(goal.base_from_moving), "tool": frame}
+                frame = told_frame(goal.flange_from_moving)
+                yield {"q": q_told, "pose": told_frame(goal.base_from_moving), "tool": frame}
 
 
 def _proof(

@@ -77,6 +77,10 @@ class Timeline:
         for row in self.rows:
             self.begins.append(self.begins[-1] + row.last - row.first)
         self.count = self.begins[-1]
+        self.runs, self.offsets = dict[int, Motion](), dict[int, int]()
+        for row, begin in zip(self.rows, self.begins, strict=False):
+            self.runs.setdefault(row.run, Motion(row, arm))
+            self.offsets.setdefault(row.run, (begin - row.first) * PARTS)
         self.links_at = lru_cache(64)(self._links_at)
         self.bounds = lru_cache(4096)(self._bounds)
 
@@ -91,13 +95,12 @@ class Timeline:
         number = bisect_right(self.begins, segment) - 1
         return self.rows[number], segment - self.begins[number]
 
-    def _links_at(self, segment: int, place: int) -> list[Frame]:
-        row, own = self._row(segment)
-        return self.arm.links(Motion(row, self.arm, PARTS).at(own, place)[0], [0] * len(self.arm.turns))
+    def _links_at(self, run: int, place: Fraction) -> list[Frame]:
+        return self.arm.links(self.runs[run].at(place)[0], [0] * len(self.arm.turns))
 
     def _bounds(self, segment: int) -> tuple[list[int], list[int]]:
         row, own = self._row(segment)
-        return Motion(row, self.arm, 1).bounds(own)[:2]
+        return Motion(row, self.arm).bounds(row.first + own)[:2]
 
     def stretch(self, begin: int, end: int, is_curve: bool) -> Stretch:
         """Return a stretch; as a room it is that of all segments that it touches."""
@@ -125,7 +128,7 @@ class Timeline:
         first, last = begin // PARTS, (end - 1) // PARTS
         row = self._row(first)[0]
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
-        links = [self.links_at(first, begin - first * PARTS), self.links_at(last, end - last * PARTS)]
+        links = [self.links_at(row.run, Fraction(one - self.offsets[row.run], PARTS)) for one in (begin, end)]
         bounds = [self.bounds(segment) for segment in range(first, last + 1)]
         w, a = ([max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True))
         return Stretch(links, w, a, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))

@@ -179,6 +179,11 @@ def told_frame(pose: Array) -> list[float]:
     return [float(one) for one in pose[:3].ravel()]
 
 
+def in_units(numbers: Array) -> list[float | None]:
+    """Return numbers of robot.toml as it writes them, without the last digits that the way to SI and back has changed."""
+    return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
+
+
 def exactly(told: Any) -> Any:
     """Return what is told as the checker reads it."""
     return json.loads(json.dumps(told), parse_float=Fraction, parse_int=Fraction)

@@ -9,6 +9,7 @@ from programs import robot_of
 
 from tests.collision.dense import Dense
 from tests.collision.test_proof import ROBOTS, drawn
+from yarclang.certify.kinematics.arm import KINEMATICS
 from yarclang.certify.pmac.proof.planes import planes_of
 from yarclang.certify.pmac.proof.room import During, Room, exactly, told_arm
 from yarclang.collision.zones.watched import tool_frame
@@ -221,3 +222,35 @@ def test_bodies_are_there_when_they_are():
         assert needs
         _, left = case.checked([], cell)
         assert any("EVERYWHERE" in one for one in left) == (count > 0)
+
+
+@pytest.mark.parametrize("seed", range(0, CASES, 2))
+def test_no_point_of_a_body_is_faster_than_its_bound(seed):
+    """The bound of a slow zone holds for all corners of a body, by the judge's placements and differences in time."""
+    case = Case(seed)
+    timeline, told = Timeline(case.rows, case.arm), exactly(case.cell)
+    travel = np.abs(np.concatenate([row.control for row in case.rows]).astype(np.float64)).max(axis=0)
+    far = [int(one) + 1 for one in travel * case.robot.axis_units / PRINTED * ONE]
+    bodies = ToldRoom(told, case.arm, far).bodies
+    sharp = 0
+    for _ in range(8):
+        begin = int(case.random.integers(0, timeline.begins[1] * PARTS - PARTS))
+        end = begin + int(case.random.integers(1, PARTS))
+        stretch = timeline.stretch(begin, end, is_curve=True)
+        row = case.rows[0]
+        step = 1e-4  # of a segment
+        at = np.linspace(begin / PARTS + step, end / PARTS - step, 15)
+        q = [case.joints((one - step) * PARTS, (one + step) * PARTS, 2) for one in at]
+        for body, item in zip(bodies, case.items, strict=True):
+            if body.joint == 0:
+                continue
+            speed = stretch.speed(body, case.arm.turns) / ONE
+            most = 0.0
+            for pair in q:
+                placed = KINEMATICS.placements(case.robot.chain, pair)[body.joint]
+                points = np.einsum("ijp,vj->pvi", placed[:, :3], item.points) + placed[:, 3].T[:, None]
+                moved = np.linalg.norm(points[1] - points[0], axis=1).max()
+                most = max(most, float(moved) / (2 * step * float(row.seconds)))
+            assert most <= speed * (1 + 1e-6) + 1e-6, body.name
+            sharp += most > 0.9 * speed
+    assert sharp > 5

@@ -12,6 +12,9 @@ are no nearer than it, whatever n is. Over a stretch, two bounds keep the gap:
   the gap isn't below the lesser of those at both ends by more than K d^2 / 8, for d seconds. With the sums W
   and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less that before), since each
   derivative by a joint is a cross product with its axis; a joint that slides adds 2 W |q'| + |q''|.
+
+In a slow zone, the speed of a point isn't above the larger one of those at both ends by more than d^2 / 8
+times its largest third derivative, of which the sum of reach (W^3 + 3 W A + J, less that before) is a bound.
 """
 
 from bisect import bisect_right
@@ -36,12 +39,13 @@ PARTS = 64
 @dataclass
 class Stretch:
     """A stretch of the text: the links in the middle of its room, and half the room's widths `w`; or, with
-    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w` and `a` of |q'| and |q''|.
+    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w`, `a` and `j` of |q'|, |q''| and |q'''|.
     """
 
     links: list[list[Frame]]
     w: list[int]
     a: list[int] = field(default_factory=list)
+    j: list[int] = field(default_factory=list)
     square: int = 0
 
     def gap(self, one: Body | Border, other: Body, normal: Sequence[Fraction], turns: Sequence[bool]) -> int:
@@ -52,6 +56,20 @@ class Stretch:
         for joint in range(one.joint, other.joint):
             gap -= times(other.reach[joint] if turns[joint] else ONE, self.w[joint])
         return gap
+
+    def speed(self, other: Body, turns: Sequence[bool]) -> int:
+        """Return a bound of the speeds of a body's points on a curve."""
+        sum_w = sum_a = sum_j = before = bend = 0
+        for joint in range(other.joint):
+            w, a, j = self.w[joint], self.a[joint], self.j[joint]
+            if not turns[joint]:
+                bend += 3 * times(times(sum_w, sum_w) + sum_a, w) + 3 * times(sum_w, a) + j
+                continue
+            sum_w, sum_a, sum_j = sum_w + w, sum_a + a, sum_j + j
+            upto = times(sum_w, sum_w, sum_w) + 3 * times(sum_w, sum_a) + sum_j
+            bend += times(other.reach[joint], upto - before + (ONE >> 64))
+            before = upto
+        return max(other.fastest(links[other.joint]) for links in self.links) + times(bend, self.square)
 
     def _bend(self, one: Body | Border, other: Body, turns: Sequence[bool]) -> int:
         """Return K, not too small."""
@@ -96,11 +114,11 @@ class Timeline:
         return self.rows[number], segment - self.begins[number]
 
     def _links_at(self, run: int, place: Fraction) -> list[Frame]:
-        return self.arm.links(self.runs[run].at(place)[0], [0] * len(self.arm.turns))
+        return self.arm.links(*self.runs[run].at(place))
 
-    def _bounds(self, segment: int) -> tuple[list[int], list[int]]:
+    def _bounds(self, segment: int) -> tuple[list[int], list[int], list[int]]:
         row, own = self._row(segment)
-        return Motion(row, self.arm).bounds(row.first + own)[:2]
+        return Motion(row, self.arm).bounds(row.first + own)
 
     def stretch(self, begin: int, end: int, is_curve: bool) -> Stretch:
         """Return a stretch; as a room it is that of all segments that it touches."""
@@ -130,8 +148,10 @@ class Timeline:
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
         links = [self.links_at(row.run, Fraction(one - self.offsets[row.run], PARTS)) for one in (begin, end)]
         bounds = [self.bounds(segment) for segment in range(first, last + 1)]
-        w, a = ([max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True))
-        return Stretch(links, w, a, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))
+        w, a, j = (
+            [max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True)
+        )
+        return Stretch(links, w, a, j, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))
 
 
 def check_apart(
@@ -142,7 +162,8 @@ def check_apart(
     Args:
         rows: all commands.
         told: `bodies`, `exceptions` from their margins, and `zones`.
-        planes: stretches [begin, end, is a curve, [pair, three integers: n in the first body's link], ...].
+        planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]; the
+            kind is 0 for a room, 1 for a curve, and 2 for a curve on which a slow zone is gone through slowly.
         arm: the arm.
     """
     timeline = Timeline(rows, arm)
@@ -154,18 +175,25 @@ def check_apart(
     room = Room(told, arm, travel)
     pairs, bodies = room.pairs(timeline.steps), room.bodies
     end, count = timeline.count * PARTS, sum(bool(pair.needs) for pair in pairs)
-    for first, last, is_curve, *named in sorted(planes):
-        stretch = timeline.stretch(whole(first, end), whole(last, end), whole(is_curve, 1) != 0)
+    for first, last, kind, *named in sorted(planes):
+        stretch = timeline.stretch(whole(first, end), whole(last, end), whole(kind, 2) != 0)
         for number, *normal in named:
             need(0 <= number < len(pairs), "a plane of no pair")
             pair = pairs[whole(number)]
             one, other = room.all[pair.one], bodies[pair.other]
+            if kind == 2:
+                speed = stretch.speed(other, arm.turns)
+                need(speed <= one.speed, f"{other.name} isn't shown to be slow enough in {one.name}")
+                pair.goes_on(whole(first), whole(last))
+                continue
             gap = stretch.gap(one, other, normal, arm.turns)
             margin = pair.goes_on(whole(first), whole(last))
             shown = f"{gap / ONE * 1000:.6g} mm instead of {margin / ONE * 1000:.6g} mm"
             need(gap >= margin + SLACK, f"{other.name} isn't shown to keep away from {one.name}: {shown}")
     left = [pair for pair in pairs if pair.needs]
-    checked = f"{count - len(left)} of {count} pairs of bodies and zones keep apart by their margins"
+    checked = (
+        f"{count - len(left)} of {count} pairs of bodies, and of zones and bodies, keep margins and speeds"
+    )
     names = dict.fromkeys(f"{bodies[pair.other].name} and {room.all[pair.one].name}" for pair in left)
     return checked, [*(f"that {name} keep apart" for name in names), *room.left]
 

@@ -249,8 +249,8 @@ class Followed:
     """A motion along the path of a frame, and what was found of it.
 
     From the place `begin` to the place `end` the frame is within `most` of the path, and within `chord` of
-    its turn, from the share `shares[0]` of the path to `shares[1]`; `speeds` are its least and largest speed on
-    pieces, each of which lies in one of `segments`. `sweep` is the angle of an arc.
+    its turn, from the share `shares[0]` of the path to `shares[1]`; `speeds` are its least and largest
+    speed on pieces, each of which lies in one of `segments`. `sweep` is the angle of an arc.
     """
 
     motion: Motion

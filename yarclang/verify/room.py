@@ -6,11 +6,13 @@ from fractions import Fraction
 from itertools import combinations, product
 from typing import Any
 
-from yarclang.verify.arm import Arm, Frame, Vector, dot, placed
-from yarclang.verify.exact import ONE, above, fixed, length, need, times, whole
+from yarclang.verify.arm import Arm, Frame, Vector, cross, dot, placed
+from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
 
 BORDER = above(Fraction(1, 100_000))
 """What is beyond a border of a zone by less than 0.01 mm is on it."""
+_FASTER = 1 + Fraction(1, 1000)
+"""A speed in a slow zone is kept but for 0.1 %."""
 
 
 class Body:
@@ -19,6 +21,7 @@ class Body:
     def __init__(self, told: dict[str, Any], arm: Arm, travel: Sequence[int]) -> None:
         self.name, self.joint = str(told["name"]), int(told["joint"])
         self.during, self.is_point = told.get("during"), told.get("point", False)
+        self.speed = 0
         need(self.joint == told["joint"] and 0 <= self.joint <= len(arm.turns), "a body on no joint")
         self.axes, self.origin = placed(told["pose"])
         self.core, self.corners = [fixed(one) for one in told["core"]], told.get("corners", [])
@@ -36,6 +39,20 @@ class Body:
         """Return True if the body is there during a command."""
         return self.during is None or any(first <= step <= last for first, last in self.during)
 
+    def fastest(self, link: Frame) -> int:
+        """Return a bound of the speeds of the body's points where a link is, with its rate and spin."""
+        most = 0
+        signs = product(*((-one, one) if one else (0,) for one in self.core))
+        for point in product(signs, self.corners or [[0, 0, 0]]):
+            own = [a + b for a, b in zip(*point, strict=True)]
+            seen = [
+                dot(row, own) + o for row, o in zip(zip(*self.axes, strict=True), self.origin, strict=True)
+            ]
+            away = [dot(row, seen) for row in zip(*link.axes, strict=True)]
+            rate = [a + b for a, b in zip(link.rate, cross(link.spin, away), strict=True)]
+            most = max(most, length(*rate))
+        return most + times(self.disc + self.radius, length(*link.spin)) + SLACK
+
     def extent(self, link: Frame, normal: Vector) -> int:
         """Return the largest n.p over the points p of the body, for a normal n in {B}; not too small."""
         seen = [dot(axis, normal) for axis in link.axes]
@@ -51,7 +68,7 @@ class Border:
 
     def __init__(self, name: str, margin: int, normal: Vector, offset: int) -> None:
         self.name, self.joint, self.margin, self.normal, self.offset = name, 0, margin, normal, offset
-        self.is_point = False
+        self.is_point, self.speed = False, 0
 
     def is_there(self, _: int) -> bool:
         """Return True: a zone counts during all commands."""
@@ -101,6 +118,7 @@ class Room:
             if not regions:
                 self.left.append(f"the zone {zone['name']}")
             for region in regions:
+                region.speed = above(zone["speed"] * _FASTER) if zone["rule"] == "slow" else 0
                 for body in zone["watched"]:
                     need(0 <= body < self.count, f"the zone {zone['name']} watches no body")
                     self.watched.append((len(self.all), whole(body)))
@@ -144,20 +162,20 @@ class Room:
 def _regions(zone: dict[str, Any], arm: Arm) -> list[Body | Border]:
     """Return what a zone keeps bodies out of; nothing if it isn't one that is checked.
 
-    A region to stay in is a box, or the part of space on the side of z of its frame: what must be kept out of
+    A slow zone is kept out of, or gone through slowly. A region to stay in is a box, or the part of space on the side of z of its frame: what must be kept out of
     lies beyond its faces.
     """
     name, rule, region = zone["name"], zone["rule"], zone["region"]
-    if region is None or rule not in ("allowed", "forbidden"):
+    if region is None or rule not in ("allowed", "forbidden", "slow"):
         return []
-    margin = fixed(zone["margin"]) - BORDER
-    need(margin >= -BORDER, f"{name}: a margin below 0")
+    need(zone["margin"] >= 0 and zone.get("speed", 1) > 0, f"{name}: a margin below 0, or no speed")
+    margin = fixed(zone["margin"]) - (0 if rule == "slow" else BORDER)
     if "core" not in region:
         columns, origin = placed(region["pose"])
         normal = [-one for one in columns[2]] if rule == "allowed" else columns[2]
         return [Border(name, margin, normal, dot(normal, origin))]
     body = Body(region | {"name": name, "joint": 0, "margin": 0}, arm, [])
-    if rule == "forbidden":
+    if rule != "allowed":
         body.margin = margin
         return [body]
     if body.disc or body.radius or body.corners:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from yarclang.certify.bodies.fastest import Joints
 from yarclang.certify.bodies.second import nearest, seen
-from yarclang.certify.kinematics.arm import KINEMATICS, axes_of, steps_of
+from yarclang.certify.kinematics.arm import KINEMATICS, axes_of, motions, steps_of
 from yarclang.certify.pmac.proof.room import Needed, exactly, told_arm
 from yarclang.collision.scene import Rows
 from yarclang.collision.zones.watched import Item
@@ -85,6 +85,13 @@ class Segments:
         ) / 6.0
         return found
 
+    def rate(self, segment: Rows, share: Array) -> Array:
+        """Return the joints' velocities (P, n) there."""
+        t = share[:, None]
+        one, two, three = np.diff(self.control[segment], axis=1).transpose(1, 0, 2)
+        found: Array = ((1 - t) ** 2 * one + (1 + 2 * t - 2 * t**2) * two + t**2 * three) / 2.0
+        return found / self.h[segment][:, None]
+
 
 class _Search:
     def __init__(self, segments: Segments, needed: Needed, robot: Robot) -> None:
@@ -95,6 +102,7 @@ class _Search:
         h = segments.h[:, None]
         self.w = _ended(np.maximum(inner, np.abs(steps[:, 1])) / h)
         self.a = _ended(np.abs(bends).max(axis=1) / h**2)
+        self.j = _ended(np.abs(np.diff(bends, axis=1)[:, 0]) / h**3)
         self.low, self.high = _ended(segments.control.min(axis=1)), _ended(segments.control.max(axis=1))
         turn = np.eye(4)
         self.turns = [np.eye(3)]
@@ -104,7 +112,7 @@ class _Search:
         self.is_turn = axes_of(self.chain).turn == 1.0
         far = np.abs(segments.control).max(axis=(0, 1)) if len(segments.h) else np.zeros(robot.size)
         self.reach = [_reach(robot, item, far) for item in needed.items]
-        self.planes: dict[tuple[int, int, bool], list[list[int]]] = defaultdict(list)
+        self.planes: dict[tuple[int, int, int], list[list[int]]] = defaultdict(list)
         self.failed: set[int] = set()
 
     def found(self) -> Planes:
@@ -119,6 +127,9 @@ class _Search:
                 rows = np.flatnonzero(fits & ~done)
                 if len(rows):
                     done[rows] = self._settled(begin[rows], end[rows], pair[rows], margin[rows], bent=bent)
+            rows = np.flatnonzero(one & ~done & (self.needed.speeds[pair] > 0.0))
+            if len(rows):
+                done[rows] = self._slow(begin[rows], end[rows], pair[rows])
             short = ~done & (end - begin == 1)
             self.failed |= set(pair[short].tolist())
             left = np.flatnonzero(~done & ~np.isin(pair, list(self.failed)))
@@ -127,10 +138,10 @@ class _Search:
             end = np.concatenate([middle, end[left]])
             pair, margin = np.tile(pair[left], 2), np.tile(margin[left], 2)
         found: Planes = []
-        for (begins, ends, bent), named in sorted(self.planes.items()):
+        for (begins, ends, kind), named in sorted(self.planes.items()):
             kept = [one for one in named if one[0] not in self.failed]
             if kept:
-                found.append([begins, ends, int(bent), *kept])
+                found.append([begins, ends, kind, *kept])
         return found
 
     def _middle(self, begin: Rows, end: Rows) -> Rows:
@@ -190,7 +201,7 @@ class _Search:
             if np.isinf(item.bound):
                 settled[rows] = _before(item, moving, arms[bent:]) >= least
                 for row in rows[settled[rows]]:
-                    self.planes[int(begin[row]), int(end[row]), bent].append([one, 0, 0, 1])
+                    self.planes[int(begin[row]), int(end[row]), int(bent)].append([one, 0, 0, 1])
                 continue
             hope = np.flatnonzero(apart >= least)
             if not len(hope):
@@ -205,11 +216,51 @@ class _Search:
                 done = gap >= least[hope]
                 settled[rows[hope[done]]] = True
                 for row, values in zip(rows[hope[done]], normal[:, done].T.astype(np.int64), strict=True):
-                    self.planes[int(begin[row]), int(end[row]), bent].append([one, *values.tolist()])
+                    self.planes[int(begin[row]), int(end[row]), int(bent)].append([one, *values.tolist()])
                 hope, toward = hope[~done], toward[:, ~done]
                 if not len(hope):
                     break
         return settled
+
+    def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
+        """Return which pairs of a slow zone and a body are slow enough on stretches of a sequence; note them."""
+        nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
+        first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
+        bounds = np.stack([first, last + 1], axis=1).ravel()
+        w, a, j = (np.maximum.reduceat(one, bounds)[::2] for one in (self.w, self.a, self.j))
+        d = (nodes[1] - nodes[0]) / PARTS * self.segments.h[first]
+        ends = []
+        for segment, place in ((first, nodes[0]), (last, nodes[1])):
+            share = (place - segment * PARTS) / PARTS
+            ends.append(
+                motions(self.chain, self.segments.at(segment, share), self.segments.rate(segment, share))
+            )
+        slow = np.zeros(len(pair), dtype=np.bool_)
+        for one in np.unique(pair).tolist():
+            rows = np.flatnonzero(pair == one)
+            here, moving = at[rows], self.needed.items[self.needed.pairs[one][1]]
+            k = moving.joint
+            arms = [Joints(p[k, :, :3], p[k, :, 3], spin[k], drift[k]).take(here) for p, spin, drift in ends]
+            bend = _third(self.reach[self.needed.pairs[one][1]], self.is_turn, w[here], a[here], j[here])
+            most = np.maximum(arms[0].speed(moving), arms[1].speed(moving)) + bend * d[here] ** 2 / 8.0
+            slow[rows] = most <= self.needed.speeds[one] * (1.0 - 1e-6)
+            for row in rows[slow[rows]]:
+                self.planes[int(begin[row]), int(end[row]), 2].append([one])
+        return slow
+
+
+def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Array) -> Array:
+    """Return the checker's bound of a body's third derivatives (P,) for |q'|, |q''| and the jerk (P, n)."""
+    sum_w, sum_a, sum_j, before, bend = (np.zeros(len(w)) for _ in range(5))
+    for joint in range(len(reach)):
+        if not is_turn[joint]:
+            bend += 3.0 * (sum_w**2 + sum_a) * w[:, joint] + 3.0 * sum_w * a[:, joint] + j[:, joint]
+            continue
+        sum_w, sum_a, sum_j = sum_w + w[:, joint], sum_a + a[:, joint], sum_j + j[:, joint]
+        upto = sum_w**3 + 3.0 * sum_w * sum_a + sum_j
+        bend += reach[joint] * (upto - before)
+        before = upto
+    return bend
 
 
 def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
@@ -280,6 +331,8 @@ def planes_of(rows: Sequence[Moved], cell: dict[str, Any], items: list[Item], ro
         robot: the arm.
     """
     arm, told = Arm(exactly(told_arm(robot))), exactly(cell)
-    pairs = Room(told, arm, [0] * robot.size).pairs(Timeline(rows, arm).steps)
-    segments, needed = Segments.of(rows, robot), Needed.of(items, pairs, ONE)
+    room = Room(told, arm, [0] * robot.size)
+    pairs = room.pairs(Timeline(rows, arm).steps)
+    speeds = [room.all[pair.one].speed for pair in pairs]
+    segments, needed = Segments.of(rows, robot), Needed.of(items, pairs, speeds, ONE)
     return _Search(segments, needed, robot).found() if len(segments.h) and pairs else []

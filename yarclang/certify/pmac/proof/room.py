@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from itertools import combinations
 from typing import Any
@@ -31,11 +32,12 @@ _GRID = 1e-6
 
 @frozen(eq=False)
 class Needed:
-    """The bodies (as items, in the order in which the checker is told of them), their pairs, and where each pair must stay apart by how much."""
+    """The bodies (as items, in the order in which the checker is told of them), their pairs, where each pair must stay apart by how much, and how fast it may be otherwise (K,) [m/s]."""
 
     items: list[Item]
     pairs: list[tuple[int, int]]
     needs: list[list[tuple[int, int, float]]]
+    speeds: Array
 
     def stretches(self) -> tuple[Rows, Rows, Rows, Array]:
         """Return the stretches that must be proved: begins, ends, pairs, margins [m]."""
@@ -45,10 +47,11 @@ class Needed:
         return whole[0], whole[1], whole[2], np.array(margin, dtype=np.float64)
 
     @classmethod
-    def of(cls, items: list[Item], pairs: Sequence[Pair], unit: int) -> Needed:
-        """Take over the checker's pairs; `unit` is 1 m."""
+    def of(cls, items: list[Item], pairs: Sequence[Pair], speeds: Sequence[int], unit: int) -> Needed:
+        """Take over the checker's pairs, and the speed in the region of each; `unit` is 1 m, and 1 m/s."""
         needs = [[(begin, end, least / unit) for begin, end, least in pair.needs] for pair in pairs]
-        return cls(items, [(pair.one, pair.other) for pair in pairs], needs)
+        fast = np.array([speed / unit for speed in speeds])
+        return cls(items, [(pair.one, pair.other) for pair in pairs], needs, fast)
 
 
 @frozen(eq=False)
@@ -165,7 +168,7 @@ class Room:
             shape = {"core": [0, 0, 0], "disc": 0, "radius": 0, "pose": told_frame(pose)}
             return {"name": item.name, "joint": item.joint, "margin": 0, "point": True} | shape
 
-        return self._number((item.name, item.joint, item.middle.tobytes()), item, step, told)
+        return self._number((item.name, item.joint, item.middle.tobytes()), _solid(item), step, told)
 
 
 def told_arm(robot: Robot) -> dict[str, Any]:
@@ -199,6 +202,15 @@ def _ranges(steps: Iterable[int], moving: Sequence[int]) -> list[list[int]]:
         else:
             found.append([step, step])
     return found
+
+
+def _solid(point: Item) -> Item:
+    """Return a point with a shape for distances: a ball that is as good as none."""
+    import coal
+
+    placed = np.eye(4)
+    placed[:3, 3] = point.middle
+    return replace(point, of_coal=coal.Sphere(1e-6), base_from_body=placed)
 
 
 def _link(joint: int, robot: Robot) -> Array:
@@ -247,13 +259,13 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
     else:
         geometry = geometry_of(region.shape)
         told["region"] = told_shape(region.base_from_shape, geometry)
-        if zone.rule == "forbidden":
+        if zone.rule in ("forbidden", "slow"):
             return told, [
                 room_of(Body(zone.name, 0, region.base_from_shape, geometry, 0.0, False, False, False))
             ]
         faces = faces_of(region)
         borders = [] if faces is None else list(zip(faces.normals, faces.offsets.tolist(), strict=True))
-    if zone.rule not in ("allowed", "forbidden"):
+    if zone.rule == "posture":
         return told, []
     return told, [border(zone.name, normal, offset) for normal, offset in borders]
 

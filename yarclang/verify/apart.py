@@ -39,7 +39,8 @@ PARTS = 64
 @dataclass
 class Stretch:
     """A stretch of the text: the links in the middle of its room, and half the room's widths `w`; or, with
-    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w`, `a` and `j` of |q'|, |q''| and |q'''|.
+    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w`, `a` and `j` of |q'|, |q''| and
+    |q'''|.
     """
 
     links: list[list[Frame]]
@@ -163,7 +164,7 @@ def check_apart(
         rows: all commands.
         told: `bodies`, `exceptions` from their margins, and `zones`.
         planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]; the
-            kind is 0 for a room, 1 for a curve, and 2 for a curve on which a slow zone is gone through slowly.
+            kind is 0 for a room, 1 for a curve, and 2 for a curve that is slow enough for a slow zone.
         arm: the arm.
     """
     timeline = Timeline(rows, arm)

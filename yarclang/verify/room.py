@@ -162,8 +162,8 @@ class Room:
 def _regions(zone: dict[str, Any], arm: Arm) -> list[Body | Border]:
     """Return what a zone keeps bodies out of; nothing if it isn't one that is checked.
 
-    A slow zone is kept out of, or gone through slowly. A region to stay in is a box, or the part of space on the side of z of its frame: what must be kept out of
-    lies beyond its faces.
+    A slow zone is kept out of, or gone through slowly. A region to stay in is a box, or the part of space on
+    the side of z of its frame: what must be kept out of lies beyond its faces.
     """
     name, rule, region = zone["name"], zone["rule"], zone["region"]
     if region is None or rule not in ("allowed", "forbidden", "slow"):

@@ -24,7 +24,7 @@ def test_a_proof_is_written_beside_the_text_and_followed(folder):
     assert json.loads((folder / "one.proof.json").read_text())["robot"]["name"] == "INDUSTRIAL6"
     told = CliRunner().invoke(yarc, ["verify", "one.pmc"])
     assert told.exit_code == 3
-    assert "unchecked:\n  collisions" in told.output
+    assert "unchecked:\n  torques" in told.output
     assert CliRunner().invoke(yarc, ["verify", "one.pmc", "one.proof.json"]).exit_code == 3
 
 

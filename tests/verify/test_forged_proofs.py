@@ -124,7 +124,7 @@ def test_a_proof_of_another_text_robot_version_or_form_is_refused():
         (("robot", "name"), "OTHER", "another robot"),
         (("robot", "fingerprint"), "0" * 64, "another robot"),
         (("version",), "0.0.9", "another version"),
-        (("form",), 2, "form 2"),
+        (("form",), 1, "form 1"),
     ):
         assert why in refused(text, changed(table(MOTIONS), path, lambda _, value=value: value))
 

@@ -13,6 +13,8 @@ from typing import Any
 from yarclang.verify.exact import BITS, ONE, PI, above, fixed, length, need, sine_and_cosine, times
 
 Vector = list[int]
+Step = tuple[list[Vector], Vector]
+"""A frame in another one: the columns of its rotation, and its origin."""
 SQUARE_ROOT_OF_2 = above(Fraction(14143, 10000))
 _UNEVEN = ONE >> 40
 """Rotations are as exact as this: they make vectors longer by less than 2**-30, which is added."""
@@ -42,7 +44,7 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
     return sum(x * y for x, y in zip(a, b, strict=True)) >> BITS
 
 
-def placed(numbers: Sequence[Fraction]) -> tuple[list[Vector], Vector]:
+def placed(numbers: Sequence[Fraction]) -> Step:
     """Read a frame, three rows of a rotation with the origin [m] at their ends; return columns and origin."""
     need(len(numbers) == 12, "a frame isn't told by 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
@@ -69,64 +71,64 @@ class Arm:
             "the arm has another number of steps than joints and one",
         )
 
-    def frame(self, q: Sequence[int], rates: Sequence[int], tool: tuple[list[Vector], Vector]) -> Frame:
-        """Return a frame that is told on the flange, at joint positions and their rates [rad or m, per s]."""
-        need(
-            all(abs(one) < 1024 * ONE for one in q) and sum(map(abs, rates)) < 1024 * ONE,
-            "a joint is too far or fast",
-        )
-        axes, origin = self.steps[0]
-        axes = list(axes)
-        rate, spin = [0, 0, 0], [0, 0, 0]
-        for joint, (columns, offset) in enumerate([*self.steps[1:], tool]):
-            if joint < len(self.turns):
-                z = axes[2]
-                if self.turns[joint]:
-                    sine, cosine = sine_and_cosine(q[joint])
-                    x, y = axes[0], axes[1]
-                    axes[0] = [(a * cosine + b * sine) >> BITS for a, b in zip(x, y, strict=True)]
-                    axes[1] = [(b * cosine - a * sine) >> BITS for a, b in zip(x, y, strict=True)]
-                    spin = [w + (a * rates[joint] >> BITS) for w, a in zip(spin, z, strict=True)]
-                else:
-                    slide = [a * q[joint] >> BITS for a in z]
-                    origin = [o + d for o, d in zip(origin, slide, strict=True)]
-                    turned = cross(spin, slide)
-                    rate = [
-                        v + t + (a * rates[joint] >> BITS) for v, t, a in zip(rate, turned, z, strict=True)
-                    ]
-            x, y, z = axes
-            far = [
-                (a * offset[0] + b * offset[1] + c * offset[2]) >> BITS
-                for a, b, c in zip(x, y, z, strict=True)
-            ]
-            origin = [o + d for o, d in zip(origin, far, strict=True)]
-            rate = [v + t for v, t in zip(rate, cross(spin, far), strict=True)]
-            axes = [
-                [(a * e[0] + b * e[1] + c * e[2]) >> BITS for a, b, c in zip(x, y, z, strict=True)]
-                for e in columns
-            ]
-        return Frame(origin, axes, rate, spin)
+    def links(self, q: Sequence[int], rates: Sequence[int]) -> list[Frame]:
+        """Return {B}, and the frame of each joint after the joint has moved.
 
-    def reaches(self, tool: tuple[list[Vector], Vector], travel: Sequence[int]) -> list[int]:
-        """Return how far a frame on the flange can ever be from the axis of each joint that turns.
-
-        From the frame backwards, the point of each axis nearest to the last point: between two axes only
-        turns lie, so the ways add up; a joint that slides adds its `travel`.
+        Args:
+            q: joint positions [rad or m].
+            rates: their velocities.
         """
-        found = [0] * len(self.turns)
-        columns, offset = self.steps[-1]
-        point = _out(columns, offset, tool[1])
-        way = 0
-        for joint in reversed(range(len(self.turns))):
+        need(all(abs(one) < 1024 * ONE for one in q), "a joint is too far")
+        need(sum(map(abs, rates)) < 1024 * ONE, "a joint is too fast")
+        here = Frame([0, 0, 0], [[ONE * (i == j) for j in range(3)] for i in range(3)], [0, 0, 0], [0, 0, 0])
+        found = [here]
+        for joint, (at, speed) in enumerate(zip(q, rates, strict=True)):
+            here = _beyond(here, self.steps[joint])
+            z = here.axes[2]
+            if self.turns[joint]:
+                sine, cosine = sine_and_cosine(at)
+                x, y = here.axes[:2]
+                here.axes[0] = [(a * cosine + b * sine) >> BITS for a, b in zip(x, y, strict=True)]
+                here.axes[1] = [(b * cosine - a * sine) >> BITS for a, b in zip(x, y, strict=True)]
+                here.spin = [w + (a * speed >> BITS) for w, a in zip(here.spin, z, strict=True)]
+            else:
+                slide = [a * at >> BITS for a in z]
+                here.origin = [o + d for o, d in zip(here.origin, slide, strict=True)]
+                turned = zip(here.rate, cross(here.spin, slide), z, strict=True)
+                here.rate = [v + t + (a * speed >> BITS) for v, t, a in turned]
+            found.append(here)
+        return found
+
+    def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
+        """Return a frame on the flange, at joint positions and their rates [rad or m, per s]."""
+        return _beyond(_beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
+
+    def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
+        """Return how far a body can ever be from the axis of each joint that turns it.
+
+        From the body backwards, the point of each axis nearest to the last point: between two axes only
+        turns lie, so the ways add up; a joint that slides adds its `travel`.
+
+        Args:
+            size: the number of joints that move the body.
+            point: its middle, in the frame of the last of these joints.
+            travel: the largest |q| of each joint that slides.
+            way: the radius of the body around its middle.
+        """
+        found = [0] * size
+        for joint in reversed(range(size)):
             if self.turns[joint]:
                 way += length(point[0], point[1])
                 found[joint] = way + (way >> 30) + 1
                 point = [0, 0, point[2]]
             else:
                 way += travel[joint]
-            columns, offset = self.steps[joint]
-            point = _out(columns, offset, point)
+            point = _out(*self.steps[joint], point)
         return found
+
+    def to_flange(self, point: Vector) -> Vector:
+        """Return a point on the flange in the frame of the last joint."""
+        return _out(*self.steps[-1], point)
 
     def bends(
         self, reach: Sequence[int], w: Sequence[int], a: Sequence[int], j: Sequence[int]
@@ -158,6 +160,18 @@ def fourth(w: int, a: int, j: int) -> int:
     """Return an upper bound of w^4 + 6 w^2 a + 3 a^2 + 4 w j."""
     square = times(w, w)
     return times(square, square) + 6 * times(square, a) + 3 * times(a, a) + 4 * times(w, j)
+
+
+def _beyond(here: Frame, step: Step) -> Frame:
+    """Return the frame at the end of a constant step."""
+    rows = list(zip(*here.axes, strict=True))
+    far = [dot(row, step[1]) for row in rows]
+    return Frame(
+        [o + d for o, d in zip(here.origin, far, strict=True)],
+        [[dot(row, column) for row in rows] for column in step[0]],
+        [v + t for v, t in zip(here.rate, cross(here.spin, far), strict=True)],
+        here.spin,
+    )
 
 
 def _out(columns: list[Vector], offset: Vector, point: Vector) -> Vector:

@@ -11,6 +11,7 @@ bound that is compared.
 
 from fractions import Fraction
 from math import isqrt
+from typing import Any
 
 BITS = 128
 ONE = 1 << BITS
@@ -25,6 +26,12 @@ def need(holds: bool, reason: str) -> None:
     """Refuse text or proof for a reason unless something holds."""
     if not holds:
         raise RefusedError(reason)
+
+
+def whole(number: Any, most: int = 1 << 62) -> int:
+    """Return a number of the proof that must be an integer from -`most` to `most`."""
+    need(isinstance(number, Fraction) and number.denominator == 1 and abs(number) <= most, "no integer")
+    return int(number)
 
 
 def fixed(number: Fraction | int) -> int:

@@ -7,7 +7,7 @@ from typing import Any
 
 from yarclang.verify.arm import Vector, in_si
 from yarclang.verify.exact import BITS, ONE, SLACK, above, fixed, length, need, times
-from yarclang.verify.paths import Motion, path_bend, pieces_of
+from yarclang.verify.paths import SHARE, Motion, path_bend, pieces_of
 from yarclang.verify.reader import PRINTED
 
 _FINE = 1 << 64
@@ -111,9 +111,10 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
     spline = Spline(points)
     whole = spline.s[-1]
     most = [0] * len(points[0])
-    here = motion.at(0, 0)
-    for piece in pieces_of(motion, proof["s"], proof["rates"]):
-        then = motion.at(piece.segment, piece.place[1])
+    here = motion.at(motion.begin)
+    need("from" not in proof and (proof["s"][0], proof["s"][-1]) == (0, SHARE), "s doesn't lead from 0 to 1")
+    for piece in pieces_of(motion, proof):
+        then = motion.at(piece.end)
         d = above(piece.d)
         s = [one * whole >> BITS for one in piece.s]
         rates = [one * whole >> BITS for one in piece.rates]

@@ -9,13 +9,13 @@ largest fourth derivative: the arm's, and the path's |P(s)''''| <= F4 s'^4 + 6 F
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
-from math import isqrt
+from math import ceil, floor, isqrt
 from typing import Any
 
-from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Frame, Vector, cross, dot, in_si, placed
+from yarclang.verify.arm import SQUARE_ROOT_OF_2, Arm, Frame, Step, Vector, cross, dot, in_si, placed
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import (
     BITS,
@@ -29,11 +29,14 @@ from yarclang.verify.exact import (
     root,
     sine_and_cosine,
     times,
+    whole,
 )
 from yarclang.verify.reader import PRINTED
 
 SHARE = 10**10
 """The proof's s and s' are integers in 1e-10, per s."""
+GRID = 1 << 20
+"""A place at which a path is left or joined is an integer in 1 / `GRID` of a segment."""
 _SAME = ONE >> 30
 """A turn leads to its goal but for this: 1e-9 rad."""
 _ROUND = ONE >> 42
@@ -49,21 +52,24 @@ class Piece:
     rates: tuple[int, int]
     bends: tuple[int, int, int]
     segment: int
-    place: tuple[int, int]
+    end: Fraction
 
 
 class Motion:
-    """A motion of the text in SI: joint positions and rates at the ends of pieces, bounds on segments."""
+    """A motion of the text in SI: joint positions and rates at places, bounds on segments.
 
-    def __init__(self, row: Moved, arm: Arm, pieces: int) -> None:
-        need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
-        self.row, self.arm, self.pieces = row, arm, pieces
-        self.count = row.last - row.first
+    A place is a number of segments since the start of the motion's sequence.
+    """
 
-    def at(self, segment: int, place: int) -> tuple[list[int], list[int]]:
-        """Return joint positions and rates at the end of so many pieces of a segment of the motion."""
-        k, i = self.pieces, place
-        a, b, c, e = self.row.control[self.row.first + segment : self.row.first + segment + 4]
+    def __init__(self, row: Moved, arm: Arm) -> None:
+        self.row, self.arm = row, arm
+        self.begin, self.end = Fraction(row.first), Fraction(row.last)
+
+    def at(self, place: Fraction) -> tuple[list[int], list[int]]:
+        """Return joint positions and rates at a place."""
+        segment = min(int(place), len(self.row.control) - 4)
+        i, k = (place - segment).as_integer_ratio()
+        a, b, c, e = self.row.control[segment : segment + 4]
         w = k - i
         shares = (
             w**3,
@@ -72,7 +78,7 @@ class Motion:
             i**3,
         )
         steps = (w * w, k * k + 2 * i * k - 2 * i * i, i * i)
-        rate = Fraction(1, 1) / self.row.seconds
+        rate = 1 / self.row.seconds
         q, rates = [], []
         for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
             here = shares[0] * f0 + shares[1] * f1 + shares[2] * f2 + shares[3] * f3
@@ -83,7 +89,7 @@ class Motion:
 
     def bounds(self, segment: int) -> tuple[list[int], list[int], list[int]]:
         """Return bounds of |q'|, |q''| and |q'''| of each joint on a segment."""
-        a, b, c, e = self.row.control[self.row.first + segment : self.row.first + segment + 4]
+        a, b, c, e = self.row.control[segment : segment + 4]
         time = self.row.seconds
         w, bend, jerk = [], [], []
         for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
@@ -98,13 +104,26 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
     return in_si(number * time.denominator, PRINTED * time.numerator * divisor, turns) + (ONE >> 100)
 
 
-def pieces_of(motion: Motion, shares: Sequence[int], rates: Sequence[int]) -> Iterator[Piece]:
-    """Yield the pieces of a motion; s begins with 0, ends with 1, and never goes back."""
-    count = motion.count * motion.pieces
-    need(len(shares) == len(rates) == count + 1, "the proof has another number of places than pieces and one")
-    need(shares[0] == 0 and shares[-1] == SHARE, "s doesn't lead from the start of the path to its end")
-    d = motion.row.seconds / motion.pieces
-    for k in range(count):
+def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
+    """Return the ends of the pieces from one place to another: what lies in a segment is cut into so many."""
+    need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
+    if begin == end:
+        return [end]
+    edges = [max(begin, min(Fraction(k), end)) for k in range(floor(begin), ceil(end) + 1)]
+    parts = [one + (other - one) * k / pieces for one, other in pairwise(edges) for k in range(pieces)]
+    return [*parts, end]
+
+
+def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
+    """Yield the pieces from the place `from` to the place `until`; s never goes back, nor beyond 0 and 1."""
+    shares, rates = proof["s"], proof["rates"]
+    places = cut(*span_of(motion, proof), whole(proof["pieces"]))
+    need(
+        len(shares) == len(rates) == len(places), "the proof has another number of places than pieces and one"
+    )
+    need(shares[0] >= 0 and shares[-1] <= SHARE, "s leads beyond an end of the path")
+    for k, (begin, end) in enumerate(pairwise(places)):
+        d = motion.row.seconds * (end - begin)
         points = [
             Fraction(shares[k]),
             shares[k] + rates[k] * d / 3,
@@ -119,8 +138,16 @@ def pieces_of(motion: Motion, shares: Sequence[int], rates: Sequence[int]) -> It
         most = (above(s1 / SHARE), above(max(map(abs, bends)) / SHARE), above(s3 / SHARE))
         ends = (fixed(Fraction(shares[k], SHARE)), fixed(Fraction(shares[k + 1], SHARE)))
         slopes = (fixed(Fraction(rates[k], SHARE)), fixed(Fraction(rates[k + 1], SHARE)))
-        segment, place = divmod(k, motion.pieces)
-        yield Piece(d, ends, slopes, most, segment, (place, place + 1))
+        yield Piece(d, ends, slopes, most, int(begin), end)
+
+
+def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
+    """Return from which place to which a motion follows its path; the proof may say so, in 1 / `GRID`."""
+    begin, end = motion.begin, motion.end
+    if "from" in proof:
+        begin, end = (Fraction(whole(proof[name]), GRID) for name in ("from", "until"))
+    need(0 <= begin <= end <= len(motion.row.control) - 3, "a path is followed from nowhere")
+    return begin, end
 
 
 def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
@@ -217,48 +244,73 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     return at, [times(radius + _SAME, *[sweep + 1] * k) for k in (2, 3, 4)]
 
 
-def frame_path(
-    motion: Motion, told: dict[str, Any], proof: dict[str, Any]
-) -> tuple[int, int, list[tuple[int, int]]]:
-    """Return how far a frame is from its path at most, how far turned (as a chord), and its speeds on pieces.
+@dataclass
+class Followed:
+    """A motion along the path of a frame, and what was found of it.
 
-    The path is a line or an arc. The chord is the Frobenius norm of the difference of both rotations,
-    2 sqrt 2 sin(angle / 2).
+    From the place `begin` to the place `end` the frame is within `most` of the path, and within `chord` of
+    its turn, from the share `shares[0]` of the path to `shares[1]`; `speeds` are its least and largest
+    speed on pieces, each of which lies in one of `segments`. `sweep` is the angle of an arc.
     """
-    control = motion.row.control[motion.row.first : motion.row.last + 3]
-    tool = placed(told["tool"])
-    columns, goal = placed(told["pose"])
-    start = motion.arm.frame(*motion.at(0, 0), tool)
-    turn = Turn(start.axes, columns, proof["axis"], proof["angle"])
+
+    motion: Motion
+    tool: Step
+    goal: Step
+    place: Place
+    turn: Turn
+    sweep: int
+    begin: Fraction
+    end: Fraction
+    shares: tuple[int, int]
+    most: int = 0
+    chord: int = 0
+    speeds: list[tuple[int, int]] = field(default_factory=list)
+    segments: list[int] = field(default_factory=list)
+
+
+def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any], start: Step | None) -> Followed:
+    """Follow a line or an arc from a start, or from where the frame is.
+
+    The chord is the Frobenius norm of the difference of both rotations, 2 sqrt 2 sin(angle / 2).
+    """
+    tool, goal = placed(told["tool"]), placed(told["pose"])
+    begin, end = span_of(motion, proof)
+    here = motion.arm.frame(*motion.at(begin), tool)
+    axes, origin = (here.axes, here.origin) if start is None else start
+    turn = Turn(axes, goal[0], proof["axis"], proof["angle"])
     if told["move"] == "arc":
-        place, bends = arc(start.origin, goal, proof, [fixed(x) for x in told["via"]])
+        place, bends = arc(origin, goal[1], proof, [fixed(x) for x in told["via"]])
     else:
-        place, bends = line(start.origin, goal)
-    travel = [max(abs(point[joint]) for point in control) for joint in range(len(motion.arm.turns))]
-    slides = [
-        0 if turns else in_si(x, PRINTED, turns) + 1
-        for x, turns in zip(travel, motion.arm.turns, strict=True)
-    ]
-    reach = motion.arm.reaches(tool, slides)
-    most = chord = 0
-    speeds = []
-    here = start
-    begin = fixed(Fraction(proof["rates"][0], SHARE))
-    segment, arm_bends, error = -1, (0, 0), _error(start, place, turn, 0, begin)
-    for piece in pieces_of(motion, proof["s"], proof["rates"]):
+        place, bends = line(origin, goal[1])
+    first, last = (fixed(Fraction(proof["s"][k], SHARE)) for k in (0, -1))
+    sweep = fixed(proof["sweep"]) if told["move"] == "arc" else 0
+    found = Followed(motion, tool, goal, place, turn, sweep, begin, end, (first, last))
+    reach = reach_of(motion, tool)
+    segment, arm_bends = -1, (0, 0)
+    error = _error(here, place, turn, first, fixed(Fraction(proof["rates"][0], SHARE)))
+    for piece in pieces_of(motion, proof):
         if piece.segment != segment:
             segment, arm_bends = piece.segment, motion.arm.bends(reach, *motion.bounds(piece.segment))
-        frame = motion.arm.frame(*motion.at(segment, piece.place[1]), tool)
+        frame = motion.arm.frame(*motion.at(piece.end), tool)
         then = _error(frame, place, turn, piece.s[1], piece.rates[1])
         d = above(piece.d)
         rest = times(d, d, d, d)
         off = times(rest, arm_bends[0] + path_bend(bends, piece.bends)) // 384 + 1
-        most = max(most, farthest(*error[:2], *then[:2], d) + off)
+        found.most = max(found.most, farthest(*error[:2], *then[:2], d) + off)
         off = times(rest, arm_bends[1] + path_bend(turn.derivatives, piece.bends)) // 384 + 1
-        chord = max(chord, farthest(*error[2:], *then[2:], d) + off)
-        speeds.append(speeds_on(here, frame, d, arm_bends[0]))
+        found.chord = max(found.chord, farthest(*error[2:], *then[2:], d) + off)
+        found.speeds.append(speeds_on(here, frame, d, arm_bends[0]))
+        found.segments.append(segment)
         error, here = then, frame
-    return most, chord, speeds
+    return found
+
+
+def reach_of(motion: Motion, tool: Step) -> list[int]:
+    """Return how far a frame on the flange can be from the axes of the joints that turn."""
+    travel = [max(map(abs, column)) for column in zip(*motion.row.control, strict=True)]
+    turns = motion.arm.turns
+    slides = [0 if turn else in_si(x, PRINTED, turn) + 1 for x, turn in zip(travel, turns, strict=True)]
+    return motion.arm.reaches(len(slides), motion.arm.to_flange(tool[1]), slides)
 
 
 def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
@@ -275,8 +327,16 @@ def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
     return max(isqrt(max(min(squares), 0) << BITS) - rest, 0), root(max(squares)) + rest
 
 
-def check_speeds(told: dict[str, Any], speeds: Sequence[tuple[int, int]], title: str) -> str:
-    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what isn't checked."""
+def check_speeds(
+    told: dict[str, Any],
+    speeds: Sequence[tuple[int, int]],
+    title: str,
+    held: tuple[bool, bool] = (False, False),
+) -> str:
+    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what isn't checked.
+
+    A speed that is `held` at the motion's start, or end, has no ramp there.
+    """
     off = Fraction(1, 1000)
     least, most = min(low for low, _ in speeds), max(high for _, high in speeds)
     if "ceiling" in told:
@@ -292,7 +352,8 @@ def check_speeds(told: dict[str, Any], speeds: Sequence[tuple[int, int]], title:
     steady = [k for k, (low, _) in enumerate(speeds) if low >= slow]
     if not steady:
         return "its speed, which it keeps on no whole piece, as a turn does"
-    least = min(low for low, _ in speeds[steady[0] : steady[-1] + 1])
+    begin, end = 0 if held[0] else steady[0], len(speeds) if held[1] else steady[-1] + 1
+    least = min(low for low, _ in speeds[begin:end])
     need(least >= slow, f"{title}: slower than its speed between its ramps")
     return ""
 

@@ -10,9 +10,11 @@ from itertools import chain
 from typing import Any, NoReturn
 
 from yarclang.verify import course, joints
+from yarclang.verify.apart import check_apart
 from yarclang.verify.arm import Arm, in_si, placed
+from yarclang.verify.chains import chains_of, check_chain, why_not
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need
+from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, whole
 from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
@@ -23,12 +25,11 @@ _ROBOT = (
 )
 _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
 _MOVES = ("joint", "spline", "line", "arc")
-FORM = 1
+FORM = 2
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
-    "collisions of the robot with itself and with its cell, zones, and parts that are carried",
     "torques",
-    "that program and robot's numbers, as told here, are those of the source and of the robot's files",
+    "that program, cell and robot's numbers, as told here, are those of the source and of the files",
 )
 _MALFORMED = (
     KeyError,
@@ -135,7 +136,32 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append(
             "what follows a motion that an input ends: it is planned and proved when it runs"
         )
+    _check_bodies(rows, proof, arm, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:
+    """Check that bodies stay apart, and tell them."""
+    cell = proof["cell"]
+    need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell is told by other names than a cell's")
+    checked, left = check_apart(rows, cell, proof["planes"], arm)
+    verdict.checked.append(checked)
+    verdict.unchecked += left
+    bodies = cell["bodies"]
+    if any("during" in body for body in bodies):
+        verdict.unchecked.append("where carried parts are: as told here")
+    for body in bodies:
+        numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
+        for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):
+            numbers[f"corners in {axis}"] = [min(column), max(column)]
+        verdict.told.append(f"body {body['name']} [m]: {_shown(numbers)}")
+    for zone in cell["zones"]:
+        watched = [bodies[whole(one)]["name"] for one in zone["watched"]]
+        verdict.told.append(f"zone {_shown({**zone, 'watched': watched})}")
+    for one, other, least, first, last in cell["exceptions"]:
+        how = "may touch" if least is None else f"stay {float(least) * 1000:.6g} mm apart"
+        names = f"{bodies[whole(one)]['name']} and {bodies[whole(other)]['name']}"
+        verdict.told.append(f"{names} {how} during commands {first} to {last} of the map")
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
@@ -183,7 +209,7 @@ def _check_motions(
 ) -> None:
     """Check each motion against what the program tells of it."""
     widest: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
-    alone = together = still = 0
+    alone = still = 0
     for row, told in zip(rows, program["steps"], strict=True):
         if "move" not in told:
             need(not row.control, f"{row.entry.title}: the map gives moves to a command that is no motion")
@@ -193,7 +219,6 @@ def _check_motions(
         if row.entry.any_jerk:
             verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
         if row.before is not None or row.entry.blend is not None:
-            together += 1
             continue
         _check_time(row, told)
         widest = (max(widest[0], told["tolerance"][0]), max(widest[1], told["tolerance"][1]))
@@ -211,9 +236,26 @@ def _check_motions(
             f"and paths, in order of time and whole, within their tolerances, {float(widest[0]):g} mm and "
             f"{float(widest[1]):g} deg at most"
         )
-    if together:
-        verdict.unchecked.append(
-            f"paths, times and speeds of {together} motions that flow into others (their limits are checked)"
+    _check_chains(rows, program, proof, arm, verdict)
+
+
+def _check_chains(
+    rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
+) -> None:
+    """Check motions that flow into each other."""
+    count = 0
+    for links in chains_of(rows, program["steps"]):
+        reason = why_not(links, proof["motions"])
+        if reason:
+            titles = f"{links[0][0].entry.title} to {links[-1][0].entry.title}"
+            named = f"{titles}, {len(links)} motions that flow into each other"
+            verdict.unchecked.append(f"{named}: their paths, times and speeds ({reason})")
+        else:
+            verdict.unchecked += check_chain(links, proof["motions"], arm)
+            count += len(links)
+    if count:
+        verdict.checked.append(
+            f"{count} motions that flow into others keep paths, corners, times and speeds as well"
         )
 
 
@@ -252,10 +294,18 @@ def _check_path(
             return "an arc that leads nowhere" if kind == "arc" else ""
         if proof is None:
             return "its path, of which the proof says nothing"
-        most, chord, speeds = frame_path(Motion(row, arm, _pieces(proof)), told, proof)
-        need(most <= limits[0], f"{title}: within {most / ONE * 1000:.6g} mm of its path, no less")
-        need(chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
-        slow = check_speeds(told, speeds, title)
+        _make_integers(proof)
+        found = frame_path(Motion(row, arm), told, proof, None)
+        whole_way = (found.begin, found.end) == (
+            Fraction(row.first),
+            Fraction(row.last),
+        ) and found.shares == (0, ONE)
+        need(whole_way, f"{title}: not shown to follow its path from its start to its end")
+        need(
+            found.most <= limits[0], f"{title}: within {found.most / ONE * 1000:.6g} mm of its path, no less"
+        )
+        need(found.chord <= limits[1], f"{title}: not shown to keep its turn within {float(angle):g} deg")
+        slow = check_speeds(told, found.speeds, title)
         if slow:
             verdict.unchecked.append(f"{title}: {slow}")
         return ""
@@ -274,11 +324,12 @@ def _check_path(
     if kind == "joint":
         goal = [Fraction(one, PRINTED) for one in row.end] if last["q"] is None else last["q"]
         weights = [angle if turns else position for turns in arm.turns]
-        off = joints.straight(Motion(row, arm, 1), goal, weights)
+        off = joints.straight(Motion(row, arm), goal, weights)
     else:
         if proof is None:
             return "its path, of which the proof says nothing"
-        motion = Motion(row, arm, _pieces(proof))
+        _make_integers(proof)
+        motion = Motion(row, arm)
         off = joints.along_spline(motion, points, proof)
         off = [max(one, abs(a - b)) for one, a, b in zip(off, end, points[-1], strict=True)]
     for joint, (one, tolerance) in enumerate(zip(off, allowed, strict=True)):
@@ -286,13 +337,9 @@ def _check_path(
     return ""
 
 
-def _pieces(proof: dict[str, Any]) -> int:
-    """Return into how many pieces segments are cut; make the proof's s and s' integers."""
+def _make_integers(proof: dict[str, Any]) -> None:
     for name in ("s", "rates"):
-        integers = all(one.denominator == 1 and abs(one) < 10**30 for one in proof[name])
-        need(integers, f"{name} isn't in integers")
-        proof[name] = [int(one) for one in proof[name]]
-    return int(proof["pieces"])
+        proof[name] = [whole(one) for one in proof[name]]
 
 
 def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, int], what: str) -> None:

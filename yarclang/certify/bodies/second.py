@@ -141,7 +141,7 @@ class _Second:
             rows = near[pair[near] == one]
             pieces = place_at[at[rows]]
             joints = self.items[int(self.first[one])].joint, self.items[int(self.second[one])].joint
-            arms = [_seen(placed, *joints, pieces) for placed in (ends[0], middle, ends[1])]
+            arms = [seen(placed, *joints, pieces) for placed in (ends[0], middle, ends[1])]
             sag = self._bend(one, *(peak[pieces] for peak in peaks)) * (end - begin)[pieces] ** 2 / 32.0
             settled, distance = self._settled(one, arms, way[rows], sag, least[rows])
             wrong = distance < least[rows] - EQUAL
@@ -176,7 +176,7 @@ class _Second:
         rows = np.flatnonzero(~settled)
         if len(rows):
             few = [arm.take(rows) for arm in arms]
-            toward, distance[rows] = _nearest(one, other, few[1])
+            toward, distance[rows] = nearest(one, other, few[1])
             settled[rows] = self._is_apart(one, other, few, toward, way[rows], sag[rows], least[rows])
         return settled, distance
 
@@ -190,7 +190,7 @@ class _Second:
         return np.asarray(proved >= least - EQUAL)
 
 
-def _seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
+def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
     """Return how what `other` joints move stands to what `one` joint moves, on some pieces."""
     base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
     turn = np.einsum("kip,kjp->ijp", base[:, :3], arm[:, :3])
@@ -199,7 +199,7 @@ def _seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
     return Joints(turn, shift, nothing, nothing)
 
 
-def _nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
+def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
     """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not above zero where they overlap."""
     import coal
 

@@ -61,7 +61,7 @@ def find_zones(
     findings: list[Diagnostic] = []
     moving_places = [place for place in layout.places if place.size]
     if any(place.motion.timing.ceiling is not None for place in moving_places):
-        moved = {place.step: _moving(place.motion, robot) for place in moving_places}
+        moved = {place.step: moving_of(place.motion, robot) for place in moving_places}
         ceilings, too_fast = find_ceilings(layout, robot, moved)
         told = {step: InZones(None, speed) for step, speed in ceilings.items()}
         findings += grouped(too_fast)
@@ -89,7 +89,7 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
-        moving = _moving(place.motion, robot)
+        moving = moving_of(place.motion, robot)
         is_same = (
             before is not None
             and before.name == moving.name
@@ -104,7 +104,7 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
         yield before, run
 
 
-def _moving(motion: hir.Motion, robot: Robot) -> Moving:
+def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
     """The frame that a motion moves, or that is its tool; {TCP} where it names none."""
     link = motion.origin.tool
     if link is None:

@@ -15,6 +15,7 @@ from yarclang.certify.motion.programmed import Arcs, Lines, Motion
 from yarclang.certify.motion.project import guess_by_length, project
 from yarclang.certify.motion.spline import NaturalSpline
 from yarclang.certify.read.layout import Layout, Place
+from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
@@ -29,33 +30,40 @@ _SHARP = 2e-4
 """What lies between the ends of pieces costs at most about this share of a programmed speed."""
 
 
+@frozen(eq=False)
+class Own:
+    """The segments that go along the path of a motion, and what the checker is told of them.
+
+    Attributes:
+        cubics: these segments, without what lies beyond a corner.
+        ends: the shares of the path at both ends; None if the path is joined, or left, elsewhere.
+        told: where the path is joined and left, if that isn't at the motion's ends.
+    """
+
+    cubics: Cubics
+    ends: tuple[float | None, float | None]
+    told: dict[str, int]
+
+
 def frame_proof(
-    layout: Layout, place: Place, start: Array, goal: Array, frame: Array, robot: Robot, tolerance: Tolerance
+    own: Own,
+    motion: hir.LineMove | hir.ArcMove,
+    start: Array,
+    goal: Array,
+    robot: Robot,
+    tolerance: Tolerance,
 ) -> dict[str, Any] | str:
     """Return the proof of a line or an arc; why there is none, for an arc whose via point doesn't say exactly where its circle is.
 
     Args:
-        layout: the text's segments.
-        place: the motion, with segments.
+        own: the segments along its path.
+        motion: as programmed.
         start: base_from_moving (4, 4) where the path begins.
         goal: base_from_moving (4, 4) where it ends.
-        frame: flange_from_moving (4, 4).
         robot: the arm.
         tolerance: of this motion.
     """
-    motion = place.motion
-    cubics = layout.cubics(place.first, place.last)
-    owner = np.zeros(place.size, dtype=np.int64)
-    origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
-    # a chord is about sqrt 2 times the angle, and the programmed turn adds as much as the executed one
-    need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
-    count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
-    if (speed := motion.timing.speed) is not None and speed.length:
-        # the bounds of a speed are within a part of what it may be off
-        most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
-        count = min(max(count, math.ceil(most)), _MOST_PIECES)
-    cut = Pieces.cut(cubics, owner, np.full(place.size, count))
-    executed = frame_motion(robot.chain, cut, frame[None])
+    cubics, frame = own.cubics, motion.goal.flange_from_moving
     told: dict[str, Any] = {}
     paths: Lines | Arcs
     if isinstance(motion, hir.ArcMove):
@@ -65,11 +73,33 @@ def frame_proof(
             return "its path, an arc whose via point is beside one of its ends"
     else:
         paths = Lines.between(start[None], goal[None], frame[None])
-    s, rate = _projected(paths, executed, cut, tolerance)
     axis, angle = paths.turns.axis[0], float(paths.turns.theta[0])
     if not axis.any():
         axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
-    return {"axis": axis.tolist(), "angle": angle, **told, **_growing(s, rate, cut.d, count)}
+    told |= {"axis": axis.tolist(), "angle": angle, **own.told}
+    if not len(cubics.h):  # blends take all of the path
+        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
+        return told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+    owner = np.zeros(len(cubics.h), dtype=np.int64)
+    origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
+    # a chord is about sqrt 2 times the angle, and the programmed turn adds as much as the executed one
+    need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
+    count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
+    if (speed := motion.timing.speed) is not None and speed.length:
+        # the bounds of a speed are within a part of what it may be off
+        most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
+        count = min(max(count, math.ceil(most)), _MOST_PIECES)
+    cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
+    executed = frame_motion(robot.chain, cut, frame[None])
+    s, rate = _projected(paths, executed, cut, tolerance)
+    return told | _growing(s, rate, cut.d, count, own.ends)
+
+
+def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle: float) -> int:
+    """Return into how many pieces the segments of a blend are cut, so that what lies between their ends is small beside its ball [m] and angle [rad]."""
+    origin, rotation = arm_bounds(cubics, np.zeros(len(cubics.h), dtype=np.int64), frame[None], robot)
+    need = np.maximum(origin / ball, math.sqrt(2.0) * rotation / angle)
+    return min(4 * _pieces(float((HERMITE * cubics.h**4 * need).max())), _MOST_PIECES)
 
 
 def _arc(paths: Arcs, via: Array) -> dict[str, Any]:
@@ -152,11 +182,17 @@ def _pieces(need: float) -> int:
     return int(np.clip(math.ceil((need / _REMAINDER) ** 0.25), 1, _MOST_PIECES))
 
 
-def _growing(s: Array, rate: Array, d: Array, pieces: int) -> dict[str, Any]:
-    """Return s and s' as integers, changed by little so that the cubics between them grow from 0 to 1."""
+def _growing(
+    s: Array, rate: Array, d: Array, pieces: int, ends: tuple[float | None, float | None] = (0.0, 1.0)
+) -> dict[str, Any]:
+    """Return s and s' as integers, changed by little so that the cubics between them grow, from 0 to 1 or between the ends that are given."""
     share = np.clip(s, 0.0, 1.0)
-    share[0], share[-1] = 0.0, 1.0
+    share[0], share[-1] = (
+        old if end is None else end for old, end in zip((share[0], share[-1]), ends, strict=True)
+    )
     share = np.round(np.maximum.accumulate(share) * SHARE)
+    if ends[1] is not None:
+        share = np.minimum(share, round(ends[1] * SHARE))
     # the inner Bezier points of a piece lie in order if both rates take no more than all of the way between them
     rate = np.maximum(rate, 0.0) * SHARE
     way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]

@@ -1,0 +1,212 @@
+"""Lines and arcs that flow into each other: what the judge certifies is followed, and what is changed is refused."""
+
+import hashlib
+import json
+import re
+
+import numpy as np
+import pytest
+from programs import compiled
+
+from tests.verify.proof_forging import changed, made, numbers, refused, refused_text, table
+from tests.verify.test_agreement import is_wrong
+from yarclang.pipeline.proofs import proof_of
+from yarclang.robot.model import Tolerance
+from yarclang.verify.verdict import ALWAYS_UNCHECKED, verify
+
+CHAIN = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+OUTPUT LAMP M20
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
+P0020 MOVEL 150 1174.4 1176 0 0 0 [V 100] BLEND 20
+P0030 SET LAMP ON
+P0040 MOVEL 150 1074.4 1176 10 0 5 [V 100] BLEND 15
+P0050 MOVEC 80 1044.4 1176; 0 1074.4 1176 0 0 0 [V 80] BLEND 10
+P0060 DMOVE 0 80 20 0 0 0 [2]
+P0070 STOP
+"""
+SHARP = """DEFAULT {TCP} [3] (mm,deg,s) {B}
+P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]
+P0020 MOVEL 60 1174.4 1176 0 0 0 [V 50] BLEND 0
+P0030 MOVEL 140 1174.4 1176 0 0 0 [V 50] BLEND 0
+P0040 MOVEC 175.35533905932738 1159.7553390593274 1176; 190 1124.4 1176 0 0 0 [V 50]
+P0050 STOP
+"""
+
+
+def left_of(text, proof):
+    verdict = verify(text.encode(), proof.encode())
+    assert verdict.refused == ""
+    return [one for one in verdict.unchecked if one not in ALWAYS_UNCHECKED]
+
+
+@pytest.mark.parametrize("program", [CHAIN, SHARP])
+def test_a_chain_is_decided_whole(program):
+    text, proof = made(program)
+    assert left_of(text, proof) == []
+    verdict = verify(text.encode(), proof.encode())
+    assert any("motions that flow into others keep paths" in one for one in verdict.checked)
+
+
+def moves(text):
+    return [k for k, line in enumerate(text.split("\n")) if re.match(r"X-?[0-9].*C-?[0-9]", line)]
+
+
+@pytest.mark.parametrize("program", [CHAIN, SHARP])
+def test_every_move_that_leaves_the_path_is_refused(program):
+    text, _ = made(program)
+    lines = text.split("\n")
+    tried = 0
+    for k in moves(text)[1::7]:
+        for axis, off in (("Y", 0.05), ("Z", -0.05)):
+            moved = re.sub(
+                rf"{axis}(-?[0-9.]+)", lambda one, a=axis, o=off: f"{a}{float(one[1]) + o:.6f}", lines[k]
+            )
+            forged = "\n".join([*lines[:k], moved, *lines[k + 1 :]])
+            assert refused_text(program, forged), (k, axis)
+            tried += 1
+    assert tried > 20
+
+
+TOLD = {
+    "another goal": lambda step: step["pose"].__setitem__(3, step["pose"][3] + 0.0005),
+    "another turn of the goal": lambda step: step.__setitem__("pose", turned(step["pose"])),
+    "another tool": lambda step: step["tool"].__setitem__(3, step["tool"][3] + 0.001),
+    "a smaller tolerance": lambda step: step.__setitem__("tolerance", [1e-9, 1e-9]),
+    "another duration": lambda step: step.__setitem__("duration", 7.0),
+    "another speed": lambda step: step.__setitem__("speed", [40, None]),
+    "a lower ceiling": lambda step: step.__setitem__("ceiling", 40),
+}
+
+
+def turned(pose):
+    rows = np.array(pose).reshape(3, 4)
+    turn = np.array([[np.cos(0.01), -np.sin(0.01), 0], [np.sin(0.01), np.cos(0.01), 0], [0, 0, 1]])
+    rows[:, :3] = rows[:, :3] @ turn
+    return rows.ravel().tolist()
+
+
+@pytest.mark.parametrize("change", TOLD)
+@pytest.mark.parametrize("program", [CHAIN, SHARP])
+def test_a_chain_of_which_something_else_is_told_is_refused(program, change):
+    text, _ = made(program)
+    steps = [
+        at
+        for at, step in enumerate(table(program)["program"]["steps"])
+        if step.get("move") in ("line", "arc")
+    ]
+    for at in steps:
+        forged = table(program)
+        TOLD[change](forged["program"]["steps"][at])
+        verdict = verify(text.encode(), json.dumps(forged).encode())
+        # a frame that differs from the next motion's isn't a chain that is decided
+        assert verdict.refused or any("another frame" in one for one in verdict.unchecked), at
+
+
+def test_a_ball_has_its_radius():
+    text, _ = made(CHAIN)
+    for at, step in enumerate(table(CHAIN)["program"]["steps"]):
+        if "blend" in step:
+            for radius in (0, -1, step["blend"] * 0.5):
+                assert refused(
+                    text, changed(table(CHAIN), ("program", "steps", at, "blend"), lambda _, r=radius: r)
+                )
+
+
+@pytest.mark.parametrize("program", [CHAIN, SHARP])
+def test_every_number_of_a_chains_proof_counts(program):
+    text, _ = made(program)
+    proof = table(program)
+    places = [path for path in numbers(proof) if path[0] == "motions"]
+    few = [path for path in places if path[2] not in ("s", "rates")]
+    many = [path for path in places if path[2] in ("s", "rates")][::23]
+    for path in [*few, *many]:
+        if path[2] in ("pieces", "corner"):
+            continue
+        big = {"s": 10**9, "rates": 3 * 10**9, "from": 1 << 21, "until": 1 << 21}.get(path[2], 0.01)
+        for sign in (-1, 1):
+            assert refused(text, changed(proof, path, lambda one, by=sign * big: one + by)), (path, sign)
+    assert len(few) > 10
+    assert len(many) > 10
+
+
+def test_a_chain_is_followed_from_its_start_to_its_end():
+    """Half of a path, well followed, isn't a path."""
+    text, _ = made(SHARP)
+    proof = table(SHARP)
+    first, last = min(proof["motions"], key=int), max(proof["motions"], key=int)
+    for step, name in ((first, "from"), (last, "until")):
+        forged = table(SHARP)
+        one = forged["motions"][step]
+        pieces = one["pieces"]
+        cut = slice(pieces, None) if name == "from" else slice(None, -pieces)
+        one["s"], one["rates"] = one["s"][cut], one["rates"][cut]
+        one[name] += (1 << 20) * (1 if name == "from" else -1)
+        assert refused(text, forged)
+
+
+def test_the_corner_is_where_the_map_has_it():
+    """A path may not be left far from its corner, whatever lies in the ball."""
+    text, _ = made(SHARP)
+    forged = table(SHARP)
+    steps = sorted(forged["motions"], key=int)
+    for step in steps[:-1]:
+        forged["program"]["steps"][int(step)]["blend"] = 1000
+        one = forged["motions"][step]
+        keep = one["pieces"] * 8 + 1
+        one["until"] = (one["from"] >> 20 << 20) + (8 << 20)
+        one["s"], one["rates"] = one["s"][:keep], one["rates"][:keep]
+    assert refused(text, forged)
+
+
+def drawn_lines(random):
+    """A chain of lines with corners of all kinds."""
+    lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [5]"]
+    count, turns = int(random.integers(2, 6)), random.choice([0, 1])
+    here, way = np.array([0.0, 1174.4, 1176.0]), random.normal(size=3)
+    for number in range(count):
+        here = here + way / np.linalg.norm(way) * random.uniform(30, 90)
+        goes_on = random.random() < 0.3
+        if not goes_on:
+            way = way + random.normal(size=3) * random.choice([0.1, 1.0])
+        turn = random.uniform(-8, 8, 3) * turns
+        timing = random.choice(
+            ["", f"[V {random.integers(20, 150)}]", f"[{random.uniform(1, 3):.2f}]", "[V<=90]"]
+        )
+        blend = "BLEND 0" if goes_on and not turn.any() else f"BLEND {random.choice([1, 5, 12])}"
+        goal = " ".join(f"{one:.6f}" for one in (*here, *turn))
+        lines.append(f"P{(number + 2) * 10:04d} MOVEL {goal} {timing} {blend if number < count - 1 else ''}")
+    return "\n".join([*lines, "P0900 STOP"])
+
+
+def test_chains_by_chance_are_decided_and_judged_as_the_judge_does():
+    decided, balls, refusals, kept = 0, 0, 0, 0
+    for seed in range(16):
+        random = np.random.default_rng(3400 + seed)
+        found, _ = compiled(drawn_lines(random))
+        if found is None:
+            continue
+        proof = proof_of(found)
+        assert proof.value is not None, (seed, proof.diagnostics)
+        assert not [one for one in left_of(found.text, proof.value) if "its speed" not in one], seed
+        decided += 1
+        balls += '"corner"' in proof.value
+        lines, places = found.text.split("\n"), moves(found.text)
+        wider = Tolerance(
+            *(1.1 * one for one in (found.certificate.tolerance.position, found.certificate.tolerance.angle))
+        )
+        for _ in range(3):
+            k, axis = int(random.choice(places)), str(random.choice(list("XYZABC")))
+            by = float(random.choice([-1, 1])) * 10.0 ** random.uniform(-4.0, -1.0)
+            moved = re.sub(
+                rf"{axis}(-?[0-9.]+)", lambda one, a=axis, o=by: f"{a}{float(one[1]) + o:.6f}", lines[k]
+            )
+            text = "\n".join([*lines[:k], moved, *lines[k + 1 :]])
+            forged = json.loads(proof.value) | {"text": hashlib.sha256(text.encode()).hexdigest()}
+            told = verify(text.encode(), json.dumps(forged).encode()).refused
+            wrong = is_wrong(found, text, found.certificate.tolerance)
+            assert told or not wrong or not is_wrong(found, text, wider), (seed, moved)
+            refusals, kept = refusals + wrong, kept + (not wrong and not told)
+    assert decided > 10
+    assert balls > 8
+    assert refusals > 10
+    assert kept > 5

@@ -1,0 +1,68 @@
+"""Zones by the small checker: what the judge certifies in random zones is proved or named, and zones that are told otherwise are broken."""
+
+import copy
+import json
+
+import numpy as np
+from independent import Arm
+from programs import compiled, robot_of
+from random_programs import drawn
+
+from tests.collision.zones.test_zone_programs import cell
+from yarclang.diagnostics import Result
+from yarclang.pipeline.proofs import proof_of
+from yarclang.verify.verdict import verify
+
+COUNT = 14
+
+
+def refused(text, proof):
+    return verify(text.encode(), json.dumps(proof).encode()).refused
+
+
+def named(text, proof):
+    return " ".join(verify(text.encode(), json.dumps(proof).encode()).unchecked)
+
+
+def test_zones_by_chance():
+    proved = slow = broken = tried = 0
+    for seed in range(COUNT):
+        random = np.random.default_rng(seed + 34_000)
+        name = ("INDUSTRIAL6", "TRACKED_MANIPULATOR")[seed % 2]
+        robot, around = robot_of(name), cell(random)
+        program = drawn(Arm(robot.folder), random, most=2)
+        found, _ = compiled(
+            'CELL "cell.toml"\n' + program.text, name, load_cell=lambda *_, made=around: Result(made, ())
+        )
+        if found is None:
+            continue
+        written = proof_of(found)
+        assert written.value is not None, (seed, written.diagnostics)
+        proof = json.loads(written.value)
+        said = named(found.text, proof)
+        zones = {zone["name"]: zone for zone in proof["cell"]["zones"]}
+        for zone in zones.values():
+            region = zone["region"]
+            if f" {zone['name']}" in said:
+                # a round region to stay in has no planes; all others are proved
+                assert zone["rule"] == "allowed", (seed, zone)
+                assert region["disc"] or region["radius"], (seed, zone)
+                continue
+            proved += 1
+            slow += zone["rule"] == "slow"
+            moved = copy.deepcopy(proof)
+            told = moved["cell"]["zones"][list(zones).index(zone["name"])]
+            if not zone["watched"]:
+                continue
+            tried += 1
+            if zone["rule"] == "allowed":
+                # what is watched can't be inside of nothing
+                told["margin"] = 50
+            else:
+                # everywhere, and to be stood still in
+                told["region"] = {"pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -50]}
+                told["speed"] = 1e-4
+            broken += bool(refused(found.text, moved)) or f" {zone['name']}" in named(found.text, moved)
+    assert proved >= 10
+    assert slow >= 3
+    assert broken == tried >= 8

@@ -1,0 +1,187 @@
+"""What the checker is told of each motion, and what makes it checkable."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from yarclang import hir
+from yarclang.certify.blends.corner import Judged, find_starts, tolerance_of
+from yarclang.certify.blends.flows import Corner, find_flows
+from yarclang.certify.claims import Claims
+from yarclang.certify.kinematics.arm import flange_poses
+from yarclang.certify.motion.joint import joint_weights
+from yarclang.certify.motion.programmed import goal_pose
+from yarclang.certify.pmac.proof.room import in_units, told_frame
+from yarclang.certify.pmac.proof.shares import Own, corner_pieces, frame_proof, spline_proof
+from yarclang.certify.read.layout import Layout, Place
+from yarclang.frozen import frozen
+from yarclang.robot.model import Array, Robot, Tolerance
+from yarclang.units import DEG, MM
+from yarclang.verify.paths import GRID
+
+
+@frozen(eq=False)
+class Begin:
+    """Where a motion begins: joints `q` (n,) and `flange` (4, 4)."""
+
+    q: Array
+    flange: Array
+
+
+class Motions:
+    """All motions of a text.
+
+    Attributes:
+        told: by a command's step, what the program says of it.
+        proofs: by its step as it is printed, what makes a motion checkable.
+    """
+
+    def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:
+        self._judged, self._layout, self._firsts = judged, layout, firsts
+        starts = find_starts(judged, layout, flange_poses(judged.robot.chain, layout.begins))
+        self._flows = find_flows(judged, layout, starts)
+        self._begins = [Begin(q, flange) for q, flange in zip(starts.q, starts.flange, strict=True)]
+        self.told: dict[int, dict[str, Any]] = {}
+        self.proofs: dict[str, Any] = {}
+        for row, place in enumerate(layout.places):
+            self._add(row, place)
+        for corner in self._flows.corners:
+            self._add_corner(corner)
+
+    def _add(self, row: int, place: Place) -> None:
+        judged, begin = self._judged, self._begins[row]
+        told = _told(place, begin, judged.robot, judged.tolerance, judged.claims)
+        self.told[place.step] = told
+        flows = place.before is not None or place.behind is not None
+        if flows and place.motion.blend is not None and place.motion.blend.length:
+            told["blend"] = float(f"{place.motion.blend.length / MM:.13g}")
+        if not place.size or "unchecked" in told:
+            return
+        proof = self._proof(row, place, begin)
+        if isinstance(proof, str):
+            told["unchecked"] = proof
+        elif proof is not None:
+            self.proofs[str(place.step)] = proof
+
+    def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
+        """Return what makes a motion checkable; why it can't be checked; None for one that needs nothing."""
+        motion, layout, robot = place.motion, self._layout, self._judged.robot
+        if isinstance(motion, hir.LineMove | hir.ArcMove):
+            start, goal = goal_pose(motion.goal, begin.flange)
+            return frame_proof(
+                self._own(row, place), motion, start, goal, robot, self._judged.tolerance_of(motion)
+            )
+        if place.before is not None or place.behind is not None:
+            return None
+        if isinstance(motion, hir.SplineMove | hir.AvoidMove):
+            through = [one["q"] for one in _through(place, begin, robot, self._judged.claims)]
+            points = np.array([begin.q / robot.axis_units, *through]) * robot.axis_units
+            weights = joint_weights(robot, self._judged.tolerance)
+            return spline_proof(layout, place, points, weights, self._judged.claims)
+        return None
+
+    def _own(self, row: int, place: Place) -> Own:
+        """Return the segments along the path of a line or an arc."""
+        flows, layout = self._flows, self._layout
+        begin, end = (int(x) for x in flows.follow[row])
+        if (place.before, place.behind) == (None, None):
+            return Own(layout.cubics(begin, end), (0.0, 1.0), {})
+        free = flows.free[row].tolist()
+        ends = None if free[0] else 0.0, None if free[1] else 1.0
+        since, until = float(flows.since[row]), float(flows.until[row])
+        base = place.first - self._firsts[place.step]
+        places = [float(begin - base), float(end - base)]
+        if np.isfinite(since):
+            places[0] += since / float(layout.time[begin])
+        if np.isfinite(until):
+            places[1] += until / float(layout.time[end - 1]) - 1.0
+        told = {name: round(one * GRID) for name, one in zip(("from", "until"), places, strict=True)}
+        if begin >= end:
+            told["until"] = told["from"]
+            return Own(layout.cubics(begin, begin), ends, told)
+        return Own(flows.cubics(layout, row), ends, told)
+
+    def _add_corner(self, corner: Corner) -> None:
+        """Say into how many pieces the segments of a blend are cut."""
+        layout, judged = self._layout, self._judged
+        first, second = (layout.places[row] for row in (corner.first, corner.second))
+        proof = self.proofs.get(str(first.step))
+        begin, end = int(self._flows.follow[corner.first, 1]), int(self._flows.follow[corner.second, 0])
+        if proof is None or not corner.rounded or not isinstance(first.motion, hir.LineMove | hir.ArcMove):
+            return
+        own = judged.tolerance_of(first.motion)
+        ball = (first.motion.blend.length or 0.0) if first.motion.blend else 0.0
+        frame = first.motion.goal.flange_from_moving
+        cubics = layout.cubics(begin, end)
+        proof["corner"] = (
+            corner_pieces(cubics, frame, judged.robot, ball + own.position, own.angle) if end > begin else 1
+        )
+        assert second.size
+
+
+def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
+    """Return what the program says of a motion."""
+    motion = place.motion
+    own = tolerance_of(motion, tolerance)
+    told: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
+    timing = motion.timing
+    if timing.duration is not None:
+        told["duration"] = float(f"{timing.duration:.13g}")
+    if timing.speed is not None:
+        told["speed"] = _speed(timing.speed)
+        kept = min(claims.kept.get(place.step, 1.0), claims.least.get(place.step, 1.0))
+        if kept < 1.0:
+            told["kept"] = float(kept)
+    if timing.ceiling is not None:
+        told["ceiling"] = float(f"{timing.ceiling / MM:.13g}")
+    if place.any_jerk:
+        told["any_jerk"] = True
+    match motion:
+        case hir.LineMove(goal=goal) | hir.ArcMove(goal=goal):
+            pose = goal_pose(goal, begin.flange)[1]
+            told |= {"move": "line", "pose": told_frame(pose), "tool": told_frame(goal.flange_from_moving)}
+            if isinstance(motion, hir.ArcMove):
+                told |= {"move": "arc", "via": motion.via.tolist()}
+        case hir.JointMove() | hir.SplineMove() | hir.AvoidMove():
+            told["move"] = "joint" if isinstance(motion, hir.JointMove) else "spline"
+            told["through"] = list(_through(place, begin, robot, claims))
+            if motion.tolerance is not None and place.size:
+                told["unchecked"] = "its path, since TOL is of the moving frame"
+        case hir.PoseSplineMove(waypoints=waypoints):
+            poses = [told_frame(one.base_from_moving) for one in waypoints]
+            told |= {"move": "spline of poses", "poses": poses, "unchecked": "its path, a spline of poses"}
+        case hir.TimedMove():
+            told |= {"move": "timetable", "unchecked": "its path and time, a timetable"}
+            told.pop("duration", None)
+    return told
+
+
+def _speed(speed: hir.Reading) -> list[float | None]:
+    """Return a speed as one of the frame's origin [mm/s] and as one of its turn [deg/s]."""
+    read_as = (speed.length, MM), (speed.angle, DEG)
+    return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]
+
+
+def _through(place: Place, begin: Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:
+    """Yield the way-points of a joint motion: joints [deg or mm], and the poses that these are chosen for."""
+    motion = place.motion
+    claimed = claims.witnesses.get(place.step)
+    goals = motion.goals
+    if isinstance(motion, hir.AvoidMove) and claimed is not None:
+        for q in claimed[:-1]:
+            yield {"q": (q / robot.axis_units).tolist()}
+        claimed = claimed[-1:]
+    for number, goal in enumerate(goals):
+        match goal:
+            case hir.JointGoal(q=q):
+                yield {"q": (q / robot.axis_units).tolist()}
+            case hir.JointDelta(dq=dq):
+                yield {"q": ((begin.q + dq) / robot.axis_units).tolist()}
+            case hir.PoseGoal():
+                of_text = isinstance(motion, hir.JointMove) or claimed is None
+                q_told = None if of_text or claimed is None else (claimed[number] / robot.axis_units).tolist()
+                frame = told_frame(goal.flange_from_moving)
+                yield {"q": q_told, "pose": told_frame(goal.base_from_moving), "tool": frame}

@@ -1,0 +1,338 @@
+"""Planes that keep bodies apart, for the small checker: the longest stretches of a text on which one plane a pair is enough.
+
+A stretch begins as the whole text. A pair of bodies that no plane keeps apart on it is looked at on both halves of it: between commands first, then between segments, then within one.
+The bounds are the checker's (`yarclang.verify.apart`), in floating point and with a little left over.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.certify.bodies.fastest import Joints
+from yarclang.certify.bodies.second import nearest, seen
+from yarclang.certify.kinematics.arm import KINEMATICS, axes_of, motions, steps_of
+from yarclang.certify.pmac.proof.room import Needed, exactly, told_arm
+from yarclang.collision.scene import Rows
+from yarclang.collision.zones.watched import Item
+from yarclang.frozen import frozen
+from yarclang.progress import go_on
+from yarclang.robot.model import Array, Robot
+from yarclang.verify.apart import PARTS, Timeline
+from yarclang.verify.arm import Arm
+from yarclang.verify.course import Moved
+from yarclang.verify.exact import ONE
+from yarclang.verify.reader import PRINTED
+from yarclang.verify.room import Room
+
+_LEFT = 2e-6
+"""What a gap must have above its margin [m]: floating point, and the grid of meshes' corners, cost less."""
+_SCALES = (100, 10_000, 10_000_000)
+"""Normals are integers of about this size: the smallest one that does."""
+
+Planes = list[list[object]]
+
+
+@frozen(eq=False)
+class Segments:
+    """All segments of a text, N of them.
+
+    Attributes:
+        control: (N, 4, n) the control points [rad or m].
+        h: (N,) how long each lasts [s].
+        run: (N,) in which sequence it is.
+        row: (N,) of which command it is.
+        steps: the command's step of each segment (N,).
+    """
+
+    control: Array
+    h: Array
+    run: Rows
+    row: Rows
+    steps: Rows
+
+    @classmethod
+    def of(cls, rows: Sequence[Moved], robot: Robot) -> Segments:
+        """Read the control points of a text as the checker does."""
+        rows = [row for row in rows if row.last > row.first]
+        control = [np.empty((0, 4, robot.size))]
+        for row in rows:
+            points = np.array(row.control[row.first : row.last + 3], dtype=np.float64)
+            points *= robot.axis_units / PRINTED
+            control.append(np.lib.stride_tricks.sliding_window_view(points, 4, axis=0).transpose(0, 2, 1))
+        counts = [row.last - row.first for row in rows]
+        return cls(
+            np.concatenate(control),
+            np.repeat([float(row.seconds) for row in rows], counts),
+            np.repeat(np.array([row.run for row in rows], dtype=np.int64), counts),
+            np.repeat(np.arange(len(rows)), counts),
+            np.repeat(np.array([row.entry.step for row in rows], dtype=np.int64), counts),
+        )
+
+    def at(self, segment: Rows, share: Array) -> Array:
+        """Return the joints (P, n) at a share (P,) of segments (P,)."""
+        t = share[:, None]
+        c = self.control[segment].transpose(1, 0, 2)
+        found: Array = (
+            (1 - t) ** 3 * c[0]
+            + (3 * t**3 - 6 * t**2 + 4) * c[1]
+            + (-3 * t**3 + 3 * t**2 + 3 * t + 1) * c[2]
+            + t**3 * c[3]
+        ) / 6.0
+        return found
+
+    def rate(self, segment: Rows, share: Array) -> Array:
+        """Return the joints' velocities (P, n) there."""
+        t = share[:, None]
+        one, two, three = np.diff(self.control[segment], axis=1).transpose(1, 0, 2)
+        found: Array = ((1 - t) ** 2 * one + (1 + 2 * t - 2 * t**2) * two + t**2 * three) / 2.0
+        return found / self.h[segment][:, None]
+
+
+class _Search:
+    def __init__(self, segments: Segments, needed: Needed, robot: Robot) -> None:
+        self.segments, self.needed, self.chain = segments, needed, robot.chain
+        steps = np.diff(segments.control, axis=1)
+        bends = np.diff(steps, axis=1)
+        inner = np.abs(steps[:, :-1] + steps[:, 1:]).max(axis=1) / 2.0
+        h = segments.h[:, None]
+        self.w = _ended(np.maximum(inner, np.abs(steps[:, 1])) / h)
+        self.a = _ended(np.abs(bends).max(axis=1) / h**2)
+        self.j = _ended(np.abs(np.diff(bends, axis=1)[:, 0]) / h**3)
+        self.low, self.high = _ended(segments.control.min(axis=1)), _ended(segments.control.max(axis=1))
+        turn = np.eye(4)
+        self.turns = [np.eye(3)]
+        for step in steps_of(self.chain)[:-1]:
+            turn = turn @ step
+            self.turns.append(turn[:3, :3])
+        self.is_turn = axes_of(self.chain).turn == 1.0
+        far = np.abs(segments.control).max(axis=(0, 1)) if len(segments.h) else np.zeros(robot.size)
+        self.reach = [_reach(robot, item, far) for item in needed.items]
+        self.planes: dict[tuple[int, int, int], list[list[int]]] = defaultdict(list)
+        self.failed: set[int] = set()
+
+    def found(self) -> Planes:
+        """Halve stretches until a plane keeps each pair apart, or they are too short."""
+        begin, end, pair, margin = self.needed.stretches()
+        while len(pair):
+            go_on()
+            done = np.zeros(len(pair), dtype=np.bool_)
+            one = self.segments.run[begin // PARTS] == self.segments.run[(end - 1) // PARTS]
+            whole = (begin % PARTS == 0) & (end % PARTS == 0)
+            for bent, fits in ((False, whole), (True, one)):
+                rows = np.flatnonzero(fits & ~done)
+                if len(rows):
+                    done[rows] = self._settled(begin[rows], end[rows], pair[rows], margin[rows], bent=bent)
+            rows = np.flatnonzero(one & ~done & (self.needed.speeds[pair] > 0.0))
+            if len(rows):
+                done[rows] = self._slow(begin[rows], end[rows], pair[rows])
+            short = ~done & (end - begin == 1)
+            self.failed |= set(pair[short].tolist())
+            left = np.flatnonzero(~done & ~np.isin(pair, list(self.failed)))
+            middle = self._middle(begin[left], end[left])
+            begin = np.concatenate([begin[left], middle])
+            end = np.concatenate([middle, end[left]])
+            pair, margin = np.tile(pair[left], 2), np.tile(margin[left], 2)
+        found: Planes = []
+        for (begins, ends, kind), named in sorted(self.planes.items()):
+            kept = [one for one in named if one[0] not in self.failed]
+            if kept:
+                found.append([begins, ends, kind, *kept])
+        return found
+
+    def _middle(self, begin: Rows, end: Rows) -> Rows:
+        """Return where stretches are cut: between commands, between segments, or within a segment."""
+        middle = (begin + end) // 2
+        cut = np.where(end - begin > PARTS, (middle + PARTS // 2) // PARTS * PARTS, middle)
+        row = self.segments.row
+        edges = np.flatnonzero(np.append(True, np.append(row[1:] != row[:-1], True))) * PARTS
+        for nearest_ in (np.searchsorted(edges, middle), np.searchsorted(edges, middle) - 1):
+            edge = edges[np.clip(nearest_, 0, len(edges) - 1)]
+            inside = (edge > begin) & (edge < end)
+            better = np.abs(edge - middle) < np.abs(cut - middle)
+            cut = np.where(inside & (better | ~np.isin(cut, edges)), edge, cut)
+        return cut
+
+    def _settled(self, begin: Rows, end: Rows, pair: Rows, margin: Array, *, bent: bool) -> NDArray[np.bool_]:
+        """Return which pairs a plane keeps apart on stretches; note the planes."""
+        nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
+        first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
+        bounds = np.stack([first, last + 1], axis=1).ravel()
+        if bent:
+            w, a = (np.maximum.reduceat(one, bounds)[::2] for one in (self.w, self.a))
+            share = (nodes[0] - first * PARTS) / PARTS, (nodes[1] - last * PARTS) / PARTS
+            mean = (nodes[0] + nodes[1]) / 2.0 / PARTS
+            half = np.minimum(mean.astype(np.int64), last)
+            q = [self.segments.at(half, mean - half)]
+            q += [self.segments.at(first, share[0]), self.segments.at(last, share[1])]
+            d = (nodes[1] - nodes[0]) / PARTS * self.segments.h[first]
+        else:
+            low, high = (
+                np.minimum.reduceat(self.low, bounds)[::2],
+                np.maximum.reduceat(self.high, bounds)[::2],
+            )
+            q = [(low + high) / 2.0]
+            w, a, d = (high - low) / 2.0, low, np.zeros(len(first))
+        placed = [KINEMATICS.placements(self.chain, one) for one in q]
+        settled = np.zeros(len(pair), dtype=np.bool_)
+        for one in np.unique(pair).tolist():
+            rows = np.flatnonzero(pair == one)
+            here = at[rows]
+            body, other = self.needed.pairs[one]
+            item, moving = self.needed.items[body], self.needed.items[other]
+            reach = self.reach[other]
+            if bent:
+                rest = (
+                    _bend(reach, self.is_turn, item.joint, moving.joint, w[here], a[here])
+                    * d[here] ** 2
+                    / 8.0
+                )
+            else:
+                size = np.where(self.is_turn[: moving.joint], reach, 1.0)[item.joint :]
+                rest = w[here, item.joint : moving.joint] @ size
+            arms = [seen(single, item.joint, moving.joint, here) for single in placed]
+            center = arms[0].point(moving.middle) - item.middle[:, None]
+            apart = np.sqrt((center**2).sum(axis=0))
+            least = margin[rows] + rest + _LEFT
+            if np.isinf(item.bound):
+                settled[rows] = _before(item, moving, arms[bent:]) >= least
+                for row in rows[settled[rows]]:
+                    self.planes[int(begin[row]), int(end[row]), int(bent)].append([one, 0, 0, 1])
+                continue
+            hope = np.flatnonzero(apart >= least)
+            if not len(hope):
+                continue
+            turn = self.turns[item.joint]
+            toward = center[:, hope] / np.maximum(apart[hope], 1e-12)
+            for number, scale in enumerate((_SCALES[0], *_SCALES)):
+                if number == 1:  # the way from middle to middle doesn't do
+                    toward, _ = nearest(item, moving, arms[0].take(hope))
+                normal = np.round(turn.T @ toward * scale)
+                gap = _gap(item, moving, [arm.take(hope) for arm in arms[bent:]], turn @ normal)
+                done = gap >= least[hope]
+                settled[rows[hope[done]]] = True
+                for row, values in zip(rows[hope[done]], normal[:, done].T.astype(np.int64), strict=True):
+                    self.planes[int(begin[row]), int(end[row]), int(bent)].append([one, *values.tolist()])
+                hope, toward = hope[~done], toward[:, ~done]
+                if not len(hope):
+                    break
+        return settled
+
+    def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
+        """Return which pairs of a slow zone and a body are slow enough on stretches of a sequence; note them."""
+        nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
+        first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
+        bounds = np.stack([first, last + 1], axis=1).ravel()
+        w, a, j = (np.maximum.reduceat(one, bounds)[::2] for one in (self.w, self.a, self.j))
+        d = (nodes[1] - nodes[0]) / PARTS * self.segments.h[first]
+        ends = []
+        for segment, place in ((first, nodes[0]), (last, nodes[1])):
+            share = (place - segment * PARTS) / PARTS
+            ends.append(
+                motions(self.chain, self.segments.at(segment, share), self.segments.rate(segment, share))
+            )
+        slow = np.zeros(len(pair), dtype=np.bool_)
+        for one in np.unique(pair).tolist():
+            rows = np.flatnonzero(pair == one)
+            here, moving = at[rows], self.needed.items[self.needed.pairs[one][1]]
+            k = moving.joint
+            arms = [Joints(p[k, :, :3], p[k, :, 3], spin[k], drift[k]).take(here) for p, spin, drift in ends]
+            bend = _third(self.reach[self.needed.pairs[one][1]], self.is_turn, w[here], a[here], j[here])
+            most = np.maximum(arms[0].speed(moving), arms[1].speed(moving)) + bend * d[here] ** 2 / 8.0
+            slow[rows] = most <= self.needed.speeds[one] * (1.0 - 1e-6)
+            for row in rows[slow[rows]]:
+                self.planes[int(begin[row]), int(end[row]), 2].append([one])
+        return slow
+
+
+def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Array) -> Array:
+    """Return the checker's bound of a body's third derivatives (P,) for |q'|, |q''| and the jerk (P, n)."""
+    sum_w, sum_a, sum_j, before, bend = (np.zeros(len(w)) for _ in range(5))
+    for joint in range(len(reach)):
+        if not is_turn[joint]:
+            bend += 3.0 * (sum_w**2 + sum_a) * w[:, joint] + 3.0 * sum_w * a[:, joint] + j[:, joint]
+            continue
+        sum_w, sum_a, sum_j = sum_w + w[:, joint], sum_a + a[:, joint], sum_j + j[:, joint]
+        upto = sum_w**3 + 3.0 * sum_w * sum_a + sum_j
+        bend += reach[joint] * (upto - before)
+        before = upto
+    return bend
+
+
+def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
+    """Return the least gap (P,) [m] along normals (3, P) of any length; without bound below where there is none."""
+    size = np.sqrt((normal**2).sum(axis=0))
+    unit = normal / np.maximum(size, 1e-300)
+    still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
+    gaps = [arm.lowest(moving, unit) + still.lowest(item, -unit) for arm in arms]
+    return np.where(size > 0.5, np.min(gaps, axis=0), -np.inf)
+
+
+def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
+    """Return how far a body stays before a border (P,) [m]."""
+    offset = float(item.axis @ item.middle)
+    gaps = [
+        offset + arm.lowest(moving, np.broadcast_to(-item.axis[:, None], arm.shift.shape)) for arm in arms
+    ]
+    found: Array = np.min(gaps, axis=0)
+    return found
+
+
+def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Array, a: Array) -> Array:
+    """Return the checker's K (P,) for |q'| and |q''| (P, n)."""
+    sum_w, sum_a, before, bend = (np.zeros(len(w)) for _ in range(4))
+    for joint in range(first, last):
+        if not is_turn[joint]:
+            bend += 2.0 * sum_w * w[:, joint] + a[:, joint]
+            continue
+        sum_w, sum_a = sum_w + w[:, joint], sum_a + a[:, joint]
+        upto = sum_w**2 + sum_a
+        bend += reach[joint] * (upto - before)
+        before = upto
+    return bend
+
+
+def _reach(robot: Robot, item: Item, far: Array) -> Array:
+    """Return how far a body can be from the axis of each joint that moves it (joint,) [m], as the checker bounds it."""
+    steps = steps_of(robot.chain)
+    is_turn = axes_of(robot.chain).turn == 1.0
+    frame = np.eye(4)
+    for step in steps[: item.joint]:
+        frame = frame @ step
+    point, way = (np.linalg.inv(frame) @ np.append(item.middle, 1.0))[:3], item.bound * (1.0 + 1e-9)
+    found = np.zeros(item.joint)
+    for joint in reversed(range(item.joint)):
+        if is_turn[joint]:
+            way += float(np.hypot(point[0], point[1]))
+            found[joint] = way
+            point = np.array([0.0, 0.0, point[2]])
+        else:
+            way += float(far[joint])
+        point = (steps[joint] @ np.append(point, 1.0))[:3]
+    return found
+
+
+def _ended(numbers: Array) -> Array:
+    """Return rows with one more, so that a stretch may end with the last of them."""
+    return np.concatenate([numbers, numbers[-1:]])
+
+
+def planes_of(rows: Sequence[Moved], cell: dict[str, Any], items: list[Item], robot: Robot) -> Planes:
+    """Return planes, as the checker takes them, for all pairs of bodies that planes keep apart.
+
+    Args:
+        rows: the text's commands, as the checker has read them.
+        cell: what the checker is told of bodies.
+        items: the same bodies, and the regions that zones keep bodies out of.
+        robot: the arm.
+    """
+    arm, told = Arm(exactly(told_arm(robot))), exactly(cell)
+    room = Room(told, arm, [0] * robot.size)
+    pairs = room.pairs(Timeline(rows, arm).steps)
+    speeds = [room.all[pair.one].speed for pair in pairs]
+    segments, needed = Segments.of(rows, robot), Needed.of(items, pairs, speeds, ONE)
+    return _Search(segments, needed, robot).found() if len(segments.h) and pairs else []

@@ -1,0 +1,211 @@
+"""Bodies that stay apart, by planes: on a stretch of the text the proof names one for each pair of bodies.
+
+A body is the convex hull of a box around its middle (half edges `core`) or of `corners`, widened by a disc
+across its z axis and by a ball. Joints move it: the first `joint` of them. Of a pair, the body that fewer
+joints move stands still, and the plane with it; only the joints between both count. With the unit normal n of
+the plane from the first body to the second one, the gap is min n.b - max n.a over their points. The bodies
+are no nearer than it, whatever n is. Over a stretch, two bounds keep the gap:
+
+- a stretch as a room: joints stay in the hull of their control points. From the middle of the room, no point
+  moves by more than the sum of reach times half a room's width, over the joints between both bodies.
+- a stretch as a curve, within one sequence: n.b has a second derivative of at most K, for each point b. So
+  the gap isn't below the lesser of those at both ends by more than K d^2 / 8, for d seconds. With the sums W
+  and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less that before), since each
+  derivative by a joint is a cross product with its axis; a joint that slides adds 2 W |q'| + |q''|.
+
+In a slow zone, the speed of a point isn't above the larger one of those at both ends by more than d^2 / 8
+times its largest third derivative, of which the sum of reach (W^3 + 3 W A + J, less that before) is a bound.
+"""
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import lru_cache
+from math import isqrt
+from typing import Any
+
+from yarclang.verify.arm import Arm, Frame, dot, in_si
+from yarclang.verify.course import Moved
+from yarclang.verify.exact import BITS, ONE, SLACK, above, need, times, whole
+from yarclang.verify.paths import Motion
+from yarclang.verify.reader import PRINTED
+from yarclang.verify.room import Body, Border, Room
+
+PARTS = 64
+"""Stretches begin and end at multiples of this part of a segment."""
+
+
+@dataclass
+class Stretch:
+    """A stretch of the text: the links in the middle of its room, and half the room's widths `w`; or, with
+    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w`, `a` and `j` of |q'|, |q''| and
+    |q'''|.
+    """
+
+    links: list[list[Frame]]
+    w: list[int]
+    a: list[int] = field(default_factory=list)
+    j: list[int] = field(default_factory=list)
+    square: int = 0
+
+    def gap(self, one: Body | Border, other: Body, normal: Sequence[Fraction], turns: Sequence[bool]) -> int:
+        """Return what keeps a pair apart on the whole stretch, along a normal in the first body's link."""
+        gap = min(_gap(one, other, links, normal) for links in self.links)
+        if self.square:
+            return gap - times(self._bend(one, other, turns), self.square)
+        for joint in range(one.joint, other.joint):
+            gap -= times(other.reach[joint] if turns[joint] else ONE, self.w[joint])
+        return gap
+
+    def speed(self, other: Body, turns: Sequence[bool]) -> int:
+        """Return a bound of the speeds of a body's points on a curve."""
+        sum_w = sum_a = sum_j = before = bend = 0
+        for joint in range(other.joint):
+            w, a, j = self.w[joint], self.a[joint], self.j[joint]
+            if not turns[joint]:
+                bend += 3 * times(times(sum_w, sum_w) + sum_a, w) + 3 * times(sum_w, a) + j
+                continue
+            sum_w, sum_a, sum_j = sum_w + w, sum_a + a, sum_j + j
+            upto = times(sum_w, sum_w, sum_w) + 3 * times(sum_w, sum_a) + sum_j
+            bend += times(other.reach[joint], upto - before + (ONE >> 64))
+            before = upto
+        return max(other.fastest(links[other.joint]) for links in self.links) + times(bend, self.square)
+
+    def _bend(self, one: Body | Border, other: Body, turns: Sequence[bool]) -> int:
+        """Return K, not too small."""
+        sum_w = sum_a = before = bend = 0
+        for joint in range(one.joint, other.joint):
+            if not turns[joint]:
+                bend += 2 * times(sum_w, self.w[joint]) + self.a[joint]
+                continue
+            sum_w, sum_a = sum_w + self.w[joint], sum_a + self.a[joint]
+            upto = times(sum_w, sum_w) + sum_a
+            bend += times(other.reach[joint], upto - before + (ONE >> 64))
+            before = upto
+        return bend
+
+
+class Timeline:
+    """All segments of a text, and where the arm is on them."""
+
+    def __init__(self, rows: Sequence[Moved], arm: Arm) -> None:
+        self.arm = arm
+        self.rows = [row for row in rows if row.last > row.first]
+        self.begins = [0]
+        for row in self.rows:
+            self.begins.append(self.begins[-1] + row.last - row.first)
+        self.count = self.begins[-1]
+        self.runs, self.offsets = dict[int, Motion](), dict[int, int]()
+        for row, begin in zip(self.rows, self.begins, strict=False):
+            self.runs.setdefault(row.run, Motion(row, arm))
+            self.offsets.setdefault(row.run, (begin - row.first) * PARTS)
+        self.links_at = lru_cache(64)(self._links_at)
+        self.bounds = lru_cache(4096)(self._bounds)
+
+    @property
+    def steps(self) -> list[tuple[int, int, int]]:
+        """Return each command's step, and where its stretch begins and ends."""
+        ends = zip(self.rows, self.begins, self.begins[1:], strict=False)
+        return [(row.entry.step, begin * PARTS, end * PARTS) for row, begin, end in ends]
+
+    def _row(self, segment: int) -> tuple[Moved, int]:
+        """Return the command that has a segment, and the segment's number in it."""
+        number = bisect_right(self.begins, segment) - 1
+        return self.rows[number], segment - self.begins[number]
+
+    def _links_at(self, run: int, place: Fraction) -> list[Frame]:
+        return self.arm.links(*self.runs[run].at(place))
+
+    def _bounds(self, segment: int) -> tuple[list[int], list[int], list[int]]:
+        row, own = self._row(segment)
+        return Motion(row, self.arm).bounds(row.first + own)
+
+    def stretch(self, begin: int, end: int, is_curve: bool) -> Stretch:
+        """Return a stretch; as a room it is that of all segments that it touches."""
+        need(0 <= begin < end, "a stretch of nothing")
+        return self._curve(begin, end) if is_curve else self._room(begin // PARTS, (end - 1) // PARTS)
+
+    def _room(self, first: int, last: int) -> Stretch:
+        """Return the segments first to last as a room."""
+        low, high = list[int](), list[int]()
+        for own in self._control(first, last):
+            low = [min(pair) for pair in zip(low or own[0], *own, strict=True)]
+            high = [max(pair) for pair in zip(high or own[0], *own, strict=True)]
+        middle = [in_si(a + b, 2 * PRINTED, t) for a, b, t in zip(low, high, self.arm.turns, strict=True)]
+        half = [in_si(b - a, 2 * PRINTED, t) + 4 for a, b, t in zip(low, high, self.arm.turns, strict=True)]
+        return Stretch([self.arm.links(middle, [0] * len(middle))], half)
+
+    def _control(self, first: int, last: int) -> Iterator[list[tuple[int, ...]]]:
+        for row, begin in zip(self.rows, self.begins, strict=False):
+            one, end = max(first - begin, 0), min(last + 1 - begin, row.last - row.first)
+            if one < end:
+                yield row.control[row.first + one : row.first + end + 3]
+
+    def _curve(self, begin: int, end: int) -> Stretch:
+        """Return a stretch of a sequence as a curve."""
+        first, last = begin // PARTS, (end - 1) // PARTS
+        row = self._row(first)[0]
+        need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
+        links = [self.links_at(row.run, Fraction(one - self.offsets[row.run], PARTS)) for one in (begin, end)]
+        bounds = [self.bounds(segment) for segment in range(first, last + 1)]
+        w, a, j = (
+            [max(column) for column in zip(*found, strict=True)] for found in zip(*bounds, strict=True)
+        )
+        return Stretch(links, w, a, j, above(((end - begin) * row.seconds / PARTS) ** 2 / 8))
+
+
+def check_apart(
+    rows: Sequence[Moved], told: dict[str, Any], planes: list[Any], arm: Arm
+) -> tuple[str, list[str]]:
+    """Check that bodies stay apart by their margins, and zones; return what was checked, and what wasn't.
+
+    Args:
+        rows: all commands.
+        told: `bodies`, `exceptions` from their margins, and `zones`.
+        planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]; the
+            kind is 0 for a room, 1 for a curve, and 2 for a curve that is slow enough for a slow zone.
+        arm: the arm.
+    """
+    timeline = Timeline(rows, arm)
+    travel = [0] * len(arm.turns)
+    for row in timeline.rows:
+        for point in row.control[row.first : row.last + 3]:
+            travel = [max(most, abs(at)) for most, at in zip(travel, point, strict=True)]
+    travel = [in_si(most, PRINTED, turns) + 4 for most, turns in zip(travel, arm.turns, strict=True)]
+    room = Room(told, arm, travel)
+    pairs, bodies = room.pairs(timeline.steps), room.bodies
+    end, count = timeline.count * PARTS, sum(bool(pair.needs) for pair in pairs)
+    for first, last, kind, *named in sorted(planes):
+        stretch = timeline.stretch(whole(first, end), whole(last, end), whole(kind, 2) != 0)
+        for number, *normal in named:
+            need(0 <= number < len(pairs), "a plane of no pair")
+            pair = pairs[whole(number)]
+            one, other = room.all[pair.one], bodies[pair.other]
+            if kind == 2:
+                speed = stretch.speed(other, arm.turns)
+                need(speed <= one.speed, f"{other.name} isn't shown to be slow enough in {one.name}")
+                pair.goes_on(whole(first), whole(last))
+                continue
+            gap = stretch.gap(one, other, normal, arm.turns)
+            margin = pair.goes_on(whole(first), whole(last))
+            shown = f"{gap / ONE * 1000:.6g} mm instead of {margin / ONE * 1000:.6g} mm"
+            need(gap >= margin + SLACK, f"{other.name} isn't shown to keep away from {one.name}: {shown}")
+    left = [pair for pair in pairs if pair.needs]
+    checked = (
+        f"{count - len(left)} of {count} pairs of bodies, and of zones and bodies, keep margins and speeds"
+    )
+    names = dict.fromkeys(f"{bodies[pair.other].name} and {room.all[pair.one].name}" for pair in left)
+    return checked, [*(f"that {name} keep apart" for name in names), *room.left]
+
+
+def _gap(one: Body | Border, other: Body, links: list[Frame], normal: Sequence[Fraction]) -> int:
+    """Return the gap of a pair along a normal that is told in the first body's link."""
+    if isinstance(one, Border):  # its plane is the only one
+        return one.offset - other.extent(links[other.joint], one.normal)
+    x, y, z = (whole(number) for number in normal)
+    size = isqrt((x * x + y * y + z * z) << 2 * BITS)
+    need(size > 0, "a normal without a direction")
+    unit = [(number << 2 * BITS) // size for number in (x, y, z)]
+    n = [dot(row, unit) for row in zip(*links[one.joint].axes, strict=True)]
+    return -other.extent(links[other.joint], [-x for x in n]) - one.extent(links[one.joint], n)

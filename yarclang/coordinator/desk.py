@@ -32,6 +32,7 @@ from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Reply
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.recovering import recovery_described
 from yarclang.coordinator.servicing import Servicing, wrong_in
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result
@@ -111,6 +112,7 @@ class Desk:
             orders.Adopt: self._adopt,
             orders.Offer: lambda order: self._offered(client.motion.offer(order.text)),
             orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
+            orders.OfferRecovery: self._recovered,
             orders.Go: self._go,
             orders.Keep: lambda _: _done(self._held.keep),
             orders.Load: self._load,
@@ -291,6 +293,14 @@ class Desk:
         _keep(self._offers, made.value.number, made.value)
         return replies.Offered(offer=offer_described(made.value, self.client.robot), findings=found)
 
+    async def _recovered(self, order: orders.OfferRecovery) -> replies.Recovery:
+        loaded = self._loaded(order.program)
+        await self._check_cell(order.program)
+        made = await self.client.motion.offer_recovery(loaded)
+        if made.offer is not None:
+            _keep(self._offers, made.offer.number, made.offer)
+        return recovery_described(made, self.client.robot)
+
     async def _go(self, order: orders.Go) -> replies.Ended:
         self._coordinator.check_owner(self.client.name, "to move the robot")
         offer = self._offers.get(order.offer)
@@ -325,7 +335,7 @@ class Desk:
             order.source,
             order.approach,
         )
-        made = await self.client.files.load(source, here=order.here)
+        made = await self.client.files.load(source, here=order.here, as_now=not order.recover)
         # thousands of them would keep a live motion waiting here
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value, generation)

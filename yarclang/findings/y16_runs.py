@@ -222,4 +222,12 @@ FINDINGS: tuple[Finding, ...] = (
         "a group of inputs never held still",
         "Bits of a group are read one after the other, so a number counts when two looks, 20 ms apart, find the same. Where no two looks in a second do, somebody else counts on these inputs, and no number of theirs is one to decide by.",
     ),
+    Finding(
+        "Y1660",
+        "not-recovered",
+        "error",
+        "no proved motion leads to the program",
+        "From where the robot stands no motion to the program's start, or to one of the nearest places at which the program may begin, could be proved to stay within the limits, clear of all bodies and in accordance with the zones. "
+        "A robot that stands in something, or beside a part that isn't where the program has it, is moved into the open by a person who sees it.",
+    ),
 )

@@ -296,6 +296,13 @@ class OfferBack(Order[replies.Offered]):
     order: Literal["offer-back"] = "offer-back"
 
 
+class OfferRecovery(Order[replies.Recovery]):
+    """Plan and prove the way from where the robot stands to a program that was loaded: to its start (or to the command that was named as its first), else to the nearest place at which it may begin. Nothing moves."""
+
+    order: Literal["offer-recovery"] = "offer-recovery"
+    program: Annotated[int, Field(description="the number of a program")]
+
+
 class Go(Order[replies.Ended]):
     """Carry an offer out; answered when it has ended."""
 
@@ -338,6 +345,8 @@ class Load(Order[replies.Loaded]):
     """Of a compiled program: the program that it is judged against, in the place of the one beside it."""
     approach: Annotated[bool, Field(description="true or false")] = False
     """Whether the way to the program's start is wanted as well."""
+    recover: Annotated[bool, Field(description="true or false")] = False
+    """Whether it is only to be recovered (`offer-recovery`): its parts are where its cell's file has them at its start, wherever they are now."""
 
 
 class AskWay(Order[replies.Way]):
@@ -441,6 +450,7 @@ KINDS: tuple[type[Order[Any]], ...] = (
     Adopt,
     Offer,
     OfferBack,
+    OfferRecovery,
     Go,
     Keep,
     Load,

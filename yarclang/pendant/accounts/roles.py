@@ -62,6 +62,7 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.SaveSettings: Role.SERVICE,
     orders.Load: Role.OPERATOR,
     orders.AskWay: Role.OPERATOR,
+    orders.OfferRecovery: Role.OPERATOR,
     orders.Run: Role.OPERATOR,
     orders.SetOutput: Role.PROGRAMMER,
     orders.SetInput: Role.PROGRAMMER,

@@ -111,6 +111,7 @@ class Desk:
             orders.AskDeclarations: lambda _: self._declarations(),
             orders.Adopt: self._adopt,
             orders.Offer: lambda order: self._offered(client.motion.offer(order.text)),
+            orders.Fill: self._fill,
             orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
             orders.OfferRecovery: self._recovered,
             orders.Go: self._go,
@@ -239,6 +240,11 @@ class Desk:
 
     async def _set(self, order: orders.SetOutput) -> replies.Value:
         return _value(await self.client.signals.set(order.name, order.value))
+
+    def _fill(self, order: orders.Fill) -> replies.Filled:
+        return replies.Filled(
+            values=self._coordinator.values.take(order.values, order.number, self.client.name)
+        )
 
     async def _surroundings(self) -> replies.Surroundings:
         coordinator, signals = self._coordinator, self.client.signals
@@ -428,6 +434,7 @@ def status_of(coordinator: Coordinator) -> replies.Status:
         log=None if log is None else str(log.path),
         log_lost="" if log is None else log.lost(),
         asks=coordinator.asks,
+        wants=coordinator.values.wanted,
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, TypeVar, get_args
 
-from pydantic import Field
+from pydantic import Field, JsonValue
 
 from yarclang.coordinator.messages import courses, replies
 from yarclang.coordinator.messages.message import VERSION, Message, Number
@@ -215,6 +215,16 @@ class SetOutput(Order[replies.Value]):
     order: Literal["set"] = "set"
     name: Name
     value: Annotated[Number | Literal["ON", "OFF"], Field(description='a number, "ON" or "OFF"')]
+
+
+class Fill(Order[replies.Filled]):
+    """Give registers that a program takes from OUTSIDE their values, while it waits for them. All of them are taken, or none."""
+
+    order: Literal["fill"] = "fill"
+    values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
+    """By the names of the registers."""
+    number: Annotated[int | None, Field(description="the number of a question, or null")] = None
+    """Of the question that is answered (`values_wanted`): one that isn't open any more is refused. Null: whichever is open."""
 
 
 class SetInput(Order[replies.Value]):
@@ -440,6 +450,7 @@ KINDS: tuple[type[Order[Any]], ...] = (
     AskHealth,
     Read,
     SetOutput,
+    Fill,
     SetInput,
     AskSurroundings,
     AskParts,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from yarclang.coordinator.messages.findings import Finding
-from yarclang.coordinator.messages.message import Joints, Message, Question
+from yarclang.coordinator.messages.message import Joints, Message, Question, ValuesWanted
 from yarclang.runtime.state import State
 
 
@@ -84,6 +84,14 @@ class Status(Reply):
     """What has happened to that file; empty: it is there."""
     asks: Question | None = None
     """What a HOLD asks the operator for; null: nothing."""
+    wants: ValuesWanted | None = None
+    """Which values the program takes from outside; null: none."""
+
+
+class Filled(Reply):
+    """The values are in their registers as soon as the program looks, within 20 ms: which ones, as integers."""
+
+    values: dict[str, int]
 
 
 class Welcome(Reply):

@@ -68,7 +68,7 @@ def test_a_script_on_the_socket_of_a_run_does_the_same(workshop, monkeypatch):
     monkeypatch.setenv("XDG_RUNTIME_DIR", workshop.environment["XDG_RUNTIME_DIR"])
     workshop.write("c.yarc", PROGRAM)
     ran = workshop.start("run", "c.yarc", "--log", "run.mcap")
-    ran.wait_for("takes values from outside (question 1)")
+    ran.wait_for("takes values from outside: ")
     with Robot(name="script") as script:
         script.fill({"SEEN": 1, "X": -5}, script.wanted(20.0)["number"])
     assert "X is -5" in ran.end(0)

@@ -140,7 +140,8 @@ def test_without_an_answer_the_other_way_is_taken_and_late_values_are_refused():
 
 def test_values_that_do_not_end_the_wait_are_asked_for_again_and_do_not_lengthen_it():
     async def work(it):
-        since, numbers = None, []
+        since, numbers, heard = None, [], []
+        it.coordinator.engine.session.listen(heard.append)
         while not it.running.done():
             wanted = it.coordinator.values.wanted
             if wanted is not None:
@@ -151,6 +152,7 @@ def test_values_that_do_not_end_the_wait_are_asked_for_again_and_do_not_lengthen
             if since is not None and it.coordinator.state is State.MOVE:
                 break
         assert it.world.machine.now - since < 5.2
+        assert len([one for one in heard if "takes values from outside" in getattr(one, "text", "")]) == 1
         assert len(set(numbers)) == len(numbers) > 100
         assert (await it.ended()).ways == (False,)
 

@@ -25,12 +25,15 @@ def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
 
 
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
-    """Take values from outside from now on."""
+    """Take values from outside from now on. It is told once, however often somebody answers before something has moved."""
     operation.asked_for += 1
     place = title(barrier)
     ranges = tuple(_range(one) for one in held.outside.values())
     wanted = Wanted(operation.asked_for, place, ranges, needed)
-    operation.remark(f"{place} takes values from outside (question {wanted.number}): {range_text(wanted)}")
+    text = f"{place} takes values from outside: {range_text(wanted)}"
+    if held.said.get(f"{place} outside") != text:
+        operation.remark(text)
+    held.said[f"{place} outside"] = text
     operation.want(wanted)
 
 

@@ -1,5 +1,6 @@
 """The examples with inputs, outputs and holds run on the simulator and end to a count, whatever the operator's patience."""
 
+import contextlib
 from dataclasses import replace
 
 import numpy as np
@@ -15,10 +16,13 @@ from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.replanning import replanned
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.actuation import to_counts
-from yarclang.runtime.notices import Changed, Progress, Reached, Resume, Stop
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.notices import Changed, Fill, Progress, Reached, Resume, Stop, ValuesWanted
 from yarclang.runtime.pmac.performance import connect, perform
 from yarclang.runtime.signals import OutputSet
 from yarclang.runtime.state import State
+from yarclang.runtime.values import checked_values
+from yarclang.simulated_cell.cameras import load_cameras
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import known_in, load_script
 from yarclang.simulator.beside import Beside
@@ -36,7 +40,16 @@ class Operator:
     def __init__(self, world, cell):
         self.world, self.cell, self.heard = world, cell, 0
         self.waits = []
+        cell.receive(self.fill)
         self.look()
+
+    def fill(self, given):
+        """Give what a camera sends to the program, as the coordinator does."""
+        operation = self.world.operation
+        with contextlib.suppress(Trouble):
+            values = checked_values(operation.wants, given.number, given.values)
+            operation.want(None)
+            operation.orders.append(Fill(values, given.camera))
 
     def look(self):
         self.world.at.append((self.world.now + 0.02, self.look))
@@ -48,6 +61,8 @@ class Operator:
                     self.cell.reached(command.split(" ")[0])
                 case Reached(place=place):
                     self.cell.reached(place)
+                case ValuesWanted(wanted=wanted):
+                    self.cell.wanted(wanted)
                 case Changed(state=State.HOLD, why=why, asks=asks):
                     self.waits.append(why)
                     if "waits for" not in why:
@@ -63,6 +78,7 @@ def cell_of(name, compiled, robot, folder=EXAMPLES):
     waits = any(
         (isinstance(step, WaitInput) and step.input.variable not in sensed)
         or (isinstance(step, WaitUntil | When) and inputs_of(step.condition))
+        or any(register.outside for register in compiled.program.registers)
         for step in compiled.program.steps
     )
     waits = waits or bool(compiled.program.watches or searches_of(compiled.program))
@@ -71,8 +87,9 @@ def cell_of(name, compiled, robot, folder=EXAMPLES):
         return SimulatedCell(cell=cell, robot=robot)
     known = known_in(compiled.program, cell, robot.controller.signal)
     script = load_script(file, known)
-    assert script.diagnostics == ()
-    return SimulatedCell(script.value, known, cell=cell, robot=robot, waits=True)
+    cameras = load_cameras(file, known, cell)
+    assert (script.diagnostics, cameras.diagnostics) == ((), ())
+    return SimulatedCell(script.value, known, cell=cell, robot=robot, waits=True, cameras=cameras.value)
 
 
 def played(name, held=None, folder=EXAMPLES, outputs=None, within=600.0, stop=None):
@@ -165,6 +182,7 @@ def test_the_called_jobs_are_those_of_their_numbers():
         ("23_touch_up_welding.yarc", {"WELDED": 2, "RELIT": 1}),
         ("24_recovery_at_start.yarc", {"PHASE": 0, "DONE": 0, "LOST": 0}),
         ("25_stack_height.yarc", {"LEFT": 1}),
+        ("26_rows_by_camera.yarc", {"SEEN": 1, "ROW": 2, "MISSED": 0, "STAMPED": 2}),
     ],
 )
 def test_what_is_counted_is_what_was_done(name, registers):

@@ -14,7 +14,7 @@ PACKAGE = ROOT / "yarclang"
 DOORS = ("cli", "lsp", "repl")
 """Folders of the package that talk to the world."""
 SOCKETS = {
-    "client.py": {"socket", "tempfile", "threading"},
+    "client.py": {"socket", "tempfile", "threading", "time"},
     "coordinator/attached.py": {"asyncio"},
     "coordinator/coordinator.py": {"asyncio"},
     "coordinator/engine.py": {"asyncio"},
@@ -24,6 +24,7 @@ SOCKETS = {
     "coordinator/serving.py": {"asyncio"},
     "coordinator/shared.py": {"asyncio", "datetime"},
     "coordinator/subscription.py": {"asyncio"},
+    "coordinator/values_door.py": {"asyncio"},
     "files.py": {"tempfile"},
     "pendant/accounts/accounts.py": {"asyncio", "secrets", "time"},
     "pendant/accounts/database.py": {"asyncio", "concurrent"},

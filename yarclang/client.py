@@ -27,6 +27,7 @@ import socket
 import stat
 import tempfile
 import threading
+import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Dict, Iterator, NamedTuple
@@ -43,6 +44,8 @@ _LONGEST = 1 << 26
 _NOT_UNDERSTOOD = "what comes back isn't understood: is it another version of yarc?"
 
 _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})\.sock")
+
+_TCP = re.compile(r"tcp://\[?(?P<host>[^\]]+)\]?:(?P<port>[0-9]{1,5})")
 
 _LATE = (socket.timeout, BlockingIOError)
 """What a socket says of somebody who doesn't answer, and of one whom many wait for."""
@@ -98,10 +101,12 @@ class Robot:
     """A connection to the process that owns a robot.
 
     Args:
-        which: the path of its socket; or its name, its robot's name or the number of the process; None: the only one that there is.
+        which: the path of its socket; or its name, its robot's name or the number of the process; None: the only one that there is. `tcp://HOST:PORT` is the
+            port for values of `yarc serve --values`, which takes nothing but values, and needs the token.
         name: what others know this client by; None: no client, but another terminal: it may ask for the status, stop, hold and abort, and resume and
             change the pace where the robot's owner shares that.
         timeout: whoever takes longer to answer hangs [s]; motions may take as long as they like.
+        token: of the port for values.
 
     Attributes:
         welcome: what was told at first; empty without a name.
@@ -112,7 +117,11 @@ class Robot:
     """
 
     def __init__(
-        self, which: str | int | None = None, name: str | None = "client", timeout: float = REPLY_TIME
+        self,
+        which: str | int | None = None,
+        name: str | None = "client",
+        timeout: float = REPLY_TIME,
+        token: str | None = None,
     ) -> None:
         self.path = _path_of(which)
         self.welcome: Message = {}
@@ -122,22 +131,27 @@ class Robot:
         self._answers: dict[int, Message] = {}
         self._writing = threading.Lock()
         self._buffer = b""
-        self._wire = socket.socket(socket.AF_UNIX)
+        self._listens = False
+        there = _TCP.fullmatch(self.path)
+        self._wire = socket.socket(_family(there))
         try:
             self._wire.settimeout(timeout)
-            self._wire.connect(self.path)
+            self._wire.connect(self.path if there is None else (there["host"], int(there["port"])))
         except _LATE:
             self._wire.close()
             raise TimeoutError(f"{self.path} doesn't answer within {timeout:g} s") from None
         except OSError as error:
             self._wire.close()
             raise Gone(f"{self.path} can't be reached: {(error.strerror or str(error)).lower()}") from None
-        if name is not None:
-            try:
+        try:
+            if token is not None:
+                self._send({"token": token})
+                self._take(timeout)
+            if name is not None:
                 self.welcome = self.ask("hello", version=VERSION, name=name)
-            except BaseException:
-                self.close()
-                raise
+        except BaseException:
+            self.close()
+            raise
 
     def __enter__(self) -> Robot:
         return self
@@ -221,6 +235,42 @@ class Robot:
         """Carry a program out that was loaded, by its number, and return how it has ended."""
         return self.ask("run", patience=float("inf"), program=program, approach=approach, times=times)
 
+    def fill(self, values: dict[str, int], number: int | None = None) -> Message:
+        """Give registers that the program takes from OUTSIDE their values, while it waits for them; all are taken, or none.
+
+        Args:
+            values: by the names of registers.
+            number: of the question that is answered, as `wanted` has told it; None: whichever is open.
+
+        Raises:
+            Refused: they came early, late or again, or aren't what the registers hold.
+        """
+        return self.ask("fill", values=values, number=number)
+
+    def wanted(self, patience: float | None = None) -> Message:
+        """Wait until the program takes values, and return which: `number`, `place`, `registers` with their ranges, and which are `needed`.
+
+        Args:
+            patience: how long [s]; None: for ever. Other events that come meanwhile are dropped.
+
+        Raises:
+            TimeoutError: it takes none in time.
+            Gone: nobody is there any more.
+        """
+        until = None if patience is None else time.monotonic() + patience
+        if not self._listens:
+            self.ask("listen", positions=False)
+            self._listens = True
+        now = self.status().get("wants")
+        self._events = collections.deque(one for one in self._events if one.get("event") != "values_wanted")
+        while not now:
+            while not self._events:
+                self._take(None if until is None else max(until - time.monotonic(), 0.001))
+            event = self._events.popleft()
+            now = event.get("wanted") if event.get("event") == "values_wanted" else None
+        answer: Message = now
+        return answer
+
     def stop(self) -> None:
         """Have the robot come to rest on its path, and end what is under way; from any thread, without waiting for an answer."""
         self._send({"order": "stop"})
@@ -300,7 +350,7 @@ class Robot:
                     raise self._gone()
                 self._buffer += data
         except _LATE:
-            raise TimeoutError(f"{Path(self.path).stem} doesn't answer within {patience:g} s") from None
+            raise TimeoutError(f"{self._called} doesn't answer within {patience:g} s") from None
         except OSError as error:
             raise self._gone() from error
         line, _, self._buffer = self._buffer.partition(b"\n")
@@ -312,12 +362,22 @@ class Robot:
             raise Refused(_NOT_UNDERSTOOD)
         return content
 
+    @property
+    def _called(self) -> str:
+        return self.path if _TCP.fullmatch(self.path) else Path(self.path).stem
+
     def _gone(self) -> Gone:
-        return Gone(f"{Path(self.path).stem} has ended")
+        return Gone(f"{self._called} has ended")
+
+
+def _family(there: re.Match[str] | None) -> socket.AddressFamily:
+    if there is None:
+        return socket.AF_UNIX
+    return socket.AF_INET6 if ":" in there["host"] else socket.AF_INET
 
 
 def _path_of(which: str | int | None) -> str:
-    if isinstance(which, str) and (os.sep in which or which.endswith(".sock")):
+    if isinstance(which, str) and (_TCP.fullmatch(which) or os.sep in which or which.endswith(".sock")):
         return which
     there = find()
     fitting = [

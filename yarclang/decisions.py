@@ -98,13 +98,17 @@ Value = Constant | InputValue | RegisterValue | Before | Between
 
 @frozen
 class Register:
-    """A declared register: an integer from `low` to `high` that is `first` when a run begins, or what it was last if it is `kept`."""
+    """A declared register: an integer from `low` to `high` that is `first` when a run begins, or what it was last if it is `kept`.
+
+    An `outside` one gets values from other programs while a WAIT or a HOLD takes them.
+    """
 
     name: str
     low: int
     high: int
     first: int
     kept: bool = False
+    outside: bool = False
 
 
 @frozen

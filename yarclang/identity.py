@@ -182,7 +182,13 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
         feed(f"{value!r};".encode())
 
 
-_LATER: dict[str, object] = {"ceiling": None, "search": None, "or_less": False, "step": None}
+_LATER: dict[str, object] = {
+    "ceiling": None,
+    "search": None,
+    "or_less": False,
+    "step": None,
+    "outside": False,
+}
 """Fields that came after programs had been written, with the value that says nothing: such a program is what it was."""
 
 

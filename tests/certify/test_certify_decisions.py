@@ -70,6 +70,8 @@ FORGED = [
     ("; register N 0 5 2", "; register N -1 5 2"),
     ("; register N 0 5 2", "; register N 0 5 2 kept"),
     ("; register N 0 5 2", "; register N 0 5 2  kept"),
+    ("; register N 0 5 2", "; register N 0 5 2 outside"),
+    ("; register N 0 5 2", "; register N 0 5 2 kept outside"),
     ("; register N 0 5 2\n", ""),
     ("; register FLAG 0 1 0\n", ""),
     ("; register FLAG 0 1 0\n", "; register FLAG 0 1 0\n; register FLAG 0 1 0\n"),
@@ -555,3 +557,30 @@ def test_a_forged_question_is_refused(old, new):
     assert any(one.is_error for one in result.diagnostics), (old, new)
     found, diagnostics = compiled(ASKED, "INDUSTRIAL6", target="prog")
     assert [one.code for one in diagnostics if one.is_error] == ["Y1106"]
+
+
+OUTSIDE = """REGISTER N 0..5 OUTSIDE
+REGISTER K 0..5
+P10 WAIT N > K [5] (s)
+P20 MOVEJ 5 0 0 0 0 0 [1] (deg,s)
+"""
+
+
+def test_a_wait_for_what_nothing_changes_is_refused():
+    made, _ = compiled(OUTSIDE, "INDUSTRIAL6")
+    assert made is not None
+    assert "; register N 0 5 0 outside\n; register K 0 5 0\n" in made.text
+    assert [one.outside for one in made.certificate.text.registers] == [True, False]
+    for old, new in (
+        ("; register N 0 5 0 outside", "; register N 0 5 0"),
+        ("; register K 0 5 0", "; register K 0 5 0 outside"),
+        ("($N>$K)", "($K>$K)"),
+        ("$N>$K", "$K>$K"),
+    ):
+        if old in made.text:
+            forged = made.text.replace(old, new)
+            found = judged(made, forged)
+            assert any(one.is_error for one in found.diagnostics), new
+    assert "stands where line" in " ".join(
+        one.message for one in judged(made, made.text.replace("0 outside", "0")).diagnostics
+    )

@@ -75,12 +75,20 @@ ORDERS = st.one_of(
             orders.Read,
             orders.Home,
             orders.SendSettings,
+            orders.Fill,
         )
     ]
     + [
         st.builds(orders.Override, percent=st.floats(1.0, 100.0)),
         st.builds(orders.SetOutput, name=st.text(max_size=9), value=numbers | st.sampled_from(["ON", "OFF"])),
         st.builds(orders.SetInput, name=st.text(max_size=9), value=numbers | st.sampled_from(["ON", "OFF"])),
+        st.builds(
+            orders.Fill,
+            values=st.dictionaries(
+                st.text(max_size=9), st.integers() | st.floats(allow_nan=False) | st.text()
+            ),
+            number=st.none() | st.integers(),
+        ),
         st.builds(orders.Steer, share=st.floats(0.0, 1.0, exclude_min=True)),
         st.builds(orders.Home, motors=st.lists(st.integers(1, 32), min_size=1, max_size=9).map(tuple)),
         st.builds(orders.SendSettings, known=st.text(max_size=64)),

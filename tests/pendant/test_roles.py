@@ -59,6 +59,7 @@ def test_what_moves_the_robot_or_changes_it_is_audited():
         orders.AskSettings,
         orders.Load,
         orders.AskWay,
+        orders.OfferRecovery,
         orders.Offer,
     }
     silent |= {

@@ -138,7 +138,7 @@ def test_what_the_arm_moves_is_where_its_kinematics_say():
     robot, cell = cell_with(VACUUM)
     sensing = Sensing(robot, cell)
     for q in np.random.default_rng(1).uniform(-2.0, 2.0, (50, 6)):
-        assert sensing._flange(q) == pytest.approx(flange_poses(robot.chain, q[None])[0], abs=1e-12)
+        assert sensing.flange(q) == pytest.approx(flange_poses(robot.chain, q[None])[0], abs=1e-12)
 
 
 def test_an_edge_of_a_sensor_ends_what_a_person_has_set_but_not_what_is_stuck():

@@ -53,7 +53,7 @@ class Emitted:
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")
         head += [
-            f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}"
+            f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}{' outside' * one.outside}"
             for one in self.registers
         ]
         head += [f"; watch {one.variable}={_number(one.value)} {one.name}" for one in self.watches]

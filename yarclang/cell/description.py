@@ -78,6 +78,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     from yarclang.cell.parts import read_part
     from yarclang.cell.schema import CellTable, spelled_out
     from yarclang.cell.sensors import read_sensor
+    from yarclang.cell.starts import read_start
     from yarclang.cell.zones import read_zone
     from yarclang.toml.draft import read_draft
 
@@ -111,6 +112,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     sensors = [
         read_sensor(one, ("sensors", at), around, inputs, outputs) for at, one in enumerate(table.sensors)
     ]
+    starts = [read_start(one, ("starts", at), measures, names.robot) for at, one in enumerate(table.starts)]
     findings = in_order(file.findings)
     if names.robot is None:
         return Result(None, findings)
@@ -126,6 +128,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         MappingProxyType(_zone_places(file, table)),
         tuple(one for one in parts if one is not None),
         tuple(one for one in sensors if one is not None),
+        starts=tuple(one for one in starts if one is not None),
     )
     return Result(cell, findings)
 
@@ -172,6 +175,7 @@ _WHAT = {
     "obstacles": "obstacle",
     "zones": "zone",
     "parts": "part",
+    "starts": "start zone",
 }
 
 
@@ -183,7 +187,13 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
     for path, name in _named(draft.table):
         key, upper = str(path[0]), name.upper()
         what = _WHAT[key]
-        space = key if key == "frames" else "bodies" if key in ("obstacles", "zones", "parts") else "names"
+        space = (
+            key
+            if key == "frames"
+            else "bodies"
+            if key in ("obstacles", "zones", "parts", "starts")
+            else "names"
+        )
         at_key = space != "bodies"
         if not _NAME.fullmatch(upper):
             message = f'The {what} has the name "{name[:40]}", which a program can\'t write.'
@@ -211,7 +221,7 @@ def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
     """Everything that has a name, and where, in the order of the file's tables."""
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
-    for key in ("obstacles", "zones", "parts"):
+    for key in ("obstacles", "zones", "parts", "starts"):
         for at, entry in enumerate(getattr(table, key)):
             if entry.name is not None:
                 yield (key, at, "name"), entry.name

@@ -250,6 +250,14 @@ class JointWindow:
     upper: Array
 
 
+@frozen(eq=False)
+class StartZone:
+    """Joint positions from which a robot may go to the start of a program without being told to: the way is planned and proved all the same."""
+
+    name: str
+    window: JointWindow
+
+
 Region = ShapeRegion | HalfSpace | JointWindow
 
 
@@ -286,6 +294,8 @@ class Cell:
     `parts` are what grippers take; the collision check doesn't see them here. Where they are at an instant of a program is a cell of its own
     (`yarclang.handling.surroundings`), in which they are obstacles, and `touches` says which bodies may touch each other then. `present` says where they are when a
     program starts; None: where the file has them.
+
+    `starts` are the joint positions from which a program may begin by itself.
     """
 
     source: SourceFile
@@ -301,6 +311,7 @@ class Cell:
     sensors: tuple[Sensor, ...] = ()
     touches: tuple[Touch, ...] = ()
     present: Present | None = None
+    starts: tuple[StartZone, ...] = ()
 
     @property
     def grips(self) -> Mapping[str, Grip]:

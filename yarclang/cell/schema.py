@@ -118,6 +118,15 @@ class ZoneTable(Placed):
     margin: Margin | None = None
 
 
+class StartTable(Table):
+    """`[[starts]]`: joint positions from which programs may begin by themselves."""
+
+    required = ("name", "joints")
+    name: str | None = None
+    joints: dict[str, list[Number]] | None = None
+    units: str | None = None
+
+
 class CellTable(Document):
     """The whole file."""
 
@@ -130,10 +139,12 @@ class CellTable(Document):
     zones: list[ZoneTable] = Field(default=[])
     parts: list[PartTable] = Field(default=[])
     sensors: list[SensorTable] = Field(default=[])
+    starts: list[StartTable] = Field(default=[])
     wanted: ClassVar = {
         "obstacles": "tables, each under [[obstacles]]",
         "parts": "tables, each under [[parts]]",
         "sensors": "tables, each under [[sensors]]",
+        "starts": "tables, each under [[starts]]",
         "zones": "tables, each under [[zones]]",
         "units": 'a text such as "mm,deg"',
     }
@@ -146,6 +157,7 @@ class CellTable(Document):
         "zones": ZoneTable,
         "parts": PartTable,
         "sensors": SensorTable,
+        "starts": StartTable,
     }
     examples: ClassVar = {
         "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import shlex
 from collections.abc import Iterator
 
@@ -11,6 +12,12 @@ from yarclang.cli.faults import fault_text
 from yarclang.coordinator.messages.message import Joints
 from yarclang.coordinator.messages.replies import Ended, ProgramDescribed, Status
 from yarclang.runtime.state import State
+
+
+def say(text: str, *, err: bool = True) -> None:
+    """Say something; a terminal that is gone doesn't change how a run ends."""
+    with contextlib.suppress(OSError):
+        click.echo(text, err=err)
 
 
 def error_text(what: str, remedy: str) -> str:
@@ -42,8 +49,8 @@ class Ending:
         self._again = again
         self._program = program
 
-    def lines(self, ended: Ended, status: Status) -> Iterator[str]:
-        """What is said of an end that isn't well, of a robot that had a status before."""
+    def lines(self, ended: Ended, status: Status, option: str = "") -> Iterator[str]:
+        """What is said of an end that isn't well, of a robot that had a status before; `option` goes on with the way to the start, if it isn't the usual one."""
         what, remedy = self.filled(ended.what or ""), self.filled(ended.help or "")
         if ended.state is State.STOP and not ended.code:
             yield f"{self._name}: {what}"
@@ -59,7 +66,7 @@ class Ending:
             yield "  nothing had moved"
         elif ended.on_the_way:
             yield "  it was on its way to the start"
-            yield from self._going_on(self._first_option)
+            yield from self.going_on(option or self._first_option)
         elif ended.command:
             yield from self._in_command(ended)
 
@@ -78,9 +85,10 @@ class Ending:
         else:
             yield f"  it was executing {ended.command}, {ended.done_s:.1f} s into the program"
         if ended.go_on is not None:
-            yield from self._going_on(option)
+            yield from self.going_on(option)
 
-    def _going_on(self, option: str) -> Iterator[str]:
+    def going_on(self, option: str) -> Iterator[str]:
+        """Yield the command line to go on with, if there is one."""
         if self._again:
             yield f"  to go on: {self._again} {option}".rstrip()
 

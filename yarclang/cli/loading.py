@@ -42,7 +42,7 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
         bool(options.get("step")),
         options_from(options),
         options.get("source"),
-        bool(options.get("approach")),
+        bool(options.get("approach") or options.get("recover")),
     )
 
 
@@ -57,8 +57,8 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
     return made.value, made.diagnostics
 
 
-def load_order(source: Source) -> orders.Load:
-    """Return the order to load it there where the robot is; standard input is read here."""
+def load_order(source: Source, *, recover: bool = False) -> orders.Load:
+    """Return the order to load it there where the robot is, to be run or only to be recovered; standard input is read here."""
 
     def absolute(path: str | None) -> str | None:
         return None if path is None else str(Path(path).absolute())
@@ -79,6 +79,7 @@ def load_order(source: Source) -> orders.Load:
         cell=absolute(options.cell),
         source=absolute(source.program),
         approach=source.approach,
+        recover=recover,
     )
 
 

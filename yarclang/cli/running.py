@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from dataclasses import dataclass
 from typing import Any
-
-import click
 
 from yarclang.cli.address import trouble_is_said
 from yarclang.cli.attaching import Place, attached
 from yarclang.cli.display import Axes, Display
-from yarclang.cli.ending import Ending, error_text, joints_text
+from yarclang.cli.ending import Ending, error_text, joints_text, say
+from yarclang.cli.recovering import how_it_goes, recover
 from yarclang.cli.screen import Screen
 from yarclang.cli.show import show_findings
 from yarclang.cli.table import checked_table
@@ -76,7 +74,7 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
                 f"given up without a connection: nobody knows what the robot does{guard}", "look at the robot"
             )
         else:
-            _say("given up; nothing was moved")
+            say("given up; nothing was moved")
     return 1
 
 
@@ -90,18 +88,8 @@ def _may_loop(program: ProgramDescribed, options: dict[str, Any]) -> bool:
     return False
 
 
-def _say(text: str, *, err: bool = True) -> None:
-    """Say something; a terminal that is gone doesn't change how a run ends."""
-    with contextlib.suppress(OSError):
-        click.echo(text, err=err)
-
-
 def _say_error(what: str, remedy: str) -> None:
-    _say(error_text(what, remedy))
-
-
-_HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the robot stands"}
-"""How an approach goes, by its command without the profile."""
+    say(error_text(what, remedy))
 
 
 class _Run:
@@ -164,12 +152,14 @@ class _Run:
         ending = Ending(self.wanted.name, self.wanted.where, self.wanted.again, program)
         picture = Picture(status)
         self.terminal.serve(robot, picture)
+        if self.options["recover"]:
+            return await recover(robot, program, picture, self.terminal, self.screen, ending, self.options)
         goes = await self._way_to_start(robot, program, ending)
         if goes is None or self.options["dry_run"]:
             if goes is not None:
                 self.screen.close()
                 looked = await robot.ask(orders.Look())
-                _say(
+                say(
                     f"{looked.checked} things looked at, all as they should be; nothing moved (--dry-run)",
                     err=False,
                 )
@@ -211,17 +201,19 @@ class _Run:
         way = await robot.ask(orders.AskWay(program=program.number))
         if not way.text:
             return False
-        if not (options["approach"] or program.begins_within):
+        if not (options["approach"] or program.begins_within or way.zone):
             self._wrong(way.text, "--approach moves there slowly, certified", ending)
             return None
         if way.duration_s is None:
             show_findings(findings_of(way.findings))
             self._wrong(way.text, "there is no slow joint motion to the start: jog the robot there", ending)
             return None
-        how = _HOW.get(way.title.split()[-1].rpartition("_")[0], "round what is in the way")
+        how = how_it_goes(way.title)
         where = joints_text(way.end, robot.welcome.status)
         self.screen.say(f"{way.text}\nan approach takes {way.duration_s:.1f} s, {how} to {where}")
-        if options["dry_run"]:
+        if way.zone:
+            self.screen.say(f"it stands in the start zone {way.zone} of the cell: it goes there by itself")
+        if options["dry_run"] or way.zone:
             return True
         if not (options["yes"] or await self.terminal.agrees("Move there?")):
             self.screen.say("nothing moved")
@@ -251,7 +243,7 @@ class _Run:
         self.screen.close()  # what follows goes elsewhere
         times = f" {ended.passes} times" if ended.passes > 1 else ""
         where = f"{status.robot} stands where it ends, to a count"
-        _say(f"{self.wanted.name}: done{times}; {where}", err=False)
+        say(f"{self.wanted.name}: done{times}; {where}", err=False)
         if log is None or not log.problem:
             return 0
         _say_error(log.problem, log.help)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from pathlib import Path
 from typing import Any
 
@@ -12,11 +13,14 @@ from yarclang.cli.address import Address
 from yarclang.cli.attaching import tell_whether_ready
 from yarclang.cli.controllers import SIMULATED_REPLY_TIME
 from yarclang.cli.screen import Screen
+from yarclang.cli.secret_file import secret_file
 from yarclang.cli.terminations import terminations
 from yarclang.coordinator.engine import NO_LOG
+from yarclang.coordinator.live.serving import TcpDoor
 from yarclang.coordinator.messages import events
 from yarclang.coordinator.opened import Ground, opened
 from yarclang.coordinator.subscription import Subscription
+from yarclang.coordinator.values_door import ValuesDoor
 from yarclang.report.cell import cell_text
 from yarclang.robot.model import Robot
 from yarclang.runtime.session import REPLY_TIME
@@ -25,7 +29,14 @@ from yarclang.runtime.transports.private import folder, own_name
 from yarclang.simulated_cell.playing import SimulatedCell
 
 
-async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own: SimulatedCell | None) -> int:
+async def serve(
+    robot: Robot,
+    address: Address,
+    options: dict[str, Any],
+    *,
+    own: SimulatedCell | None,
+    values: TcpDoor | None = None,
+) -> int:
     """Own a robot until a termination comes; then it comes to rest on its path.
 
     Args:
@@ -33,6 +44,7 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
         address: of the controller.
         options: of the command line.
         own: the machines around the robot, if the controller is a simulator of our own.
+        values: where values for running programs are taken; None: only on the socket.
 
     Returns:
         The exit status.
@@ -65,7 +77,10 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
                 tell_whether_ready(coordinator)
                 if coordinator.cell is not None:
                     screen.say(cell_text(coordinator.cell))
-                with coordinator.subscribe(positions=False) as stream:
+                async with contextlib.AsyncExitStack() as doors:
+                    if values is not None:
+                        await _open(ValuesDoor(coordinator, values), options["values_token"], doors, screen)
+                    stream = doors.enter_context(coordinator.subscribe(positions=False))
                     telling = asyncio.create_task(_tell(stream, screen))
                     where = folder() / f"{own_name(robot.name)}.sock"
                     click.echo(f"{robot.name} at {address} is served: {where}")
@@ -76,6 +91,17 @@ async def serve(robot: Robot, address: Address, options: dict[str, Any], *, own:
     finally:
         screen.close()
     return 0
+
+
+async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack, screen: Screen) -> None:
+    """Take values until the context ends, and say where.
+
+    Raises:
+        Trouble: the port can't be listened on, or the token can't be written.
+    """
+    await doors.enter_async_context(door)
+    doors.enter_context(secret_file(token, door.door.token + "\n"))
+    screen.say(f"values are taken at {door.door.host}:{door.port}, by the token in {token}")
 
 
 async def _tell(stream: Subscription, screen: Screen) -> None:

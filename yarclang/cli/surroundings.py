@@ -8,6 +8,8 @@ from typing import Any
 from yarclang.cell.model import Cell
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.model import Robot
+from yarclang.simulated_cell.camera import CameraForm
+from yarclang.simulated_cell.cameras import load_cameras
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import Change, Known, load_script, read_setting
 
@@ -38,6 +40,13 @@ def surroundings_of(
         loaded = load_script(Path(options["inputs"]), known)
         found += loaded.diagnostics
         script = loaded.value or ()
+    cameras: tuple[CameraForm, ...] = ()
+    if options["inputs"] is not None and not found:
+        seen = load_cameras(Path(options["inputs"]), known, cell)
+        found += seen.diagnostics
+        cameras = seen.value or ()
     if found:
         return Result(None, tuple(found))
-    return Result(SimulatedCell(script, known, settings=settings, cell=cell, robot=robot, waits=waits))
+    return Result(
+        SimulatedCell(script, known, settings=settings, cell=cell, robot=robot, waits=waits, cameras=cameras)
+    )

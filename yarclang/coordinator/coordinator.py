@@ -9,7 +9,7 @@ import asyncio
 
 from yarclang.coordinator.client import Client
 from yarclang.coordinator.shared import SharedRobot
-from yarclang.coordinator.signals import hear_inputs
+from yarclang.coordinator.signals import hear_inputs, receive_values
 from yarclang.runtime.inspection import Inspection
 
 
@@ -26,7 +26,9 @@ class Coordinator(SharedRobot):
             Trouble: it can't be reached, or isn't what the robot needs (`NotReady`).
         """
         if self.surroundings is not None:
-            hear_inputs(self.surroundings, self._session, asyncio.get_running_loop().call_soon_threadsafe)
+            later = asyncio.get_running_loop().call_soon_threadsafe
+            hear_inputs(self.surroundings, self._session, later)
+            receive_values(self.surroundings, self.values, later)
         return await self.engine.start(patient=self._patient)
 
     def give_up(self) -> None:
@@ -37,6 +39,7 @@ class Coordinator(SharedRobot):
         """Bring the robot to rest on its path, end the connection, and all event streams."""
         if self.surroundings is not None:
             self.surroundings.listen(None)
+            self.surroundings.receive(None)
         await self.engine.close()
         for one in tuple(self._subscriptions):
             one.close()

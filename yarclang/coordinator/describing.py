@@ -190,6 +190,7 @@ def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
         title=job.commands[0].title if job is not None and job.commands else "",
         end=joints_by_name(robot, start if job is None else job.end),
         findings=finding_messages(way.findings),
+        zone=way.zone,
     )
 
 

@@ -32,6 +32,7 @@ from yarclang.coordinator.messages.orders import Order
 from yarclang.coordinator.messages.replies import Reply
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.recovering import recovery_described
 from yarclang.coordinator.servicing import Servicing, wrong_in
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result
@@ -110,7 +111,9 @@ class Desk:
             orders.AskDeclarations: lambda _: self._declarations(),
             orders.Adopt: self._adopt,
             orders.Offer: lambda order: self._offered(client.motion.offer(order.text)),
+            orders.Fill: self._fill,
             orders.OfferBack: lambda _: self._offered(client.motion.offer_back()),
+            orders.OfferRecovery: self._recovered,
             orders.Go: self._go,
             orders.Keep: lambda _: _done(self._held.keep),
             orders.Load: self._load,
@@ -238,6 +241,11 @@ class Desk:
     async def _set(self, order: orders.SetOutput) -> replies.Value:
         return _value(await self.client.signals.set(order.name, order.value))
 
+    def _fill(self, order: orders.Fill) -> replies.Filled:
+        return replies.Filled(
+            values=self._coordinator.values.take(order.values, order.number, self.client.name)
+        )
+
     async def _surroundings(self) -> replies.Surroundings:
         coordinator, signals = self._coordinator, self.client.signals
         around = coordinator.around
@@ -291,6 +299,14 @@ class Desk:
         _keep(self._offers, made.value.number, made.value)
         return replies.Offered(offer=offer_described(made.value, self.client.robot), findings=found)
 
+    async def _recovered(self, order: orders.OfferRecovery) -> replies.Recovery:
+        loaded = self._loaded(order.program)
+        await self._check_cell(order.program)
+        made = await self.client.motion.offer_recovery(loaded)
+        if made.offer is not None:
+            _keep(self._offers, made.offer.number, made.offer)
+        return recovery_described(made, self.client.robot)
+
     async def _go(self, order: orders.Go) -> replies.Ended:
         self._coordinator.check_owner(self.client.name, "to move the robot")
         offer = self._offers.get(order.offer)
@@ -325,7 +341,7 @@ class Desk:
             order.source,
             order.approach,
         )
-        made = await self.client.files.load(source, here=order.here)
+        made = await self.client.files.load(source, here=order.here, as_now=not order.recover)
         # thousands of them would keep a live motion waiting here
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value, generation)
@@ -418,6 +434,7 @@ def status_of(coordinator: Coordinator) -> replies.Status:
         log=None if log is None else str(log.path),
         log_lost="" if log is None else log.lost(),
         asks=coordinator.asks,
+        wants=coordinator.values.wanted,
     )
 
 

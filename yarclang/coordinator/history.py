@@ -79,7 +79,9 @@ class History:
                 and (np.abs(ended.joints - end) > _ROUNDED * self._robot.axis_units).any()
             ):
                 end = ended.joints  # the program has ended in another way
-            entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, True)
+            # what nobody has written, such as the way to a program, is no command of the session
+            whole = bool(offer.parts.commands)
+            entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, whole)
         elif ended.joints is None or not ended.command:
             return  # nothing has moved, or nobody knows
         else:

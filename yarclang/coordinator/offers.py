@@ -68,6 +68,7 @@ class Offer:
         job: what would be streamed; likewise.
         revision: of the session's lines that it was planned behind.
         takes_back: how many of the motions that were carried out it takes back.
+        proved_in: the cell, with its parts, that it holds in; None: that of the session, or the one that its own lines name.
     """
 
     number: int
@@ -80,6 +81,7 @@ class Offer:
     job: Job | None
     revision: int
     takes_back: int = 0
+    proved_in: Cell | None = None
 
     @property
     def duration(self) -> float:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 from yarclang.cell.model import Cell, Parts, Present
+from yarclang.cell.starts import start_zone
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.handling.parts import first_parts
 from yarclang.handling.present import present_of, presently
@@ -182,11 +183,14 @@ def _assumed(
 class Way:
     """What lies between the robot and a program's start: `text` says how far it is off (empty: it stands there), `job` is a slow certified motion of
     all joints (None: none is needed, or there is none), `findings` say why there is none.
+
+    `zone` is the name of the cell's start zone in which the robot stands: there the motion needs nobody's word; empty: it stands in none.
     """
 
     text: str
     job: Job | None = None
     findings: tuple[Diagnostic, ...] = ()
+    zone: str = ""
 
 
 def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | None = None) -> Way:
@@ -197,12 +201,14 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
         return Way("")
     if loaded.begins_within and job.commands:
         text = text.replace(f"where {job.name} starts", f"where {job.commands[0].title} starts")
+    zone = start_zone(loaded.around, joints)
+    name = "" if zone is None else zone.name
     if (back := _along_the_path(loaded, joints, around)) is not None:
-        return Way(text, job_of_compiled(back, APPROACH))
+        return Way(text, job_of_compiled(back, APPROACH), zone=name)
     made = approach(robot, joints, job.start, around or loaded.around_start)
     if made.value is None:
-        return Way(text, None, made.diagnostics)
-    return Way(text, job_of_compiled(made.value, APPROACH))
+        return Way(text, None, made.diagnostics, name)
+    return Way(text, job_of_compiled(made.value, APPROACH), zone=name)
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:

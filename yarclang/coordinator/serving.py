@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import OrderedDict, deque
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -23,6 +24,7 @@ from yarclang.coordinator.messages.lines import (
     Asked,
     Id,
     denied,
+    name_of,
     read_order,
     too_long,
     write_answer,
@@ -106,10 +108,23 @@ class ControlSocket:
         await asyncio.sleep(0)  # connections are closed one turn later
 
     def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        visitor = _Visitor(self._coordinator, reader, writer, self._written)
+        if not peer_of(writer.get_extra_info("socket")).is_trusted:
+            writer.write(write_answer(Denied(error="processes of other users can't order anything here")))
+            writer.close()
+            return
+        visitor = Visitor(self._coordinator, reader, writer, self._written)
         task = asyncio.get_running_loop().create_task(visitor.serve())
         self._visitors[task] = writer
         task.add_done_callback(self._visitors.pop)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What a connection may order: the types of the orders, as they are said to people, and the longest line [bytes]."""
+
+    allowed: tuple[type[Order[Any]], ...]
+    said: str
+    most_line: int
 
 
 class Written:
@@ -130,8 +145,16 @@ class Written:
         return line
 
 
-class _Visitor:
-    """One connection, to its end."""
+class Visitor:
+    """One connection, to its end.
+
+    Args:
+        coordinator: of the robot.
+        reader: of the connection.
+        writer: likewise.
+        written: events as lines.
+        limits: what may be ordered, and how; None: everything.
+    """
 
     def __init__(
         self,
@@ -139,7 +162,9 @@ class _Visitor:
         reader: asyncio.StreamReader,
         writer: asyncio.StreamWriter,
         written: Written,
+        limits: Limits | None = None,
     ) -> None:
+        self._limits = limits
         self._coordinator = coordinator
         self._reader = reader
         self._writer = writer
@@ -152,17 +177,11 @@ class _Visitor:
         self._carried_out: set[asyncio.Future[Any]] = set()
 
     async def serve(self) -> None:
-        """Answer until the caller goes."""
-        if not peer_of(self._writer.get_extra_info("socket")).is_trusted:
-            self._writer.write(
-                write_answer(Denied(error="processes of other users can't order anything here"))
-            )
-            self._writer.close()
-            return
+        """Answer until the caller goes, who has shown already that it may order something here."""
         writing = asyncio.create_task(self._write())
         try:
             while line := await self._line():
-                asked = Asked(line, ends=True) if isinstance(line, Denied) else read_order(line)
+                asked = Asked(line, ends=True) if isinstance(line, Denied) else read_order(line, self._most)
                 self._take(asked)
                 if asked.ends:
                     break
@@ -175,17 +194,22 @@ class _Visitor:
             writing.cancel()
             self._writer.close()
 
+    @property
+    def _most(self) -> int:
+        return MOST_LINE if self._limits is None else self._limits.most_line
+
     async def _line(self) -> bytes | Denied:
         """The next line; empty at the end. A caller that dies within a line has ordered nothing."""
         try:
             line = await self._reader.readline()
         except ValueError:  # longer than the reader's limit
-            return too_long(MOST_LINE)
+            return too_long(self._most)
         return Denied(error="half a line isn't carried out") if line and not line.endswith(b"\n") else line
 
     def _take(self, asked: Asked) -> None:
         what = asked.what
         if isinstance(what, Denied):
+            self._note(what.error)
             self._say(what, asked.id)
             return
         try:
@@ -207,6 +231,10 @@ class _Visitor:
     def _begun(self, order: Order[Any]) -> Any:
         """Begin to carry an order out: its reply, or what is to be awaited for it."""
         coordinator = self._coordinator
+        if self._limits is not None and not isinstance(order, self._limits.allowed):
+            error = f"{name_of(order)} isn't for this door, which takes {self._limits.said}"
+            self._note(error)
+            raise Trouble(error, code="")
         if isinstance(order, orders.Hello):
             if self._client is not None:
                 raise Trouble(f"this connection is {self._client.name} already", code="")
@@ -219,6 +247,12 @@ class _Visitor:
             self._listen(order)
             return Done()
         return self._desk.answer_now(order)
+
+    def _note(self, error: str) -> None:
+        """Log what is refused, if this connection is for values alone."""
+        if self._limits is not None:
+            name = _NAMELESS if self._client is None else self._client.name
+            self._coordinator.values.refused(name, error)
 
     def _listen(self, order: orders.Listen) -> None:
         if self._events is not None:

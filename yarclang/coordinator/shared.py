@@ -26,10 +26,21 @@ from yarclang.coordinator.ownership import Ownership
 from yarclang.coordinator.scene import Scenes
 from yarclang.coordinator.signals import signal_event
 from yarclang.coordinator.subscription import Subscription
+from yarclang.coordinator.values import Values, wanted_message
 from yarclang.lasting import Lasting
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.inspection import Inspection
-from yarclang.runtime.notices import Abort, Changed, Hold, Notice, Progress, Reached, Remark, Stop
+from yarclang.runtime.notices import (
+    Abort,
+    Changed,
+    Hold,
+    Notice,
+    Progress,
+    Reached,
+    Remark,
+    Stop,
+    ValuesWanted,
+)
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
@@ -118,6 +129,7 @@ class SharedRobot:
         self.rests = 0
         self.why = ""
         self.asks: Question | None = None
+        self.values = Values(session, lambda: bool(self.engine.under_way))
         self.progress: events.ProgressMade | None = None
         self.behind = 0.0
         self._percent = 100.0
@@ -435,6 +447,10 @@ class SharedRobot:
                     asks=self.asks,
                 )
                 self._tell(changed)
+            case ValuesWanted(wanted=wanted):
+                if self.surroundings is not None:
+                    self.surroundings.wanted(wanted)
+                self._tell(events.ValuesAsked(time_s=time, wanted=wanted_message(wanted)))
             case Progress():
                 self.progress = events.ProgressMade(
                     time_s=time,

@@ -8,9 +8,12 @@ from typing import Any
 
 from yarclang.cell.model import Cell
 from yarclang.coordinator.messages import events
+from yarclang.coordinator.values import Values
 from yarclang.hir import Program
+from yarclang.runtime.actions import Trouble
 from yarclang.runtime.session import Session
 from yarclang.runtime.signals import InputChanged, OutputSet, Signal, WaitBegan, WaitEnded
+from yarclang.simulated_cell.camera import Given
 from yarclang.simulated_cell.inputs import Set
 from yarclang.simulated_cell.playing import SimulatedCell
 from yarclang.simulated_cell.script import known_in
@@ -58,6 +61,28 @@ def hear_inputs(
             later(tell, one)
 
     surroundings.listen(heard)
+
+
+def receive_values(
+    surroundings: SimulatedCell, values: Values, later: Callable[[Callable[[Given], None], Given], object]
+) -> None:
+    """Let the cameras of a simulated cell give values, as a client would.
+
+    Args:
+        surroundings: the machines around the robot, in a thread of their own.
+        values: takes them.
+        later: calls a function with an argument in the session's event loop.
+    """
+
+    def take(given: Given) -> None:
+        with contextlib.suppress(Trouble):  # it is logged, and cameras don't read
+            values.take(given.values, given.number, given.camera)
+
+    def received(given: Given) -> None:
+        with contextlib.suppress(RuntimeError):  # the loop has ended
+            later(take, given)
+
+    surroundings.receive(received)
 
 
 def output_names(program: Program | None, cell: Cell | None) -> dict[str, str]:

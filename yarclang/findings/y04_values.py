@@ -224,7 +224,7 @@ FINDINGS = (
         "wait-for-nothing",
         "error",
         "nothing in the condition of a WAIT can change while it waits",
-        "Registers change in the program's own lines, of which none is carried out while it waits: such a WAIT would end at once or never.",
+        "Registers change in the program's own lines, of which none is carried out while it waits: such a WAIT would end at once or never. A register that other programs fill (REGISTER ... OUTSIDE) may stand alone.",
         "REGISTER N 0..5\nP0010 WAIT N = 3 [5] (s)",
         "REGISTER N 0..5\nINPUT FULL M11\nP0010 WAIT N = 3 OR FULL = ON [5] (s)",
     ),

@@ -236,4 +236,33 @@ FINDINGS: tuple[Finding, ...] = (
         "a group of inputs never held still",
         "Bits of a group are read one after the other, so a number counts when two looks, 20 ms apart, find the same. Where no two looks in a second do, somebody else counts on these inputs, and no number of theirs is one to decide by.",
     ),
+    Finding(
+        "Y1660",
+        "not-recovered",
+        "error",
+        "no proved motion leads to the program",
+        "From where the robot stands no motion to the program's start, or to one of the nearest places at which the program may begin, could be proved to stay within the limits, clear of all bodies and in accordance with the zones. "
+        "A robot that stands in something, or beside a part that isn't where the program has it, is moved into the open by a person who sees it.",
+    ),
+    Finding(
+        "Y1661",
+        "values-not-wanted",
+        "error",
+        "values from outside that no WAIT or HOLD takes",
+        "A program takes values only while it stands at a WAIT whose condition has registers that are filled from OUTSIDE, or at a HOLD, and one message for each question. What comes before, after its time is over, or a second time would be meant for something else.",
+    ),
+    Finding(
+        "Y1662",
+        "value-out-of-range",
+        "error",
+        "a value from outside is beyond its register's range",
+        "The program was proved for the range that its REGISTER line names. Nothing of the message is taken, and the question stays open.",
+    ),
+    Finding(
+        "Y1663",
+        "values-not-understood",
+        "error",
+        "values from outside that aren't those of the registers",
+        "A message names registers that are filled from OUTSIDE, each with an integer, and all that the condition of the WAIT has. Nothing of the message is taken, and the question stays open.",
+    ),
 )

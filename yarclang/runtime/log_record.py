@@ -15,10 +15,11 @@ from mcap.writer import Writer
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
-from yarclang.runtime.notices import Changed, Fail, Notice, Order, Override, Planned, Progress, Remark
+from yarclang.runtime.notices import Changed, Fail, Fill, Notice, Order, Override, Planned, Progress, Remark
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnded
+from yarclang.runtime.values import values_text
 
 FORMAT = "1"
 """Of what stands in the messages; another one can't be read as this one is."""
@@ -270,6 +271,8 @@ def _order_text(order: Order) -> str:
             return f"override {percent:g} %"
         case Fail(what=what):
             return f"fail: {what}"
+        case Fill(client=client, values=values):
+            return f"fill by {client}: {values_text(values)}"
         case _:
             return type(order).__name__.lower()
 

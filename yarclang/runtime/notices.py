@@ -21,6 +21,27 @@ class Question:
 
 
 @dataclass(frozen=True, slots=True)
+class Wanted:
+    """Values that the program takes from outside while it waits.
+
+    `number` counts what was asked for; `place` is that of the command. `registers` may be filled, each within `low` and `high`; a message must have all that are `needed`.
+    """
+
+    number: int
+    place: str
+    registers: tuple[tuple[str, int, int], ...]
+    needed: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class ValuesWanted:
+    """The program takes values from outside from now on, or, with None, takes no more."""
+
+    time: float
+    wanted: Wanted | None
+
+
+@dataclass(frozen=True, slots=True)
 class Changed:
     """The state is another one now, and why; if something went wrong, the code of the finding, and what to do. With `asks` it goes on with an answer only."""
 
@@ -73,7 +94,7 @@ class Planned:
     certificate: str
 
 
-Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | Signal | Sample
+Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | ValuesWanted | Signal | Sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +127,14 @@ class Override:
 
 
 @dataclass(frozen=True, slots=True)
+class Fill:
+    """Registers get these values from outside, all at once; `client` gives them. Whoever orders it has checked the values against what is wanted."""
+
+    values: tuple[tuple[str, int], ...]
+    client: str
+
+
+@dataclass(frozen=True, slots=True)
 class Fail:
     """Something outside failed (the log can't be written, say): come to rest on the path; it is a fault."""
 
@@ -113,4 +142,4 @@ class Fail:
     remedy: str = ""
 
 
-Order: TypeAlias = Hold | Resume | Stop | Abort | Override | Fail
+Order: TypeAlias = Hold | Resume | Stop | Abort | Override | Fill | Fail

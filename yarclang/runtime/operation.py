@@ -9,7 +9,19 @@ from collections import deque
 from collections.abc import Sequence
 from typing import Protocol
 
-from yarclang.runtime.notices import Abort, Changed, Fail, Hold, Notice, Order, Question, Remark, Stop
+from yarclang.runtime.notices import (
+    Abort,
+    Changed,
+    Fail,
+    Hold,
+    Notice,
+    Order,
+    Question,
+    Remark,
+    Stop,
+    ValuesWanted,
+    Wanted,
+)
 from yarclang.runtime.state import Event, State, after
 
 SILENCE = 0.4
@@ -69,6 +81,8 @@ class Operation:
         ahead: lines in the controller's buffer as they were counted last; None if nothing is streamed.
         outputs: the names of outputs, by their variables; those of others aren't known.
         searches: whether a motor searches its home: no hold stops it, only an abort.
+        wants: values that the program takes from outside; None: none, or they were given and not looked at yet.
+        asked_for: how often values were wanted.
         unattended: whether nobody is there who could resume a hold that no person has asked for: such a hold ends the run.
     """
 
@@ -91,6 +105,8 @@ class Operation:
         self.outputs: dict[str, str] = {}
         self.searches = False
         self.unattended = False
+        self.wants: Wanted | None = None
+        self.asked_for = 0
 
     @property
     def now(self) -> float:
@@ -123,6 +139,12 @@ class Operation:
     def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
         """Tell something."""
         self.notices.append(Remark(self.now, text, warning, begins_pass))
+
+    def want(self, wanted: Wanted | None) -> None:
+        """Take values from outside from now on, or none any more."""
+        if wanted is not None or self.wants is not None:
+            self.wants = wanted
+            self.notices.append(ValuesWanted(self.now, wanted))
 
     def give_way(self) -> None:
         """Let an order that is watched for come first.

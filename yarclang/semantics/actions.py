@@ -228,9 +228,9 @@ def read_wait(
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
         return None
-    if not inputs_of(condition):
-        message = "no input stands in this condition: it doesn't change while the program waits"
-        help_ = "WHEN decides by registers; WAIT stands until an input changes"
+    if not inputs_of(condition) and not any(_is_outside(one, scope) for one in registers_of(condition)):
+        message = "no input stands in this condition, and no register that is filled from OUTSIDE: it doesn't change while the program waits"
+        help_ = "WHEN decides by registers; WAIT stands until an input changes, or a REGISTER ... OUTSIDE gets a value"
         findings.add("Y0440", message, statement.span(statement.expression.place), help_)
         return None
     seconds = _seconds(statement, ActionForm(time="may"), scope, defaults, findings)
@@ -250,6 +250,11 @@ def read_wait(
 
 def _changes(name: str) -> str:
     return f"SET changes an output, or a register, which REGISTER {name} 0..9 declares"
+
+
+def _is_outside(name: str, scope: Scope) -> bool:
+    found = scope.name(name)
+    return isinstance(found, Register) and found.outside
 
 
 def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> Assign | None:

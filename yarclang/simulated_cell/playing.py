@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 from yarclang.hir import Program
+from yarclang.runtime.notices import Wanted
+from yarclang.simulated_cell.camera import Camera, CameraForm, Given
 from yarclang.simulated_cell.inputs import Inputs, Set
 from yarclang.simulated_cell.script import Change, Known, known_in
 
@@ -69,6 +71,7 @@ class SimulatedCell:
         cell: with sensors and the parts that they see, for `robot`; None: there are none.
         robot: that is simulated.
         waits: True if times of the script count from `begin` on; else they do from when the machine gets its cell.
+        cameras: that answer programs which take values from outside.
     """
 
     def __init__(
@@ -80,6 +83,7 @@ class SimulatedCell:
         cell: Cell | None = None,
         robot: Robot | None = None,
         waits: bool = False,
+        cameras: Iterable[CameraForm] = (),
     ) -> None:
         self.known = known or Known({}, {})
         self._inputs = Inputs(script)
@@ -94,7 +98,9 @@ class SimulatedCell:
         self._sensing: Sensing | None = None
         self._since = 0.0
         self._looks = 0
-        if cell is not None and robot is not None and cell.sensors:
+        self._cameras = tuple(Camera(one) for one in cameras)
+        self._receiver: Callable[[Given], object] | None = None
+        if cell is not None and robot is not None and (cell.sensors or self._cameras):
             from yarclang.simulated_cell.sensing import Sensing
 
             self._sensing = Sensing(robot, cell)
@@ -139,6 +145,15 @@ class SimulatedCell:
         """Let a function hear each change of an input, in the machine's thread; None: nobody hears it."""
         self._listener = listener
 
+    def wanted(self, wanted: Wanted | None) -> None:
+        """Say which values the program takes from outside; None: none any more."""
+        if self._cameras:
+            self._said.append(lambda now: self._asked(wanted, now))
+
+    def receive(self, receiver: Callable[[Given], object] | None) -> None:
+        """Let a function get what cameras send, in the machine's thread; None: nobody gets it."""
+        self._receiver = receiver
+
     def set(self, variable: str, value: float) -> None:
         """Set an input by hand."""
         self._said.append(lambda now: self._inputs.set(variable, value, now))
@@ -161,9 +176,8 @@ class SimulatedCell:
         """When something happens next [s]."""
         if self._said:
             return -math.inf
-        if self._sensing is None:
-            return self._inputs.next_due
-        return min(self._inputs.next_due, self._next_look)
+        due = min((self._inputs.next_due, *(one.next_due for one in self._cameras)))
+        return due if self._sensing is None else min(due, self._next_look)
 
     @property
     def _next_look(self) -> float:
@@ -177,12 +191,29 @@ class SimulatedCell:
             self._said.popleft()(machine.now)
         if self._sensing is not None and machine.now >= self._next_look:
             self._look()
+        self._answer(machine.now)
         for one in self._inputs.advance(machine.now):
             machine.define(one.variable)
             machine.write(one.variable, one.value)
             if self._known_values.get(one.variable, 0.0) != one.value and self._listener is not None:
                 self._listener(one)
             self._known_values[one.variable] = one.value
+
+    def _asked(self, wanted: Wanted | None, now: float) -> None:
+        for one in self._cameras:
+            one.wanted(wanted, now)
+
+    def _answer(self, now: float) -> None:
+        """Let the cameras send what is due."""
+        sensing = self._sensing
+        if sensing is None:
+            return
+        for camera in self._cameras:
+            if camera.next_due > now:
+                continue
+            for given in camera.answers(now, sensing.parts, lambda: sensing.flange(self._joints())):
+                if self._receiver is not None:
+                    self._receiver(given)
 
     def _look(self) -> None:
         """Let the sensors look, at multiples of `LOOKS_EACH`."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -33,13 +33,37 @@ class InputTable(Table):
     stuck: bool | None = None
 
 
+class CameraTable(Table):
+    """`[[cameras]]`: which part it looks for, in which frame it tells the place, and which registers get what."""
+
+    required = ("part", "frame")
+    name: str = "camera"
+    part: str | None = None
+    frame: str | None = None
+    found: str | None = None
+    x: str | None = None
+    y: str | None = None
+    z: str | None = None
+    rz: str | None = None
+    unit: Annotated[float, Field(ge=1e-6, le=1e6)] = 0.01
+    delay: Delay = 0.1
+    does: list[Literal["answer", "nothing", "late", "twice", "far", "nonsense"]] = Field(default=[])
+
+
 class ScriptTable(Document):
     """The whole file."""
 
     inputs: list[InputTable] = Field(default=[])
-    wanted: ClassVar = {"inputs": "tables, each under [[inputs]]"}
-    tables: ClassVar = {"inputs": InputTable}
+    cameras: list[CameraTable] = Field(default=[])
+    wanted: ClassVar = {
+        "inputs": "tables, each under [[inputs]]",
+        "cameras": "tables, each under [[cameras]]",
+        "does": "a list of answer, nothing, late, twice, far and nonsense, one for each question",
+    }
+    tables: ClassVar = {"inputs": InputTable, "cameras": CameraTable}
     examples: ClassVar = {
         "input": 'for example input = "PART_READY".',
         "to": 'to = "ON", "OFF" or a number.',
+        "part": 'for example part = "BOX", one of the [[parts]] of the cell.',
+        "frame": 'for example frame = "TRAY", one of the [frames] of the cell.',
     }

@@ -67,6 +67,7 @@ class Known:
         places: the places of the program's commands; None if the program isn't known yet.
         has_places: False if no program is ever known, so that a script can't name a place.
         signal: tells what a text in upper case names as the variable of an input or output.
+        registers: the registers that the program takes from outside; None if the program isn't known yet.
         groups: the variables of each group of inputs, the lowest bit first, by its name; its bits are inputs as well, JOB.0 and so on.
     """
 
@@ -76,6 +77,7 @@ class Known:
     has_places: bool = True
     signal: Callable[[str], SignalVariable] = known_signal
     groups: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    registers: frozenset[str] | None = None
 
 
 def known_in(
@@ -110,7 +112,8 @@ def known_in(
                     groups[signal_read.name] = bits_of(read.variable)
         elif isinstance(step, SetOutput):
             outputs[step.output.name.upper()] = step.output.variable
-    return Known(inputs, outputs, frozenset(places), signal=signal, groups=groups)
+    registers = frozenset(one.name for one in program.registers if one.outside)
+    return Known(inputs, outputs, frozenset(places), signal=signal, groups=groups, registers=registers)
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:

@@ -91,7 +91,7 @@ class Sensing:
         """Hear the value of an output while the joints are at `q` (n,) [rad or m]: a gripper closes or opens, or a machine takes parts away."""
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
         if grip is not None:
-            flange = self._flange(q)
+            flange = self.flange(q)
             if value != grip.value:
                 self.parts = open_(self.parts, variable, flange)
             elif variable not in self.parts.closed:
@@ -135,7 +135,7 @@ class Sensing:
         if not self._regions or self._scene is None:
             return told
         scene, moved, joints = self._scene, self._moved(q), self._joints
-        flange = self._flange(q)
+        flange = self.flange(q)
         middles = (moved[joints] @ self._middles)[:, :3, 0]
         items = [(one, geometry) for one in self.parts.items if (geometry := _geometry(one.part.body.shape))]
         poses = [flange @ one.transform if one.gripper is not None else one.transform for one, _ in items]
@@ -163,7 +163,8 @@ class Sensing:
             told.append((region.input, sees != region.inverted))
         return told
 
-    def _flange(self, q: Array) -> Array:
+    def flange(self, q: Array) -> Array:
+        """Return where the flange is (4, 4) [m] with the joints at `q` (n,) [rad or m]."""
         pose: Array = self._moved(q)[-1] @ self._robot.chain.base_from_flange
         return pose
 
@@ -210,7 +211,7 @@ class Sensing:
         )
         if before is None or geometry is None:
             return True
-        pose = self._flange(q) @ before.transform if before.gripper is not None else before.transform
+        pose = self.flange(q) @ before.transform if before.gripper is not None else before.transform
         return math.dist(pose[:3, 3], expected.part.body.mount.transform[:3, 3]) > 2.0 * geometry.bound
 
 

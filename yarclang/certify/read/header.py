@@ -56,7 +56,7 @@ _NAMELESS = ("else", "end", "stop", "loop", "next", "exit", "endloop")
 _WAITED = re.compile(r"[MPQ][0-9]{1,4}=-?[0-9]{1,10}(?:\.[0-9]{1,9})?")
 _INTEGER = r"(0|-?[1-9][0-9]{0,9})"
 _REGISTER = re.compile(
-    rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}( kept)?"
+    rf"; register ([A-Z_][A-Z0-9_]{{0,{LONGEST_NAME - 1}}}) {_INTEGER} {_INTEGER} {_INTEGER}( kept| outside)?"
 )
 
 _WATCH = re.compile(
@@ -233,11 +233,18 @@ def _decided(
             return None, False, asked
     elif kind == "wait" and _WAITED.fullmatch(condition) is None:
         found = read_condition(condition)
-        if found is not None and inputs_of(found):
+        if found is not None and (inputs_of(found) or registers_of(found)):
             return found, False, None
     elif (_WAITED.fullmatch(condition) is not None) if kind == "wait" else condition == "-":
         return None, False, None
     raise Refusal(lines.line, f"names a condition that no '{kind}' has: {shown(lines.peek())}", "Y1151")
+
+
+def _can_change(condition: Value, registers: Mapping[str, Register]) -> bool:
+    """Return True if a condition may change while a program waits: by an input, or by a register that is filled from outside."""
+    return bool(inputs_of(condition)) or any(
+        name in registers and registers[name].outside for name in registers_of(condition)
+    )
 
 
 def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Register, ...]:
@@ -250,9 +257,15 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
         name, low, high, first = found[1], int(found[2]), int(found[3]), int(found[4])
         if name in registers or not -LARGEST <= low <= first <= high <= LARGEST:
             lines.refuse(f"is no register, or one that is there already: {shown(lines.peek())}")
-        registers[name] = Register(name, low, high, first, bool(found[5]))
+        registers[name] = Register(name, low, high, first, found[5] == " kept", found[5] == " outside")
         lines.skip()
     for barrier in barriers.values():
+        if (
+            barrier.kind == "wait"
+            and barrier.decided is not None
+            and not _can_change(barrier.decided, registers)
+        ):
+            lines.refuse(f"stands where line {barrier.line} waits for what nothing changes")
         used = () if barrier.decided is None else registers_of(barrier.decided)
         for name in (*used, *([barrier.register] if barrier.register else [])):
             if name not in registers:

@@ -26,8 +26,13 @@ if TYPE_CHECKING:
     metavar="N",
     help="FILE is a project's folder: run the program that its yarc.toml calls job N.",
 )
+@click.option(
+    "--recover",
+    is_flag=True,
+    help="From wherever the robot stands, move slowly to the program's start, or to the nearest place at which it may begin; carry nothing of it out.",
+)
 @click.option("--dry-run", is_flag=True, help="Look at everything, move nothing.")
-@click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach.")
+@click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach or a recovery.")
 @motion_options
 @planning_options
 @tm_option
@@ -97,7 +102,12 @@ def _served(source: Source, to: Address | None, options: dict[str, Any]) -> int 
         click.echo(f"{served.run.name} serves the robot", err=True)
         where = f"--to {place.address} --robot {shlex.quote(options['robot'] or served.run.robot)}"
         wanted = Wanted(
-            None, load_order(source), None, source.name, where, _again(source.file, place.address, options)
+            None,
+            load_order(source, recover=options["recover"]),
+            None,
+            source.name,
+            where,
+            _again(source.file, place.address, options),
         )
         return run_program(wanted, place, options)
     return 1
@@ -107,6 +117,10 @@ def _check_usage(to: Address | None, options: dict[str, Any]) -> None:
     check_controller_usage(to, options)
     if options["step"] and (options["loop"] or options["times"]):
         raise click.UsageError(f"--step and --{'loop' if options['loop'] else 'times'} exclude each other")
+    if options["recover"] and (
+        names := [f"--{name}" for name in ("step", "loop", "times", "approach") if options[name]]
+    ):
+        raise click.UsageError(f"--recover and {', '.join(names)} exclude each other: it carries nothing out")
     if options["loop"] and options["times"]:
         raise click.UsageError("--loop and --times exclude each other")
 

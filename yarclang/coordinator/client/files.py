@@ -16,12 +16,13 @@ from yarclang.runtime.actions import Trouble
 class Files(Part):
     """The part of a client that reads and writes programs."""
 
-    async def load(self, source: Source, *, here: bool = False) -> Result[Loaded]:
+    async def load(self, source: Source, *, here: bool = False, as_now: bool = True) -> Result[Loaded]:
         """Compile and prove a program for this robot, or judge a compiled one.
 
         Args:
             source: where it is, and how it is compiled.
             here: whether a program that doesn't say START begins where the robot stands.
+            as_now: True if the parts of its cell are where they are now; False: where the cell's file has them.
 
         Returns:
             None where an error forbids to run it.
@@ -31,7 +32,7 @@ class Files(Part):
         """
         coordinator = self._coordinator
         stands = await coordinator.stands() if here else None
-        source = replace(source, present=coordinator.carrying.kept.now)
+        source = replace(source, present=coordinator.carrying.kept.now if as_now else None)
         made: Result[Loaded] = await coordinator.plan(load, source, coordinator.robot, stands)
         return made
 

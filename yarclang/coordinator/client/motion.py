@@ -15,6 +15,7 @@ from yarclang.coordinator.messages.findings import finding_messages
 from yarclang.coordinator.messages.orders import APPROACH_FIRST
 from yarclang.coordinator.offers import Offer
 from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.recovering import Recovered, recovered
 from yarclang.coordinator.signals import output_names
 from yarclang.coordinator.undertaking import Undertaking
 from yarclang.diagnostics import Diagnostic, Result
@@ -142,6 +143,17 @@ class Motion(Part):
             return made
         return Result(replace(made.value, takes_back=len(group)), made.diagnostics)
 
+    async def offer_recovery(self, loaded: Loaded) -> Recovered:
+        """Plan and certify the way from where the robot stands to a program: to its start, else to the nearest place at which it may begin. Nothing moves.
+
+        Args:
+            loaded: the program; if a command was named to begin with, there and nowhere else.
+
+        Raises:
+            Trouble: as `offer`; or nobody knows where the parts of its cell are.
+        """
+        return await recovered(self._coordinator, loaded)
+
     async def go(self, offer: Offer) -> Ended:
         """Carry an offer out: its declarations stay from now on, its motions move the robot.
 
@@ -167,6 +179,7 @@ class Motion(Part):
         if off_the_start(job, here):
             what = "the robot doesn't stand any more where this was planned from"
             raise Trouble(what, "ask for it again", "Y1613")
+        await self._check_surroundings(offer)
         followed = _performed(offer, job)
         if followed is not None:
             coordinator.carrying.kept.check(followed.plan.program.cell, followed.assumed)
@@ -189,6 +202,19 @@ class Motion(Part):
             coordinator.lines.declare(offer.parts.declarations)
         return ended
 
+    async def _check_surroundings(self, offer: Offer) -> None:
+        """Check that the cell that an offer was proved in is the same, and that its parts are where they were.
+
+        Raises:
+            Trouble: something has changed.
+        """
+        cell, coordinator = offer.proved_in, self._coordinator
+        if cell is None:
+            return
+        if not await coordinator.plan(holds_still, cell):
+            raise Trouble("the cell has changed since this was offered", "ask for it again", "Y1613")
+        coordinator.carrying.kept.check(cell, first_parts(cell) if cell.parts else None)
+
     async def run(self, loaded: Loaded, *, approach: bool = False, times: int | None = 1) -> Ended:
         """Carry a whole program out; `load_program` makes it, from a command on or command by command, if that is wanted.
 
@@ -196,7 +222,7 @@ class Motion(Part):
 
         Args:
             loaded: the program.
-            approach: whether to move slowly to its start first, if the robot isn't there.
+            approach: whether to move slowly to its start first, if the robot isn't there. In a start zone of the cell that needs nobody's word.
             times: how often; None: until somebody stops it.
 
         Raises:
@@ -224,11 +250,12 @@ class Motion(Part):
         stops = coordinator.stops if stops is None else stops
         here = await coordinator.stands()
         way = await coordinator.carrying.way_to_start(loaded, here)
-        if way.text and not (approach and way.job is not None):
-            remedy = (
-                APPROACH_FIRST if not approach else "there is no joint motion to the start: move it there"
-            )
+        allowed = approach or bool(way.zone)
+        if way.text and not (allowed and way.job is not None):
+            remedy = APPROACH_FIRST if not allowed else "there is no joint motion to the start: move it there"
             raise Trouble(way.text, remedy, code="Y1601")
+        if way.text and way.zone and not approach:
+            coordinator.tell(f"{way.text}; it stands in the start zone {way.zone}: it goes there by itself")
         lasting = loaded.rest.lasting
         if undertaking.times is not None and undertaking.times > 1:
             lasting = lasting.then(loaded.program.lasting.times(undertaking.times - 1))

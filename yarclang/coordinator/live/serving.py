@@ -65,6 +65,10 @@ class TcpDoor:
     host: str = LOOPBACK
     token: str = field(init=False, repr=False, default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES))
 
+    def opens_by(self, token: str) -> bool:
+        """Return True if a token is that of the door; in constant time, whatever JSON makes a string of."""
+        return secrets.compare_digest(_bytes(token), _bytes(self.token))
+
 
 Door = UnixDoor | TcpDoor
 
@@ -204,14 +208,14 @@ class MasterServer:
             self._waiting.pop(oldest).write(_denied("too many processes wait to steer the robot"))
             oldest.cancel()
         self._waiting[task] = writer
-        first = await _line(reader, self._patience.first)
+        first = await line_within(reader, self._patience.first)
         if isinstance(first, Denied):
             return first.error
         if isinstance(self.door, TcpDoor) and first:
             token = token_in(first)
             if isinstance(token, Denied):
                 return token.error
-            if not secrets.compare_digest(_bytes(token), _bytes(self.door.token)):
+            if not self.door.opens_by(token):
                 return "the token is wrong: yarc follow gives another one each time that it begins"
         del self._waiting[task]
         if not first:
@@ -233,7 +237,7 @@ class MasterServer:
         try:
             await self._attached.ask(self._steer)
             while True:
-                read = line or await _line(reader, self._patience.silence)
+                read = line or await line_within(reader, self._patience.silence)
                 line = b""
                 if isinstance(read, Denied):
                     return read.error
@@ -268,16 +272,16 @@ def _denied(error: str) -> bytes:
     return write_answer(Denied(error=error))
 
 
-def token_in(line: bytes) -> str | Denied:
-    """Return the token of a line; whatever it holds, nothing is raised."""
+def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
+    """Return the token of a line, or a denial that says `untold`; whatever the line holds, nothing is raised."""
     content = read_object(line, MOST_LINE)
     if isinstance(content, Denied):
         return content
     token = content.get("token")
-    return token if len(content) == 1 and isinstance(token, str) else Denied(error=_UNTOLD)
+    return token if len(content) == 1 and isinstance(token, str) else Denied(error=untold)
 
 
-async def _line(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
+async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
     """Return the next line; empty at the end, also after half a line: a caller that dies within one has ordered nothing.
 
     Args:
@@ -295,7 +299,7 @@ async def _line(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
 
 
 def _bytes(token: str) -> bytes:
-    """Return a token as what can be compared in constant time, whatever JSON makes a string of."""
+    """Return a token as what can be compared in constant time."""
     return token.encode("utf-8", "surrogatepass")
 
 

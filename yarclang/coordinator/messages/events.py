@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from yarclang.coordinator.messages.findings import Finding
-from yarclang.coordinator.messages.message import Joints, Message, Question
+from yarclang.coordinator.messages.message import Joints, Message, Question, ValuesWanted
 from yarclang.runtime.state import State
 
 
@@ -27,6 +27,13 @@ class StateChanged(BaseEvent):
     code: str | None = None
     help: str | None = None
     asks: Question | None = None
+
+
+class ValuesAsked(BaseEvent):
+    """The program takes values from outside now (`fill`), or, with null, takes no more: they were given, or its wait is over."""
+
+    event: Literal["values_wanted"] = "values_wanted"
+    wanted: ValuesWanted | None
 
 
 class Position(BaseEvent):

@@ -47,6 +47,23 @@ class Message(BaseModel):
         return self.model_dump(mode="json")
 
 
+class RegisterRange(Message):
+    """A register that takes integers from `low` to `high`."""
+
+    name: str
+    low: int
+    high: int
+
+
+class ValuesWanted(Message):
+    """Values that a program takes from outside while it waits: `fill` answers question `number`. A message must have all registers that are `needed`; `place` is the command that waits."""
+
+    number: int
+    place: str
+    registers: tuple[RegisterRange, ...]
+    needed: tuple[str, ...]
+
+
 class Question(Message):
     """What the operator is asked for: an integer from `low` to `high`, which register gets it (`into`)."""
 

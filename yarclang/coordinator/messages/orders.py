@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Generic, Literal, TypeVar, get_args
 
-from pydantic import Field
+from pydantic import Field, JsonValue
 
 from yarclang.coordinator.messages import courses, replies
 from yarclang.coordinator.messages.message import VERSION, Message, Number
@@ -217,6 +217,16 @@ class SetOutput(Order[replies.Value]):
     value: Annotated[Number | Literal["ON", "OFF"], Field(description='a number, "ON" or "OFF"')]
 
 
+class Fill(Order[replies.Filled]):
+    """Give registers that a program takes from OUTSIDE their values, while it waits for them. All of them are taken, or none."""
+
+    order: Literal["fill"] = "fill"
+    values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
+    """By the names of the registers."""
+    number: Annotated[int | None, Field(description="the number of a question, or null")] = None
+    """Of the question that is answered (`values_wanted`): one that isn't open any more is refused. Null: whichever is open."""
+
+
 class SetInput(Order[replies.Value]):
     """Give an input of a robot that the coordinator simulates a value, at once, also while a program runs."""
 
@@ -296,6 +306,13 @@ class OfferBack(Order[replies.Offered]):
     order: Literal["offer-back"] = "offer-back"
 
 
+class OfferRecovery(Order[replies.Recovery]):
+    """Plan and prove the way from where the robot stands to a program that was loaded: to its start (or to the command that was named as its first), else to the nearest place at which it may begin. Nothing moves."""
+
+    order: Literal["offer-recovery"] = "offer-recovery"
+    program: Annotated[int, Field(description="the number of a program")]
+
+
 class Go(Order[replies.Ended]):
     """Carry an offer out; answered when it has ended."""
 
@@ -338,6 +355,8 @@ class Load(Order[replies.Loaded]):
     """Of a compiled program: the program that it is judged against, in the place of the one beside it."""
     approach: Annotated[bool, Field(description="true or false")] = False
     """Whether the way to the program's start is wanted as well."""
+    recover: Annotated[bool, Field(description="true or false")] = False
+    """Whether it is only to be recovered (`offer-recovery`): its parts are where its cell's file has them at its start, wherever they are now."""
 
 
 class AskWay(Order[replies.Way]):
@@ -431,6 +450,7 @@ KINDS: tuple[type[Order[Any]], ...] = (
     AskHealth,
     Read,
     SetOutput,
+    Fill,
     SetInput,
     AskSurroundings,
     AskParts,
@@ -441,6 +461,7 @@ KINDS: tuple[type[Order[Any]], ...] = (
     Adopt,
     Offer,
     OfferBack,
+    OfferRecovery,
     Go,
     Keep,
     Load,

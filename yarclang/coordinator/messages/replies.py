@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from yarclang.coordinator.messages.findings import Finding
-from yarclang.coordinator.messages.message import Joints, Message, Question
+from yarclang.coordinator.messages.message import Joints, Message, Question, ValuesWanted
 from yarclang.runtime.state import State
 
 
@@ -84,6 +84,14 @@ class Status(Reply):
     """What has happened to that file; empty: it is there."""
     asks: Question | None = None
     """What a HOLD asks the operator for; null: nothing."""
+    wants: ValuesWanted | None = None
+    """Which values the program takes from outside; null: none."""
+
+
+class Filled(Reply):
+    """The values are in their registers as soon as the program looks, within 20 ms: which ones, as integers."""
+
+    values: dict[str, int]
 
 
 class Welcome(Reply):
@@ -436,6 +444,27 @@ class Way(Reply):
     title: str
     """Of the motion's command."""
     end: Joints
+    findings: tuple[Finding, ...]
+    zone: str
+    """The start zone of the cell in which the robot stands: `run` goes to the start by itself there; empty: it stands in none."""
+
+
+class Recovery(Reply):
+    """The proved way from where the robot stands to a program: to its start, or to the nearest place at which it may begin."""
+
+    place: str | None
+    """Of the command to begin with then; empty: the program's start. Null: no motion is proved, and `findings` say why."""
+    title: str
+    """`the start`, or the command's index and name."""
+    line: int
+    offer: OfferDescribed | None
+    """The motion, which `go` carries out; null if the robot stands there, or if no motion is proved."""
+    share: float
+    """How fast the slowest joint moves, as a share of its limits."""
+    assumed: tuple[str, ...]
+    """Parts of which nobody has said where they are: they are taken to be where the program has them at that place."""
+    refused: tuple[Finding, ...]
+    """Why it isn't the start, if it isn't."""
     findings: tuple[Finding, ...]
 
 

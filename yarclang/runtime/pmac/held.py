@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from yarclang.decisions import Register
 from yarclang.runtime.job import Barrier, Job
 
 COUNTED = ("REPEAT", "LOOP")
@@ -32,12 +33,15 @@ class Held:
     """Registers of searches, which no line names."""
     said: dict[str, str] = field(default_factory=dict)
     """What was told last of each place, since something has moved."""
+    outside: dict[str, Register] = field(default_factory=dict)
+    """The registers that other programs fill, by their names."""
 
     @classmethod
     def of(cls, job: Job) -> Held:
         """Return what is held when a run begins."""
         flags = frozenset(one.flag for one in job.searches)
-        return cls({one.name: one.first for one in job.registers}, {}, flags=flags)
+        outside = {one.name: one for one in job.registers if one.outside}
+        return cls({one.name: one.first for one in job.registers}, {}, flags=flags, outside=outside)
 
     @property
     def told(self) -> tuple[tuple[str, int], ...]:

@@ -10,9 +10,10 @@ from yarclang.decisions import (
 )
 from yarclang.runtime.actions import Script, Stopped, Trouble, Wait
 from yarclang.runtime.job import Barrier, Job
-from yarclang.runtime.notices import Abort, Fail, Hold, Override, Question, Resume, Stop
+from yarclang.runtime.notices import Abort, Fail, Fill, Hold, Override, Question, Resume, Stop
 from yarclang.runtime.pmac.asked import LOOK, read_inputs, value_of
 from yarclang.runtime.pmac.assigning import keep
+from yarclang.runtime.pmac.filling import begin_anew, close, fill, is_given, needed_for, take_values
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
@@ -49,26 +50,42 @@ def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
 
 
 def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
-    """Until a condition holds, or its time is over: False then. At each look all inputs are read, each once."""
+    """Until a condition holds, or its time is over: False then. At each look all inputs are read, each once.
+
+    Registers of the condition that other programs fill begin anew, and are taken until the end.
+    """
     since, place = operation.now, barrier.label or f"line {barrier.source_line}"
     name = awaited(barrier, condition)
+    needed = needed_for(condition, held)
+    begin_anew(held, needed)
     held.inputs = yield from read_inputs(operation, barrier, condition)
     holds = value_of(barrier, condition, held)
     operation.notices.append(WaitBegan(since, place, name, "", 1.0, holds))
     waits = not holds
     if waits:
         operation.go(Event.HOLD, f"{title(barrier)} waits until {name}")
-    while not holds:
-        waited = operation.now - since
-        if barrier.timeout is not None and waited > barrier.timeout:
-            operation.notices.append(WaitEnded(operation.now, place, name, "", 0.0, waited, met=False))
-            if barrier.kind == "when":
-                operation.go(Event.END)
-            return False
-        yield Wait(operation.now + LOOK)
-        yield from obey(operation)
-        held.inputs = yield from read_inputs(operation, barrier, condition)
-        holds = value_of(barrier, condition, held)
+    try:
+        while not holds:
+            waited = operation.now - since
+            is_over = barrier.timeout is not None and waited > barrier.timeout
+            if is_over:
+                operation.want(None)  # what comes from now on is late
+                if not is_given(operation):
+                    operation.notices.append(
+                        WaitEnded(operation.now, place, name, "", 0.0, waited, met=False)
+                    )
+                    if barrier.kind == "when":
+                        operation.go(Event.END)
+                    return False
+            else:
+                if needed and operation.wants is None and not is_given(operation):
+                    take_values(operation, barrier, held, needed)
+                yield Wait(operation.now + LOOK)
+            yield from obey(operation, filling=(barrier, held))
+            held.inputs = yield from read_inputs(operation, barrier, condition)
+            holds = value_of(barrier, condition, held)
+    finally:
+        close(operation, barrier, held)
     operation.notices.append(WaitEnded(operation.now, place, name, "", 1.0, operation.now - since, met=True))
     if waits:
         operation.go(Event.END)
@@ -101,12 +118,26 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
     register = next((one for one in job.registers if one.name == barrier.register), None)
     if register is None:
         operation.go(Event.HOLD, f"{title(barrier)} holds{text}; Enter or `yarc resume` goes on")
-        while not (yield from obey(operation)):
-            yield Wait(operation.now + LOOK)
+        yield from _hold(operation, barrier, held)
     else:
         yield from _ask(operation, barrier, register, held)
     yield from outputs.restore(operation, 0)
     operation.go(Event.END, "the operator goes on")
+
+
+def _hold(
+    operation: Operation, barrier: Barrier, held: Held, answers: list[int | None] | None = None
+) -> Script[None]:
+    """Until somebody says that it goes on. Registers that other programs fill are taken meanwhile, and none of them makes it go on."""
+    try:
+        while True:
+            if held.outside and operation.wants is None and not is_given(operation):
+                take_values(operation, barrier, held, ())
+            if (yield from obey(operation, answers, filling=(barrier, held))):
+                return
+            yield Wait(operation.now + LOOK)
+    finally:
+        close(operation, barrier, held)
 
 
 def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
@@ -117,20 +148,30 @@ def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held)
     operation.go(Event.HOLD, f"{title(barrier)} asks: {barrier.name or register.name}; {how}", asks=asks)
     answers: list[int | None] = []
     while True:
-        if (yield from obey(operation, answers)):
-            answer = answers[-1]
-            if answer is not None and register.low <= answer <= register.high:
-                break
-            said = "no answer" if answer is None else f"the answer {answer}"
-            operation.remark(f"{title(barrier)}: {said}, and it asks for {wanted}", warning=True)
-        yield Wait(operation.now + LOOK)
+        yield from _hold(operation, barrier, held, answers)
+        answer = answers[-1]
+        if answer is not None and register.low <= answer <= register.high:
+            break
+        said = "no answer" if answer is None else f"the answer {answer}"
+        operation.remark(f"{title(barrier)}: {said}, and it asks for {wanted}", warning=True)
     yield from keep(barrier, register, answer)
     held.registers[register.name] = answer
     operation.remark(f"{title(barrier)}: {register.name} is {answer}")
 
 
-def obey(operation: Operation, answers: list[int | None] | None = None) -> Script[bool]:
-    """What people order while the robot stands at a barrier; whether it may go on. What they answer is added to `answers`."""
+def obey(
+    operation: Operation,
+    answers: list[int | None] | None = None,
+    *,
+    filling: tuple[Barrier, Held] | None = None,
+) -> Script[bool]:
+    """Carry out what people order while the robot stands at a barrier; True if it may go on.
+
+    Args:
+        operation: the run.
+        answers: what people answer is added here.
+        filling: the barrier that takes values from outside, and what is held; None: none are taken.
+    """
     resumed = False
     while operation.orders:
         match operation.orders.popleft():
@@ -147,7 +188,10 @@ def obey(operation: Operation, answers: list[int | None] | None = None) -> Scrip
             case Override(percent=percent):
                 operation.override = percent / 100.0
                 operation.remark(f"override {percent:g} %")
-            case Hold():
+            case Fill() as given if filling is not None:
+                operation.want(None)  # one message for each question
+                fill(operation, *filling, given)
+            case Fill() | Hold():
                 pass
     return resumed
     yield  # a script, though it asks nothing

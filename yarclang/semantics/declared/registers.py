@@ -14,22 +14,28 @@ from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Number, Other, Statement, Word
 
 _RANGE = re.compile(r"([+-]?[0-9]{1,12})\.\.([+-]?[0-9]{1,12})")
+_KEPT, _OUTSIDE = "KEPT", "OUTSIDE"
 _EXAMPLE = "for example REGISTER COUNT 0..17"
 
 
 def declare_register(
     statement: Statement, scope: Scope, robot: Robot, findings: Collector
 ) -> Register | None:
-    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3. KEPT behind it keeps it from run to run."""
+    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3. KEPT behind it keeps it from run to run, OUTSIDE lets other programs fill it."""
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     given = values_of(statement)
     last = given[-1] if len(given) > 2 else None
-    kept = isinstance(last, Word) and last.name == "KEPT"
-    given = given[:-1] if kept else given
+    behind = last.name if isinstance(last, Word) and last.name in (_KEPT, _OUTSIDE) else ""
+    given = given[:-1] if behind else given
+    other = given[-1] if behind and len(given) > 2 else None
+    if isinstance(other, Word) and other.name in (_KEPT, _OUTSIDE):
+        message = "a register is KEPT or gets values from OUTSIDE, and not both: a value from outside is for one wait"
+        findings.add("Y0431", message, statement.span(other.place), "leave one of the two words out")
+        return None
     word, values = (given[0] if given else None), given[1:]
     bounds = range_of(values[0]) if values else None
     if not isinstance(word, Word) or bounds is None or len(values) > 2:
-        message = "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and KEPT if it is kept from run to run"
+        message = "REGISTER wants a name, a range, the value that it begins with if that isn't the lowest, and KEPT if it is kept from run to run or OUTSIDE if other programs fill it"
         findings.add("Y0431", message, statement.whole_span, _EXAMPLE)
         return None
     low, high = bounds
@@ -52,7 +58,7 @@ def declare_register(
         first = found
     if not may_be_declared(statement, word, scope, robot, findings):
         return None
-    register = Register(word.name, low, high, first, kept)
+    register = Register(word.name, low, high, first, behind == _KEPT, behind == _OUTSIDE)
     scope.declare(word.name, register, Where(findings.source, statement.span(word.place)))
     return register
 

@@ -106,7 +106,8 @@ export class Player extends EventTarget {
     this.way = way;
     const fields = { program: number, times };
     if (way.findings.some((one) => one.severity === "error") || (way.text && way.duration_s === null)) {
-      this.ask = { text: `The robot can't get to its start: ${way.text}.`, findings: way.findings };
+      const away = this.app.may("programmer") ? { label: "Nearest place", act: () => this.recover() } : {};
+      this.ask = { text: `The robot can't get to its start: ${way.text}.`, findings: way.findings, ...away };
     } else if (way.text || this.course?.changed) {
       const changed = this.course?.changed ? "The file was changed after the proof: what was proved is what runs. " : "";
       const text = way.text ? `The robot isn't at the start: ${way.text}. A slow, proved motion leads there in ${way.duration_s.toFixed(1)} s.` : "";
@@ -126,6 +127,27 @@ export class Player extends EventTarget {
     if (!ended) return;
     this.ended = { ...ended, word };
     Object.assign(this, { part: null, paused: null, waits: "" });
+    this.tell();
+  }
+
+  // From wherever the robot stands to the start, or to the nearest place at which the program may begin; nothing of the program is carried out.
+  async recover() {
+    if (!this.may("programmer") || !this.file) return;
+    const told = await this.app.tried(() => order("load", { file: this.file, recover: true, ...(this.first ? { first: this.first } : {}) }));
+    const number = told?.program?.number;
+    const way = number === undefined ? null : await this.app.tried(() => order("offer-recovery", { program: number }));
+    if (!way) {
+      if (told && !told.program) this.ask = { text: "The program has errors.", findings: told.findings };
+    } else if (way.place === null) {
+      this.ask = { text: "No proved motion leads from where the robot stands to the program.", findings: way.findings };
+    } else if (!way.offer) {
+      this.ask = { text: `The robot stands at ${way.title} already.`, findings: [] };
+    } else {
+      const assumed = way.assumed.length ? ` Nobody has said where ${way.assumed.join(", ")} lies: taken to be where the program has it there.` : "";
+      const share = Math.round(1000 * way.share) / 10;
+      const text = `To ${way.title}: proved, takes ${way.offer.duration_s.toFixed(1)} s at ${share} % of the joints' limits${nearest(way.offer)}.${assumed}`;
+      this.ask = { text, findings: way.refused, label: "Go there", act: () => this.carry("go", { offer: way.offer.number }) };
+    }
     this.tell();
   }
 

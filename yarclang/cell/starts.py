@@ -1,0 +1,49 @@
+"""Start zones of a cell: joint positions from which a robot may go to the start of a program without being told to."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from yarclang.cell.model import Array, StartZone
+from yarclang.cell.windows import joint_window
+from yarclang.robot.model import Robot
+
+if TYPE_CHECKING:
+    from yarclang.cell.measures import Measures
+    from yarclang.cell.model import Cell
+    from yarclang.cell.schema import StartTable
+    from yarclang.toml.places import Path
+
+
+def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
+    """Return a start zone; None with findings, or if the robot isn't known.
+
+    A joint that isn't named would let the robot begin wherever that joint stands, so each has to be: all of them are looked at before somebody trusts the zone.
+    """
+    units = measures.of_entry(table.units, path)
+    if table.name is None or table.joints is None:
+        return None
+    window = joint_window(table.joints, (*path, "joints"), units, measures, robot)
+    if window is None or robot is None:
+        return None
+    open_ = [
+        name
+        for name, low, high in zip(robot.joint_names, window.lower, window.upper, strict=True)
+        if not np.isfinite([low, high]).all()
+    ]
+    if open_:
+        message = f"The start zone {table.name[:40]} leaves {', '.join(open_)} open: it would hold wherever these joints stand."
+        remedy = f"Name all {robot.size} joints, each with its least and its largest value."
+        measures.file.say("Y1308", (*path, "joints"), message, remedy)
+        return None
+    return StartZone(table.name.upper(), window)
+
+
+def start_zone(cell: Cell | None, q: Array) -> StartZone | None:
+    """Return the start zone of a cell in which a robot at `q` (n,) [rad or m] stands; None if it stands in none."""
+    for one in () if cell is None else cell.starts:
+        if bool(((one.window.lower <= q) & (q <= one.window.upper)).all()):
+            return one
+    return None

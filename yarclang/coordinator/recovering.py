@@ -1,0 +1,112 @@
+"""From anywhere to a program: the proved motion to its start, or to the nearest place at which it may begin, as an offer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.coordinator.describing import offer_described
+from yarclang.coordinator.kept_parts import check_sure
+from yarclang.coordinator.messages import replies
+from yarclang.coordinator.messages.findings import finding_messages
+from yarclang.coordinator.offers import Offer
+from yarclang.coordinator.programs import Loaded
+from yarclang.coordinator.shared import SharedRobot
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.hir import Array
+from yarclang.pipeline.recovering import Place, Recovery, around_place, parts_at, recovery, start_of
+from yarclang.robot.model import Robot
+
+Now = Callable[[Cell, Array], Cell | None]
+"""Gives a cell with its parts where they are now; None if nothing is known but its file."""
+
+
+def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result[Recovery]:
+    """Find the place of a program to which the robot can go.
+
+    Args:
+        robot: that moves.
+        loaded: the program; if a command was named to begin with, no other place is wanted.
+        here: where the robot stands (n,) [rad or m].
+        now: tells where the parts are.
+
+    Returns:
+        A finding instead, if no motion is proved.
+    """
+    plan, around = loaded.plan, None if loaded.around is None else replace(loaded.around, present=None)
+    is_named = loaded.first_step is not None and bool(loaded.spans)
+    number = loaded.spans[0][0] if is_named else 0
+    start = start_of(plan, loaded.rest.start, loaded.first_step, number)
+    first = loaded.assumed
+
+    def around_at(place: Place) -> tuple[Cell | None, bool]:
+        if around is None or not around.parts:
+            return around, True
+        known = now(around, here)
+        if known is not None:
+            return known, True
+        return around_place(around, first if place is start else parts_at(plan, place, first)), False
+
+    def is_there(there: Array) -> bool:
+        return bool((np.abs(here - there) <= loaded.program.slack).all())
+
+    return recovery(robot, start, here, plan, around_at, is_there=is_there, nearest=not is_named)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recovered:
+    """The place of a program to which the robot can go, and the motion there as an offer: None if the robot stands there already.
+
+    `found` is None if no motion is proved: `findings` say why.
+    """
+
+    found: Recovery | None
+    offer: Offer | None
+    findings: tuple[Diagnostic, ...]
+
+
+async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
+    """Plan and certify the way from where the robot stands to a program. Nothing moves.
+
+    Raises:
+        Trouble: the robot is under way, there is no connection, or nobody knows where the parts are.
+    """
+    robot, kept = coordinator.robot, coordinator.carrying.kept
+    if loaded.around is not None and (known := kept.known(loaded.around)) is not None:
+        check_sure(known)
+    here = await coordinator.stands()
+    await coordinator.look_around()
+    revision, number = coordinator.lines.revision, next(coordinator.numbers)
+
+    def work() -> Recovered:
+        made = find_recovery(robot, loaded, here, kept.now)
+        found = made.value
+        if found is None or found.made is None:
+            return Recovered(found, None, made.diagnostics)
+        text = f"recover {loaded.name}: to {found.place.title}"
+        offered = coordinator.planner.offered(
+            number, text, here, Result(found.made, made.diagnostics), revision
+        )
+        assert offered.value is not None  # it was certified without an error
+        return Recovered(found, replace(offered.value, proved_in=found.cell), offered.diagnostics)
+
+    answer: Recovered = await coordinator.plan(work)
+    return answer
+
+
+def recovery_described(made: Recovered, robot: Robot) -> replies.Recovery:
+    """Return the way to a program as a message."""
+    found = made.found
+    return replies.Recovery(
+        place=None if found is None else found.place.index,
+        title="" if found is None else found.place.title,
+        line=0 if found is None else found.place.line,
+        offer=None if made.offer is None else offer_described(made.offer, robot),
+        share=robot.controller.rapid_share,
+        assumed=() if found is None else found.assumed,
+        refused=finding_messages(() if found is None else found.refused),
+        findings=finding_messages(made.findings),
+    )

@@ -1,0 +1,85 @@
+"""Values from outside: who gives them, what is refused, and what of it the log tells."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from yarclang.coordinator.messages import message
+from yarclang.coordinator.ordered import OrderedSession
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.notices import Fill, Wanted
+from yarclang.runtime.values import checked_values
+
+_REFUSALS, _EACH = 5, 1.0
+"""So many refusals are logged in this time [s]; of more only their number: who sends nonsense without end doesn't fill the disk."""
+
+
+class Values:
+    """Takes values for the program that waits for them.
+
+    Args:
+        session: that performs the program.
+        under_way: returns True while something is carried out: only then there is a log.
+    """
+
+    def __init__(self, session: OrderedSession, under_way: Callable[[], bool]) -> None:
+        self._session = session
+        self._under_way = under_way
+        self._since = 0.0
+        self._told = 0
+        self._untold = 0
+
+    @property
+    def wanted(self) -> message.ValuesWanted | None:
+        """What the program takes now; None: nothing."""
+        return wanted_message(self._session.operation.wants)
+
+    def take(self, values: Mapping[str, Any], number: int | None, client: str) -> dict[str, int]:
+        """Take values, all of them or none, and return them as integers.
+
+        Args:
+            values: by the names of registers, as somebody has sent them.
+            number: of the question that is answered; None: of the one that is asked.
+            client: who gives them.
+
+        Raises:
+            Trouble: they aren't taken, and why.
+        """
+        operation = self._session.operation
+        try:
+            found = checked_values(operation.wants, number, values)
+        except Trouble as trouble:
+            self.refused(client, trouble.what)
+            raise
+        operation.want(None)  # who comes next answers another question
+        self._session.order(Fill(found, client))
+        return dict(found)
+
+    def refused(self, client: str, why: str) -> None:
+        """Log that values of a client were refused."""
+        if not self._under_way():
+            return
+        now = self._session.now()
+        if not 0.0 <= now - self._since < _EACH:
+            self._since, self._told = now, 0
+        self._told += 1
+        if self._told > _REFUSALS:
+            self._untold += 1
+            return
+        more = f" ({self._untold} others before weren't logged)" if self._untold else ""
+        self._untold = 0
+        self._session.operation.remark(f"values of {client} are refused: {why}{more}", warning=True)
+        self._session.wake()
+
+
+def wanted_message(wanted: Wanted | None) -> message.ValuesWanted | None:
+    """Return what a program takes as a message."""
+    if wanted is None:
+        return None
+    ranges = tuple(
+        message.RegisterRange(name=name, low=low, high=high) for name, low, high in wanted.registers
+    )
+    return message.ValuesWanted(
+        number=wanted.number, place=wanted.place, registers=ranges, needed=wanted.needed
+    )

@@ -1,0 +1,190 @@
+"""The way from anywhere to a program: to its start, or to the nearest of its places that a proved motion leads to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from yarclang.cell.model import Cell, Parts, Present
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.diagnostics import Diagnostic, Result
+from yarclang.frozen import frozen
+from yarclang.handling.present import around_start, presently
+from yarclang.hir import Array, Gap, Origin
+from yarclang.motion.avoid.room import room_of
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.parts import approach, beginning, can_begin_at, chains, parts_before
+from yarclang.pipeline.returning import along_the_path
+from yarclang.pipeline.stages import Compiled
+from yarclang.robot.model import Robot
+
+MOST_PLACES = 4
+"""So many places besides the start are tried: a way that isn't there takes seconds to be given up."""
+
+_SAME = 1e-6
+"""Places whose joint positions are nearer to each other are one place [rad or m]."""
+
+NOT_RECOVERED = "Y1660"
+"""Code of a robot from which no proved motion leads to the program."""
+
+
+@frozen(eq=False)
+class Place:
+    """A place at which a program may begin.
+
+    `index` is the place of its command, empty for the start; `title` is for people, `line` of the source is 0 if no command stands there. The robot stands at
+    `there` (n,) [rad or m], in front of motion `number` of the plan.
+    """
+
+    index: str
+    title: str
+    line: int
+    there: Array
+    number: int = 0
+
+
+@frozen(eq=False)
+class Recovery:
+    """A place of a program, and the proved motion that leads there; `made` is None if the robot stands there.
+
+    `cell` is what the motion was proved in, with its parts; `assumed` names the parts of which nobody has said where they are: they are taken to be where the program has them at that place.
+    `refused` says why the start isn't the place, if it isn't.
+    """
+
+    place: Place
+    made: Compiled | None
+    cell: Cell | None = None
+    assumed: tuple[str, ...] = ()
+    refused: tuple[Diagnostic, ...] = ()
+
+
+def recovery(
+    robot: Robot,
+    start: Place,
+    here: Array,
+    plan: MotionPlan | None,
+    around: Callable[[Place], tuple[Cell | None, bool]],
+    *,
+    is_there: Callable[[Array], bool],
+    nearest: bool = True,
+) -> Result[Recovery]:
+    """Find the place to which the robot can go: the start if a motion there is proved, else the nearest place at which the program may begin.
+
+    Args:
+        robot: that moves.
+        start: of the program, or the place that somebody has named.
+        here: where the robot stands (n,) [rad or m].
+        plan: of the program; None: only its start is known.
+        around: gives the cell, with its parts, for the way to a place, and True if somebody knows where these parts are.
+        is_there: returns True if the robot stands at joint positions (n,) [rad or m].
+        nearest: False if no other place than `start` is wanted.
+
+    Returns:
+        A finding instead, if no motion is proved.
+    """
+    refused: tuple[Diagnostic, ...] = ()
+    tried: list[Place] = []
+    others = _others(plan, start, here, robot) if plan is not None and nearest else iter(())
+    for place in (start, *others):
+        cell, is_known = around(place)
+        assumed = () if is_known or cell is None else tuple(one.body.name for one in cell.parts)
+        if is_there(place.there):
+            return Result(Recovery(place, None, cell, assumed, refused), ())
+        made = _way(robot, place, here, plan, cell)
+        if made.value is not None:
+            return Result(Recovery(place, made.value, cell, assumed, refused), made.diagnostics)
+        if not tried:
+            refused = tuple(one for one in made.diagnostics if one.is_error)
+        tried.append(place)
+        if is_known and _is_blocked(robot, here, cell):
+            break  # no other place is nearer to something that the robot is in already
+    return Result(None, (_no_way(tried, refused), *refused))
+
+
+def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, number: int = 0) -> Place:
+    """Return the place at which a program begins.
+
+    Args:
+        plan: of the program; None: it isn't known.
+        there: where the robot stands then (n,) [rad or m].
+        step: the step that was named to begin with; None: none.
+        number: of the motion that comes first.
+    """
+    if plan is None or step is None:
+        return Place("", "the start", 0, there)
+    return _place(plan, step, there, number)
+
+
+def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
+    """Return where a program has the parts at a place: at its start as they are `first`. None if its cell has none."""
+    if plan is None or not place.number or not plan.motions:
+        return first
+    return parts_before(plan, plan.motions[place.number].step)
+
+
+def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
+    """Yield the places at which the program may begin, nearest first, by the time that the slowest joint needs."""
+    begins = [first for first, _ in chains(plan)]
+    if not begins:
+        return
+    there = np.array([plan.motions[first].curve.points[0] for first in begins])
+    far = (np.abs(there - here) / robot.limits.velocity).max(axis=1)
+    seen = [start.there]
+    for at in np.argsort(far, kind="stable").tolist():
+        if len(seen) > MOST_PLACES:
+            return
+        number, q = begins[at], there[at]
+        if any(bool((np.abs(q - one) <= _SAME).all()) for one in seen):
+            continue
+        step = plan.motions[number].step
+        index = _origin(plan, step).label
+        found = beginning(plan, index) if index else None
+        if found != (number, step) or not can_begin_at(plan, index):
+            continue
+        seen.append(q)
+        yield _place(plan, step, q, number)
+
+
+def _place(plan: MotionPlan, step: int, there: Array, number: int) -> Place:
+    origin = _origin(plan, step)
+    line = origin.span.line if origin.source is plan.program.source else 0
+    return Place(origin.label, f"{origin.label} {origin.name}".strip(), line, there, number)
+
+
+def _origin(plan: MotionPlan, number: int) -> Origin:
+    step = plan.program.steps[number]
+    assert not isinstance(step, Gap)  # a gap is never planned
+    return step.origin
+
+
+def _way(
+    robot: Robot, place: Place, here: Array, plan: MotionPlan | None, cell: Cell | None
+) -> Result[Compiled]:
+    """Return a motion to a place: along the path if the robot was stopped on it beside a part, else straight, else round what is in the way."""
+    if plan is not None and plan.motions and place.index:
+        now = cell.present.parts if cell is not None and cell.present is not None else None
+        along = along_the_path(plan, place.number, here, now)
+        if along is not None:
+            return Result(along, ())
+    return approach(robot, here, place.there, cell)
+
+
+def _is_blocked(robot: Robot, here: Array, cell: Cell | None) -> bool:
+    room = room_of(robot, around_start(cell), tool_frame(robot))
+    return room is not None and room.obstruction(here) is not None
+
+
+def around_place(cell: Cell | None, assumed: Parts | None) -> Cell | None:
+    """Return a cell with its parts where a program has them at a place."""
+    return cell if cell is None or assumed is None else presently(cell, Present(assumed))
+
+
+def _no_way(tried: list[Place], refused: tuple[Diagnostic, ...]) -> Diagnostic:
+    first = tried[0].title
+    others = f" or to the {len(tried) - 1} nearest places of the program" if len(tried) > 2 else ""
+    others = f" or to {tried[1].title}" if len(tried) == 2 else others
+    why = f": {refused[0].message}" if refused else ""
+    message = f"no motion from where the robot stands to {first}{others} is proved{why}"
+    help_ = "jog the robot into the open (yarc repl, or the pendant), and recover from there; or correct the cell.toml"
+    return Diagnostic(NOT_RECOVERED, message, help=help_)

@@ -1,0 +1,60 @@
+"""Registers that other programs fill while the robot stands at a WAIT or a HOLD. No I/O.
+
+Between two of a script's questions nothing else happens in its process: what is decided here, and when values stop being taken, can't be torn apart.
+"""
+
+from __future__ import annotations
+
+from yarclang.decisions import Register, Value, registers_of
+from yarclang.runtime.job import Barrier
+from yarclang.runtime.notices import Fill, Wanted
+from yarclang.runtime.pmac.held import Held, title
+from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.values import range_text, values_text
+
+
+def needed_for(condition: Value, held: Held) -> tuple[str, ...]:
+    """Return the registers of a condition that other programs fill."""
+    return tuple(name for name in registers_of(condition) if name in held.outside)
+
+
+def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
+    """Let the registers that are waited for begin anew: what was filled for an earlier wait doesn't count for this one."""
+    for name in needed:
+        held.registers[name] = held.outside[name].first
+
+
+def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
+    """Take values from outside from now on. It is told once, however often somebody answers before something has moved."""
+    operation.asked_for += 1
+    place = title(barrier)
+    ranges = tuple(_range(one) for one in held.outside.values())
+    wanted = Wanted(operation.asked_for, place, ranges, needed)
+    text = f"{place} takes values from outside: {range_text(wanted)}"
+    if held.said.get(f"{place} outside") != text:
+        operation.remark(text)
+    held.said[f"{place} outside"] = text
+    operation.want(wanted)
+
+
+def is_given(operation: Operation) -> bool:
+    """Return True if values have come that weren't looked at yet."""
+    return any(isinstance(order, Fill) for order in operation.orders)
+
+
+def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> None:
+    """Put values into their registers."""
+    held.registers.update(order.values)
+    operation.remark(f"{title(barrier)}: {order.client} gives {values_text(order.values)}")
+
+
+def close(operation: Operation, barrier: Barrier, held: Held) -> None:
+    """Take no more values; those that were taken already get into their registers."""
+    operation.want(None)
+    for order in [one for one in operation.orders if isinstance(one, Fill)]:
+        operation.orders.remove(order)
+        fill(operation, barrier, held, order)
+
+
+def _range(register: Register) -> tuple[str, int, int]:
+    return register.name, register.low, register.high

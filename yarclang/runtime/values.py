@@ -1,0 +1,96 @@
+"""Values from outside: what a message may hold, decided before anything of it gets into a register. No I/O."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from yarclang.runtime.actions import Trouble
+from yarclang.runtime.notices import Wanted
+
+NOT_WANTED, OUT_OF_RANGE, NOT_UNDERSTOOD = "Y1661", "Y1662", "Y1663"
+"""Codes of values that come early, late or again; of one beyond its register's range; of what is no value of a register."""
+
+_SHOWN = 60
+"""Characters of a strange value that are shown."""
+
+
+def values_text(values: tuple[tuple[str, int], ...]) -> str:
+    """Return values as people read them: `X = 12, Y = 5`."""
+    return ", ".join(f"{name} = {value}" for name, value in values)
+
+
+def range_text(wanted: Wanted) -> str:
+    """Return what may be filled: `X 0..500, Y 0..300`."""
+    return ", ".join(f"{name} {low}..{high}" for name, low, high in wanted.registers)
+
+
+def checked_values(
+    wanted: Wanted | None, number: int | None, values: Mapping[str, Any]
+) -> tuple[tuple[str, int], ...]:
+    """Return the values of a message by their registers, in the order in which they came.
+
+    Args:
+        wanted: what the program takes; None: nothing.
+        number: of the question that is answered; None: of the one that is asked.
+        values: by the names of registers, as somebody has sent them.
+
+    Raises:
+        Trouble: the message isn't taken, and nothing of it is.
+    """
+    if wanted is None:
+        raise Trouble(
+            "no WAIT or HOLD of the program takes values now: they come too early, too late or again",
+            "wait for the event values_wanted, and answer it once",
+            NOT_WANTED,
+        )
+    if number is not None and number != wanted.number:
+        raise Trouble(
+            f"question {number} isn't open any more: {wanted.place} asks question {wanted.number}",
+            f"answer question {wanted.number}, with new values",
+            NOT_WANTED,
+        )
+    ranges = {name: (low, high) for name, low, high in wanted.registers}
+    found = {}
+    for given, value in values.items():
+        name = given.upper()
+        if name not in ranges or name in found:
+            what = "stands twice" if name in found else "isn't filled from outside"
+            raise Trouble(
+                f"{_shown(given)} {what}", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
+            )
+        found[name] = _integer(name, value, *ranges[name])
+    if missing := [name for name in wanted.needed if name not in found]:
+        raise Trouble(
+            f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing",
+            f"{wanted.place} waits for {', '.join(wanted.needed)}: send all of them in one message",
+            NOT_UNDERSTOOD,
+        )
+    if not found:
+        raise Trouble(
+            "the message has no value", f"{wanted.place} takes {range_text(wanted)}", NOT_UNDERSTOOD
+        )
+    return tuple(found.items())
+
+
+def _integer(name: str, value: Any, low: int, high: int) -> int:
+    is_nan = isinstance(value, float) and math.isnan(value)
+    is_number = isinstance(value, int | float) and not isinstance(value, bool) and not is_nan
+    if is_number and low <= value <= high and value == int(value):
+        return int(value)
+    is_far = is_number and not low <= value <= high
+    raise Trouble(
+        f"{name} can't be {_shown(value)}: it is an integer from {low} to {high}",
+        "look at what sends it",
+        OUT_OF_RANGE if is_far else NOT_UNDERSTOOD,
+    )
+
+
+def _shown(value: object) -> str:
+    """Return a strange value as one short line of ASCII."""
+    try:
+        text = ascii(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, or lists in each other
+        text = f"such a {type(value).__name__}"
+    return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

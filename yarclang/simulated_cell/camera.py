@@ -1,0 +1,134 @@
+"""A simulated camera: answers a program that takes values from outside with the place of a part. Time is an argument; no I/O."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any, Literal
+
+import numpy as np
+
+from yarclang.cell.model import Array, CellFrame, Parts
+from yarclang.frozen import frozen
+from yarclang.runtime.notices import Wanted
+from yarclang.units import DEG, MM
+
+Deed = Literal["answer", "nothing", "late", "twice", "far", "nonsense"]
+"""What a camera does when it is asked: some of it is what cameras shouldn't do."""
+
+_FAR = 10**8
+"""Added to what a camera tells that lies far off."""
+
+
+@frozen(eq=False)
+class CameraForm:
+    """A camera: what it looks for, and which register gets what.
+
+    `part` is a kind of part; its place is told in `frame`, in counts of `unit` [mm, and deg for RZ]. `registers` are by what they get: found, x, y, z, rz. It answers `delay` [s] after it was asked;
+    `does` is what it does at the first questions.
+    """
+
+    name: str
+    part: str
+    frame: CellFrame
+    registers: Mapping[str, str]
+    unit: float
+    delay: float
+    does: tuple[Deed, ...] = ()
+
+
+@frozen(eq=False)
+class Given:
+    """What a camera sends: the number of a question, and the values by the names of registers."""
+
+    camera: str
+    number: int
+    values: Mapping[str, Any]
+
+
+class Camera:
+    """A camera at work.
+
+    Args:
+        form: what it is.
+    """
+
+    def __init__(self, form: CameraForm) -> None:
+        self.form = form
+        self._asked = 0
+        self._due: list[tuple[float, Deed, Wanted]] = []
+        self._late: Wanted | None = None
+
+    @property
+    def next_due(self) -> float:
+        """When it answers next [s]; inf if it isn't asked."""
+        return min((when for when, _, _ in self._due), default=math.inf)
+
+    def wanted(self, wanted: Wanted | None, now: float) -> None:
+        """Hear at `now` [s] what the program takes; None: nothing any more. A question for registers that it doesn't fill is for somebody else."""
+        if wanted is None:
+            late, self._late = self._late, None
+            if late is not None:
+                self._due.append((now + self.form.delay, "answer", late))
+            return
+        known = {name for name, _, _ in wanted.registers}
+        own = set(self.form.registers.values())
+        if not wanted.needed or not set(wanted.needed) <= own or not own <= known:
+            return
+        deed = self.form.does[self._asked] if self._asked < len(self.form.does) else "answer"
+        self._asked += 1
+        if deed == "late":
+            self._late = wanted
+        elif deed != "nothing":
+            self._due.append((now + self.form.delay, deed, wanted))
+            if deed == "twice":
+                self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
+
+    def answers(self, now: float, parts: Parts, flange: Callable[[], Array]) -> list[Given]:
+        """Return what it sends up to `now` [s].
+
+        Args:
+            now: the time [s].
+            parts: where they are.
+            flange: gives the flange's pose (4, 4) [m], for a camera that the robot carries.
+        """
+        due = sorted((one for one in self._due if one[0] <= now), key=lambda one: one[0])
+        self._due = [one for one in self._due if one[0] > now]
+        return [
+            Given(self.form.name, wanted.number, self._values(deed, wanted, parts, flange))
+            for _, deed, wanted in due
+        ]
+
+    def _values(
+        self, deed: Deed, wanted: Wanted, parts: Parts, flange: Callable[[], Array]
+    ) -> dict[str, Any]:
+        registers, ranges = self.form.registers, {name: (low, high) for name, low, high in wanted.registers}
+        seen = self._seen(parts, flange)
+        values = {} if seen is None else {registers[key]: seen[key] for key in registers if key != "found"}
+        is_found = seen is not None and all(
+            ranges[name][0] <= value <= ranges[name][1] for name, value in values.items()
+        )
+        if not is_found:  # nothing that it could tell
+            values = {name: ranges[name][0] for key, name in registers.items() if key != "found"}
+        if "found" in registers:
+            values[registers["found"]] = int(is_found)
+        if deed == "far":
+            return {name: value + _FAR for name, value in values.items()}
+        if deed == "nonsense":
+            return dict.fromkeys(values, "somewhere")
+        return dict(values)
+
+    def _seen(self, parts: Parts, flange: Callable[[], Array]) -> dict[str, int] | None:
+        """Return the place of the first part of the kind that lies somewhere, in counts; None: there is none."""
+        form = self.form
+        lying = next(
+            (one for one in parts.items if one.part.body.name == form.part and one.gripper is None), None
+        )
+        if lying is None:
+            return None
+        mount = form.frame.mount
+        base_from_frame = flange() @ mount.transform if mount.on_flange else mount.transform
+        pose = np.linalg.inv(base_from_frame) @ lying.transform
+        turned = math.atan2(pose[1, 0], pose[0, 0]) / DEG
+        told = dict(zip(("x", "y", "z"), (pose[:3, 3] / MM).tolist(), strict=True)) | {"rz": turned}
+        return {key: round(value / form.unit) for key, value in told.items()}

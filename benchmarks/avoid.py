@@ -80,26 +80,33 @@ def in_tight_places(*, with_peer: bool) -> None:
         made = CliRunner().invoke(yarc, asked)
         assert made.exit_code == 0, made.output
         robots = tuple(load_robot(name).value for name in ("INDUSTRIAL6", "TRACKED_MANIPULATOR", str(panda)))
-        rows: dict[str, list[tuple[float, bool, bool]]] = {}
-        for one in tight.problems(tuple(robot for robot in robots if robot is not None)):
+        rows: dict[str, list[tuple[float, float, bool, bool]]] = {}
+        arms_ = tuple(robot for robot in robots if robot is not None)
+        for one in (*tight.problems(arms_), *tight.shut(arms_)):
             room = _room(one.robot, one.cell)
-            begun = time.perf_counter()
+            begun, cpu = time.perf_counter(), time.process_time()
             found = isinstance(find_way(room, one.start, one.goal), Way)
-            took = time.perf_counter() - begun
+            took, cpu = time.perf_counter() - begun, time.process_time() - cpu
             by_peer = with_peer and _by_peer(room, one)
-            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, found, by_peer))
-    print("| opening | solved | of | slowest | RRT-Connect, 5 s |\n|---|---|---|---|---|")
+            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, cpu, found, by_peer))
+    print(
+        "| opening | solved | of | slowest | of that, computing | RRT-Connect, 5 s |\n|---|---|---|---|---|---|"
+    )
     for what, tried in rows.items():
         peer = sum(by for *_, by in tried) if with_peer else ""
+        took, cpu, *_ = max(tried)
         print(
-            f"| {what} | {sum(good for _, good, _ in tried)} | {len(tried)} | {max(took for took, *_ in tried):.2f} s | {peer} |"
+            f"| {what} | {sum(good for *_, good, _ in tried)} | {len(tried)} | {took:.2f} s | {cpu:.2f} s | {peer} |"
         )
     tried = [one for row in rows.values() for one in row]
-    times = [took for took, good, _ in tried if good]
-    print(
-        f"\n{len(times)} of {len(tried)} solved; median {statistics.median(times):.2f} s, slowest {max(times):.2f} s; "
-        f"slowest without a way {max((took for took, good, _ in tried if not good), default=0.0):.2f} s"
-    )
+    for said, is_found in (("solved", True), ("without a way", False)):
+        times = [(took, cpu) for took, cpu, good, _ in tried if good is is_found]
+        if times:
+            took, cpu = (list(one) for one in zip(*times, strict=True))
+            print(
+                f"\n{len(times)} {said}: median {statistics.median(took):.2f} s (computing: {statistics.median(cpu):.2f} s), "
+                f"slowest {max(took):.2f} s ({max(cpu):.2f} s)"
+            )
 
 
 def _by_peer(room: Room, problem: tight.Tight) -> bool:

@@ -22,7 +22,7 @@ from yarclang.cli.yarc import main as yarc
 from yarclang.collision.free import plain_free_space
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.watched import tool_frame
-from yarclang.motion.avoid.room import Room, reaches, room_of
+from yarclang.motion.avoid.room import Room, room_of
 from yarclang.motion.avoid.way import Way, find_way
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
@@ -33,6 +33,7 @@ from yarclang.transforms import rpy_rotation
 sys.path.insert(0, str(Path(__file__).parent))
 import arms
 import tight
+from peer_ways import by_peer
 
 PROBLEMS = 200
 SEED = 7
@@ -83,12 +84,14 @@ def in_tight_places(*, with_peer: bool) -> None:
         rows: dict[str, list[tuple[float, float, bool, bool]]] = {}
         arms_ = tuple(robot for robot in robots if robot is not None)
         for one in (*tight.problems(arms_), *tight.shut(arms_)):
-            room = _room(one.robot, one.cell)
+            room = room_around(one.robot, one.cell)
             begun, cpu = time.perf_counter(), time.process_time()
             found = isinstance(find_way(room, one.start, one.goal), Way)
             took, cpu = time.perf_counter() - begun, time.process_time() - cpu
-            by_peer = with_peer and _by_peer(room, one)
-            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, cpu, found, by_peer))
+            is_peers = (
+                with_peer and by_peer(room, one.start, one.goal, SEED, 5.0, is_shortened=False) is not None
+            )
+            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, cpu, found, is_peers))
     print(
         "| opening | solved | of | slowest | of that, computing | RRT-Connect, 5 s |\n|---|---|---|---|---|---|"
     )
@@ -109,46 +112,11 @@ def in_tight_places(*, with_peer: bool) -> None:
             )
 
 
-def _by_peer(room: Room, problem: tight.Tight) -> bool:
-    """Return True if RRT-Connect of OMPL finds a way within 5 s on the same checker."""
-    from ompl import base, geometric, util
-
-    util.setLogLevel(util.LogLevel.LOG_NONE)
-    util.RNG.setSeed(SEED)
-    size, limits = problem.robot.size, problem.robot.limits
-    scale = reaches(room.scene, problem.robot)
-    bounds = base.RealVectorBounds(size)
-    for joint in range(size):
-        bounds.setLow(joint, float(limits.lower[joint] * scale[joint]))
-        bounds.setHigh(joint, float(limits.upper[joint] * scale[joint]))
-    space = base.RealVectorStateSpace(size)
-    space.setBounds(bounds)
-    space.setLongestValidSegmentFraction(0.01 / space.getMaximumExtent())
-    around = base.SpaceInformation(space)
-    around.setStateValidityChecker(
-        lambda state: room.is_free(np.array([state[at] for at in range(size)]) / scale)
-    )
-    around.setup()
-    task = base.ProblemDefinition(around)
-    ends = []
-    for q in (problem.start, problem.goal):
-        state = space.allocState()
-        for joint in range(size):
-            state[joint] = float(q[joint] * scale[joint])
-        ends.append(state)
-    task.setStartAndGoalStates(*ends)
-    planner = geometric.RRTConnect(around)
-    planner.setProblemDefinition(task)
-    planner.setup()
-    planner.solve(base.timedPlannerTerminationCondition(5.0))
-    return bool(task.hasExactSolution())
-
-
 def past_a_box(robot: Robot) -> list[Problem]:
     """From the left of a post to its right."""
     cell = _cell(_obstacle("POST", Box(np.array([0.12, 0.12, 1.8])), [0.0, 0.7, 0.9]))
     random = np.random.default_rng(SEED)
-    room = _room(robot, cell)
+    room = room_around(robot, cell)
     found: list[Problem] = []
     while len(found) < 40:
         one, other = (
@@ -160,16 +128,16 @@ def past_a_box(robot: Robot) -> list[Problem]:
     return found
 
 
-def solvable(robot: Robot) -> list[Problem]:
-    """The fixed set of problems with hidden ways."""
+def solvable(robot: Robot, count: int = PROBLEMS) -> list[Problem]:
+    """The first of the fixed set of problems with hidden ways."""
     random = np.random.default_rng(SEED)
     found: list[Problem] = []
-    while len(found) < PROBLEMS:
+    while len(found) < count:
         walk = _walk(robot, random)
         if walk is None:
             continue
         cell = _around(robot, walk, random)
-        room = _room(robot, cell)
+        room = room_around(robot, cell)
         if _is_problem(room, walk[0], walk[-1]):
             found.append(Problem(cell, walk[0], walk[-1]))
     return found
@@ -221,7 +189,7 @@ def _is_problem(room: Room, start: Array, goal: Array) -> bool:
 
 def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:
     """The shortest time of some runs [ms], and whether a way was found."""
-    room = _room(robot, problem.cell)
+    room = room_around(robot, problem.cell)
     find_way(room, problem.start, problem.start + 1e-3)  # shapes and reaches are remembered
     times, found = [], True
     for _ in range(runs):
@@ -231,7 +199,7 @@ def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:
     return min(times), found
 
 
-def _room(robot: Robot, cell: Cell) -> Room:
+def room_around(robot: Robot, cell: Cell) -> Room:
     room = room_of(robot, cell, tool_frame(robot))
     assert room is not None
     return room

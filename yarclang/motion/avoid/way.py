@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
 import numpy as np
 
 from yarclang.frozen import frozen
@@ -10,7 +13,9 @@ from yarclang.motion.avoid.backing import Retreat, retreats
 from yarclang.motion.avoid.parting import Barrier, Parting, parting
 from yarclang.motion.avoid.room import Obstruction, Room, reaches
 from yarclang.motion.avoid.search import Apart, Effort, Question, polyline
+from yarclang.motion.avoid.shorten import duration, shortened
 from yarclang.motion.avoid.smooth import Bend, smooth, straight_course
+from yarclang.motion.paths.spline import through
 from yarclang.robot.kinematics import flange_poses
 from yarclang.transforms import constant
 
@@ -78,11 +83,20 @@ class Furthest:
 
 
 def find_way(
-    room: Room | None, start: Array, goal: Array, efforts: tuple[Effort, ...] | None = None
+    room: Room | None,
+    start: Array,
+    goal: Array,
+    efforts: tuple[Effort, ...] | None = None,
+    searches: int = 1,
 ) -> Way | NoWay:
-    """Find the way from `start` to `goal` (n,) [rad or m], both within limits, by one effort after the other, all `EFFORTS` if none are named.
+    """Find a way; the same question has the same answer, always.
 
-    The same question has the same answer, always.
+    Args:
+        room: what is around; None where nothing can be in the way.
+        start: (n,) [rad or m], within limits.
+        goal: (n,) [rad or m], within limits.
+        efforts: made one after the other until one finds a way; None for all `EFFORTS`.
+        searches: as many ways are looked for by the effort that finds one, each shortened in time, and the quickest is taken; of 1 the way is that which is found first.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -104,9 +118,11 @@ def find_way(
         if isinstance(found, Apart):
             apart.append(found)
         elif found is not None:
-            waypoints = smooth(found.bend, found.corners)
-            if waypoints is not None:
-                return Way(constant(waypoints), between)
+            ways = [] if (first := smooth(found.bend, found.corners)) is None else [first]
+            if searches > 1:
+                ways += _shorter(room, start, goal, found, effort, searches)
+            if ways:
+                return Way(constant(min(ways, key=lambda one: _duration(room, start, one))), between)
             has_corners = True
     furthest = _furthest(room, min(apart, key=lambda one: one.left), goal) if apart else None
     return NoWay(between=between, furthest=furthest, has_corners=has_corners, tries=tries)
@@ -114,10 +130,37 @@ def find_way(
 
 @frozen(eq=False)
 class _Corners:
-    """A way of straight pieces (k, n) [rad or m], and what its curve has to keep clear of."""
+    """A way of straight pieces (k, n) [rad or m], and what its curve has to keep clear of; `free` says so of the pieces, looked at `step` (n,) apart [rad or m]."""
 
     corners: Array
     bend: Bend
+    free: Callable[[Array], bool]
+    step: Array
+
+
+def _shorter(
+    room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int
+) -> Iterator[Array]:
+    """Yield way-points (k, n) of ways that are shortened in time: of the one that is found, and of those that as many searches more give."""
+    for number in range(searches):
+        again = replace(effort, seed=effort.seed + number * _NEXT)
+        found = _found(room, start, goal, again) if number else first
+        if not isinstance(found, _Corners):
+            continue
+        velocity = room.robot.limits.velocity
+        corners = shortened(found.corners, found.free, found.step, velocity, again.seed)
+        waypoints = smooth(found.bend, corners)
+        if waypoints is not None:
+            yield waypoints
+
+
+_NEXT = 100
+"""From the seed of one search to that of the next of the same effort."""
+
+
+def _duration(room: Room, start: Array, waypoints: Array) -> float:
+    path = through(np.concatenate((start[None], waypoints)), room.robot.chain.is_prismatic)
+    return duration(path.spline, room.robot.limits)
 
 
 def _found(room: Room, start: Array, goal: Array, effort: Effort) -> _Corners | Apart | None:
@@ -143,7 +186,8 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> _Corners | 
     corners = np.concatenate((first[:-1], corners, last[-2::-1]))
     # what is proved needs less room than what is looked for
     kept = np.minimum(padding / 2.0, _PROVED)
-    return _Corners(corners, Bend(room, room.check(kept), effort.step / reach, kept))
+    step = effort.step / reach
+    return _Corners(corners, Bend(room, room.check(kept), step, kept), free, step)
 
 
 def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:

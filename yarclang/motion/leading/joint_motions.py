@@ -49,11 +49,13 @@ def avoiding_motion(
     if end is None or any(one.is_error for one in findings.found):
         return Led(None, end, None)
     room = solver.room(step)
-    way = find_way(room, stands, end, efforts=QUICK if solver.is_again else None)
+    way = find_way(room, stands, end, efforts=QUICK if solver.is_again else None, searches=solver.searches)
     if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
         others = solver.others(step.goal, stands, step) if is_free(step.goal) else iter(())
         for other in islice(others, _CONFIGURATIONS - 1):
-            found = find_way(room, stands, other, efforts=QUICK if solver.is_again else OTHERS)
+            found = find_way(
+                room, stands, other, efforts=QUICK if solver.is_again else OTHERS, searches=solver.searches
+            )
             if isinstance(found, Way):
                 findings.add(*configuration_without_way(solver.robot, step, other, end, way))
                 end, way = other, found

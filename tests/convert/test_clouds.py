@@ -15,7 +15,7 @@ from yarclang.collision.geometry import geometry_of
 from yarclang.convert import cloud
 from yarclang.meshes.pcd import _FaultError, _unpacked, pcd_points
 from yarclang.meshes.ply import ply_points
-from yarclang.meshes.voxels import voxels_of
+from yarclang.meshes.voxels import TooMany, voxels_of
 from yarclang.shapes import Mesh
 
 
@@ -186,7 +186,7 @@ def closed(triangles):
     ],
 )
 def test_cubes_have_outer_faces_alone(points, triangles):
-    made = voxels_of(np.array(points), 1.0)
+    made = voxels_of(np.array(points), 1.0, 1000)
     assert len(made.triangles) == triangles
 
 
@@ -198,7 +198,7 @@ def test_all_points_are_in_a_closed_body_of_the_volume_of_its_cubes(seed):
     points = (
         rng.normal(size=(int(rng.integers(1, 12)), 3)) * rng.choice([0.1, 1.0, 5.0]) + rng.normal(size=3) * 50
     )
-    made = voxels_of(points, edge)
+    made = voxels_of(points, edge, 1000)
     cubes = {tuple(np.floor(one / edge).astype(int).tolist()) for one in points}
     assert made.cubes == len(cubes)
     a, b, c = (made.triangles[:, at] - points[0] for at in range(3))
@@ -211,8 +211,14 @@ def test_all_points_are_in_a_closed_body_of_the_volume_of_its_cubes(seed):
 
 
 def test_cubes_without_numbers_are_refused():
-    assert voxels_of(np.array([[0.0, 0.0, 0.0], [1e5, 1e5, 1e5]]), 1e-6) is None
-    assert voxels_of(np.array([[1e5, 0.0, 0.0]]), 1e-300) is None
+    assert voxels_of(np.array([[0.0, 0.0, 0.0], [1e5, 1e5, 1e5]]), 1e-6, 1000) == TooMany(0)
+    assert voxels_of(np.array([[1e5, 0.0, 0.0]]), 1e-300, 1000) == TooMany(0)
+
+
+def test_no_more_triangles_are_made_than_asked_for():
+    points = np.arange(30.0).reshape(10, 3)
+    assert voxels_of(points, 1.0, 119) == TooMany(120)
+    assert len(voxels_of(points, 1.0, 120).triangles) == 120
 
 
 def invoked(*arguments):

@@ -12,7 +12,7 @@ from yarclang.frozen import frozen
 from yarclang.meshes.pcd import pcd_points
 from yarclang.meshes.ply import ply_points
 from yarclang.meshes.stl import stl_of
-from yarclang.meshes.voxels import voxels_of
+from yarclang.meshes.voxels import TooMany, voxels_of
 from yarclang.source import SourceFile
 from yarclang.units import MM
 
@@ -61,16 +61,10 @@ def mesh_of_cloud(path: Path, unit: float, voxel: float) -> Result[CloudMesh]:
     if far > _FAR:
         message = f"the point cloud {path.name} has a point {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed"
         return _refused(path, "Y1516", message, "check its unit (--units)")
-    made = voxels_of(points, voxel)
-    if made is None or len(made.triangles) > MOST_TRIANGLES:
-        many = (
-            ""
-            if made is None
-            else f"{len(made.triangles):,} triangles, and at most {MOST_TRIANGLES:,} are allowed"
-        )
-        message = (
-            f"cubes of {voxel / MM:g} mm are too small for {path.name}{f': they make {many}' if many else ''}"
-        )
+    made = voxels_of(points, voxel, MOST_TRIANGLES)
+    if isinstance(made, TooMany):
+        many = f": they make {made.triangles:,} triangles, and at most {MOST_TRIANGLES:,} are allowed"
+        message = f"cubes of {voxel / MM:g} mm are too small for {path.name}{many if made.triangles else ''}"
         return _refused(path, "Y1517", message, "take larger ones (--voxel)")
     stl = stl_of(made.triangles / MM)
     return Result(CloudMesh(stl, len(points), len(found) - len(points), made.cubes, len(made.triangles)), ())

@@ -21,14 +21,22 @@ class Voxels:
     cubes: int
 
 
-def voxels_of(points: Array, edge: float) -> Voxels | None:
-    """Return the body of points; None if the cubes are so small beside it that they have no numbers.
+@frozen
+class TooMany:
+    """The triangles of cubes that are too small, or 0 if the cubes are so small that they have no numbers."""
+
+    triangles: int
+
+
+def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
+    """Return the body of points, if it has no more than so many triangles.
 
     Each point is in a cube or on its faces. Each edge of the mesh belongs to two of its triangles, or to four: so the mesh is closed, and counts as solid.
 
     Args:
         points: (N, 3), finite, at least one.
         edge: of a cube; faces stand at its multiples.
+        most: triangles.
     """
     with np.errstate(over="ignore"):
         places = np.floor(points / edge)
@@ -40,18 +48,26 @@ def voxels_of(points: Array, edge: float) -> Voxels | None:
         or max(abs(low).max(), *sizes) >= _EXACT
         or sizes[0] * sizes[1] * sizes[2] >= _MOST_CELLS
     ):
-        return None
+        return TooMany(0)
     strides = np.array([sizes[1] * sizes[2], sizes[2], 1])
     cells = np.unique((places - low).astype(np.int64) @ strides)
-    at = np.stack((cells // strides[0], cells // strides[1] % sizes[1], cells % sizes[2]), axis=1) + low
+    faces = [(axis, side) for axis in range(3) for side in (0, 1)]
+    outer = [_without(cells, cells + (2 * side - 1) * strides[axis]) for axis, side in faces]
+    count = 2 * sum(len(one) for one in outer)
+    if count > most:
+        return TooMany(count)
     triangles = []
-    for axis in range(3):
-        for side in (0, 1):
-            beyond = cells + (1 if side else -1) * strides[axis]
-            row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
-            outer = at[cells[row] != beyond]
-            triangles.append(outer[:, None, None, :] + _face(axis, side))
-    return Voxels(np.concatenate([one.reshape(-1, 3, 3) for one in triangles]) * edge, len(cells))
+    for one, (axis, side) in zip(outer, faces, strict=True):
+        at = np.stack((one // strides[0], one // strides[1] % sizes[1], one % sizes[2]), axis=1) + low
+        triangles.append((at[:, None, None, :] + _face(axis, side)).reshape(-1, 3, 3))
+    return Voxels(np.concatenate(triangles) * edge, len(cells))
+
+
+def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the cells whose neighbour isn't among the cells, which are sorted."""
+    row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
+    outer: NDArray[np.int64] = cells[cells[row] != beyond]
+    return outer
 
 
 _EXACT = float(1 << 52)

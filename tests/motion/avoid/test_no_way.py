@@ -8,7 +8,7 @@ from floors import exercises
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.motion.avoid.cells import LEFT, POST, RIGHT, ROBOT, WALL, cell_of, room
+from tests.motion.avoid.cells import LEFT, POST, RIGHT, ROBOT, WALL, box, cell_of, room
 from tests.motion.avoid.test_way import worst
 from yarclang.cell.model import JointWindow, ShapeRegion, Zone
 from yarclang.collision.zones.moved import Arm
@@ -101,6 +101,8 @@ def test_a_search_that_failed_says_how_far_it_came(monkeypatch):
     far = why.furthest
     assert worst(far.q[None], *WALL) > 0.0  # it was really reached
     assert {"WALL", "BACK_WALL", "LID"} & set(far.blocked.names)
+    sides = flange_poses(ROBOT.chain, np.stack([far.q, LEFT, RIGHT]))[:, 0, 3]
+    assert np.sign(sides[0]) == np.sign(sides[1]) == -np.sign(sides[2])  # on the start's side of the wall
     poses = flange_poses(ROBOT.chain, np.stack([far.q, RIGHT])) @ tool_frame(ROBOT).flange_from_moving
     assert far.left == pytest.approx(np.linalg.norm(poses[0, :3, 3] - poses[1, :3, 3]))
     again = find_way(room(*WALL), LEFT, RIGHT).furthest
@@ -149,3 +151,28 @@ def test_what_is_in_the_way_from_there_on_is_in_words(blocked, said):
         "no way round was found in 60 tries, which doesn't prove that there is none: "
         f"it came as far as 10 20 0 -30 0 0 (deg), 310 mm from the target; from there on {said}"
     )
+
+
+def test_among_many_bodies_a_search_ends_early_and_says_so(monkeypatch):
+    monkeypatch.setattr(ways, "MOST_LOOKS", 400)
+    why = find_way(room(*WALL), LEFT, RIGHT)
+    assert why.is_cut
+    assert 0 < why.tries < 500
+    _, message, _, help_, _ = no_way(ROBOT, why, ORIGIN)
+    assert f"in {why.tries} tries" in message
+    assert help_.endswith("the search has ended early, and --avoid-effort 4 goes on four times as long")
+    assert find_way(room(*WALL), LEFT, RIGHT, searches=4).tries > why.tries
+    monkeypatch.setattr(ways, "EFFORTS", FEW)
+    monkeypatch.setattr(ways, "MOST_LOOKS", 300_000)
+    whole = find_way(room(*WALL), LEFT, RIGHT)
+    assert not whole.is_cut
+    assert "early" not in no_way(ROBOT, whole, ORIGIN)[3]
+
+
+def test_more_bodies_cost_more_looks():
+    few, many = (
+        room(*WALL),
+        room(*(box(f"B{at}", [3.0, 3.0, 0.1 * at], [0.05, 0.05, 0.05]) for at in range(100))),
+    )
+    assert ways._Looks(few, 1).cost < 1.1
+    assert ways._Looks(many, 1).cost > 2.0

@@ -54,6 +54,8 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
         )
     message = f"no way round was found {tried(robot, why)}"
     help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
+    if why.is_cut:
+        help_ += "; among so many bodies the search has ended early, and --avoid-effort 4 goes on four times as long"
     return "Y0923", message, origin.span, help_, None
 
 

@@ -36,7 +36,7 @@ class Effort:
 @frozen(eq=False)
 class Question:
     """From one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m, n) within limits, through what is `free`. `reach` (n,) are the joints' scales
-    [m/rad or 1].
+    [m/rad or 1]. `is_over` ends the search before its samples are drawn.
     """
 
     starts: Array
@@ -44,17 +44,19 @@ class Question:
     limits: Limits
     reach: Array
     free: Callable[[Array], bool]
+    is_over: Callable[[], bool] = lambda: False
 
 
 @frozen(eq=False)
 class Apart:
     """A search that ended without a way: of all joint positions that were reached from the starts, `q` (n,) is nearest to one, `beyond` (n,), from which a goal is reached; `left`
-    between them [m, of bodies].
+    between them [m, of bodies]. So many `tries` were made.
     """
 
     q: Array
     beyond: Array
     left: float
+    tries: int
 
 
 _RANGE = 1.0
@@ -109,15 +111,19 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     planner.setRange(_RANGE)
     planner.setProblemDefinition(problem)
     planner.setup()
-    left = iter(range(effort.samples))
+    tries = 0
     given_up: list[Exception] = []
 
     def is_over() -> bool:
+        nonlocal tries
         try:
             go_on()
         except Exception as reason:  # it must not pass through C++
             given_up.append(reason)
-        return bool(given_up) or next(left, None) is None
+        if given_up or tries == effort.samples or question.is_over():
+            return True
+        tries += 1
+        return False
 
     planner.solve(base.PlannerTerminationCondition(is_over))
     if given_up:
@@ -125,7 +131,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     if not problem.hasExactSolution():
         data = base.PlannerData(around)
         planner.getPlannerData(data)
-        return _apart(question, data)
+        return _apart(question, data, tries)
     path = problem.getSolutionPath()
     simplifier = geometric.PathSimplifier(around)
     # each is bounded by the number of its tries
@@ -140,7 +146,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     return corners
 
 
-def _apart(question: Question, data: Any) -> Apart:
+def _apart(question: Question, data: Any, tries: int) -> Apart:
     """Return where the two trees of a search come nearest to each other."""
     from scipy.spatial import cKDTree
 
@@ -157,7 +163,7 @@ def _apart(question: Question, data: Any) -> Apart:
     )
     left, to = cKDTree(in_).query(out)
     best = int(np.argmin(left))
-    return Apart(out[best] / question.reach, in_[to[best]] / question.reach, float(left[best]))
+    return Apart(out[best] / question.reach, in_[to[best]] / question.reach, float(left[best]), tries)
 
 
 _FROM_START, _FROM_GOAL = 1, 2

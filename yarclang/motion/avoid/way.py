@@ -61,7 +61,7 @@ class Way:
 class NoWay:
     """Why there is no way: what is in the way at the `start`, or at the `goal`; or the zone that parts them for sure. None of these says that nothing was
     found between in so many `tries`, of which `between` is in the straight way: the search came as far as `furthest`. `has_corners` is True if there was a way of
-    straight pieces, and no curve along it was proved to be free.
+    straight pieces, and no curve along it was proved to be free; `is_cut` if the search ended before all efforts were made, since there are many bodies.
     """
 
     start: Obstruction | None = None
@@ -71,6 +71,7 @@ class NoWay:
     furthest: Furthest | None = None
     has_corners: bool = False
     tries: int = 0
+    is_cut: bool = False
 
 
 @frozen(eq=False)
@@ -112,20 +113,54 @@ def find_way(
         return NoWay(between=between, parting=parted)
     apart: list[Apart] = []
     has_corners, tries = False, 0
+    looks = _Looks(room, searches)
     for effort in EFFORTS if efforts is None else efforts:
-        found = _found(room, start, goal, effort)
-        tries += effort.samples if found is not None else 0
+        if looks.are_over():
+            break
+        found = _found(room, start, goal, effort, looks)
         if isinstance(found, Apart):
             apart.append(found)
+            tries += found.tries
         elif found is not None:
+            tries += effort.samples
             ways = [] if (first := smooth(found.bend, found.corners)) is None else [first]
             if searches > 1:
-                ways += _shorter(room, start, goal, found, effort, searches)
+                ways += _shorter(room, start, goal, found, effort, searches, looks)
             if ways:
                 return Way(constant(min(ways, key=lambda one: _duration(room, start, one))), between)
             has_corners = True
     furthest = _furthest(room, min(apart, key=lambda one: one.left), goal) if apart else None
-    return NoWay(between=between, furthest=furthest, has_corners=has_corners, tries=tries)
+    return NoWay(
+        between=between, furthest=furthest, has_corners=has_corners, tries=tries, is_cut=looks.are_over()
+    )
+
+
+class _Looks:
+    """How many joint positions may still be looked at: a look costs more where many bodies are, and a search ends after about the same time."""
+
+    def __init__(self, room: Room, searches: int) -> None:
+        self.left = float(MOST_LOOKS * searches)
+        self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
+
+    def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
+        """Return what says the same, and counts how often it is asked."""
+
+        def look(q: Array) -> bool:
+            self.left -= self.cost
+            return free(q)
+
+        return look
+
+    def are_over(self) -> bool:
+        """Return True if no more are left."""
+        return self.left <= 0.0
+
+
+MOST_LOOKS = 300_000
+"""Joint positions among few bodies that are looked at for each search: more than all efforts need, and about 5 s."""
+
+_MANY = 100.0
+"""With so many bodies a look takes twice as long."""
 
 
 @frozen(eq=False)
@@ -139,12 +174,12 @@ class _Corners:
 
 
 def _shorter(
-    room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int
+    room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int, looks: _Looks
 ) -> Iterator[Array]:
     """Yield way-points (k, n) of ways that are shortened in time: of the one that is found, and of those that as many searches more give."""
     for number in range(searches):
         again = replace(effort, seed=effort.seed + number * _NEXT)
-        found = _found(room, start, goal, again) if number else first
+        found = _found(room, start, goal, again, looks) if number else first
         if not isinstance(found, _Corners):
             continue
         velocity = room.robot.limits.velocity
@@ -163,11 +198,11 @@ def _duration(room: Room, start: Array, waypoints: Array) -> float:
     return duration(path.spline, room.robot.limits)
 
 
-def _found(room: Room, start: Array, goal: Array, effort: Effort) -> _Corners | Apart | None:
+def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks) -> _Corners | Apart | None:
     """Return a way of straight pieces, or how near its ends came to each other; None if the effort isn't for this question."""
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
-    free = room.check(padding)
+    free = looks.counted(room.check(padding))
     if not (free(start) and free(goal)):
         return None
     out, in_ = ([Retreat(q[None])] for q in (start, goal))
@@ -176,7 +211,7 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> _Corners | 
         if effort.is_for_lines and len(out) == len(in_) == 1:
             return None
     ends = [np.array([one.corners[-1] for one in side]) for side in (out, in_)]
-    corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free), effort)
+    corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free, looks.are_over), effort)
     if isinstance(corners, Apart):
         return corners
     first, last = (

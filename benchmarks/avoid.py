@@ -22,7 +22,7 @@ from yarclang.cli.yarc import main as yarc
 from yarclang.collision.free import plain_free_space
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.collision.zones.watched import tool_frame
-from yarclang.motion.avoid.room import Room, reaches, room_of
+from yarclang.motion.avoid.room import Room, room_of
 from yarclang.motion.avoid.way import Way, find_way
 from yarclang.robot.description import load_robot
 from yarclang.robot.model import Array, Robot
@@ -33,6 +33,7 @@ from yarclang.transforms import rpy_rotation
 sys.path.insert(0, str(Path(__file__).parent))
 import arms
 import tight
+from peer_ways import by_peer
 
 PROBLEMS = 200
 SEED = 7
@@ -80,68 +81,42 @@ def in_tight_places(*, with_peer: bool) -> None:
         made = CliRunner().invoke(yarc, asked)
         assert made.exit_code == 0, made.output
         robots = tuple(load_robot(name).value for name in ("INDUSTRIAL6", "TRACKED_MANIPULATOR", str(panda)))
-        rows: dict[str, list[tuple[float, bool, bool]]] = {}
-        for one in tight.problems(tuple(robot for robot in robots if robot is not None)):
-            room = _room(one.robot, one.cell)
-            begun = time.perf_counter()
+        rows: dict[str, list[tuple[float, float, bool, bool]]] = {}
+        arms_ = tuple(robot for robot in robots if robot is not None)
+        for one in (*tight.problems(arms_), *tight.shut(arms_)):
+            room = room_around(one.robot, one.cell)
+            begun, cpu = time.perf_counter(), time.process_time()
             found = isinstance(find_way(room, one.start, one.goal), Way)
-            took = time.perf_counter() - begun
-            by_peer = with_peer and _by_peer(room, one)
-            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, found, by_peer))
-    print("| opening | solved | of | slowest | RRT-Connect, 5 s |\n|---|---|---|---|---|")
+            took, cpu = time.perf_counter() - begun, time.process_time() - cpu
+            is_peers = (
+                with_peer and by_peer(room, one.start, one.goal, SEED, 5.0, is_shortened=False) is not None
+            )
+            rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, cpu, found, is_peers))
+    print(
+        "| opening | solved | of | slowest | of that, computing | RRT-Connect, 5 s |\n|---|---|---|---|---|---|"
+    )
     for what, tried in rows.items():
         peer = sum(by for *_, by in tried) if with_peer else ""
+        took, cpu, *_ = max(tried)
         print(
-            f"| {what} | {sum(good for _, good, _ in tried)} | {len(tried)} | {max(took for took, *_ in tried):.2f} s | {peer} |"
+            f"| {what} | {sum(good for *_, good, _ in tried)} | {len(tried)} | {took:.2f} s | {cpu:.2f} s | {peer} |"
         )
     tried = [one for row in rows.values() for one in row]
-    times = [took for took, good, _ in tried if good]
-    print(
-        f"\n{len(times)} of {len(tried)} solved; median {statistics.median(times):.2f} s, slowest {max(times):.2f} s; "
-        f"slowest without a way {max((took for took, good, _ in tried if not good), default=0.0):.2f} s"
-    )
-
-
-def _by_peer(room: Room, problem: tight.Tight) -> bool:
-    """Return True if RRT-Connect of OMPL finds a way within 5 s on the same checker."""
-    from ompl import base, geometric, util
-
-    util.setLogLevel(util.LogLevel.LOG_NONE)
-    util.RNG.setSeed(SEED)
-    size, limits = problem.robot.size, problem.robot.limits
-    scale = reaches(room.scene, problem.robot)
-    bounds = base.RealVectorBounds(size)
-    for joint in range(size):
-        bounds.setLow(joint, float(limits.lower[joint] * scale[joint]))
-        bounds.setHigh(joint, float(limits.upper[joint] * scale[joint]))
-    space = base.RealVectorStateSpace(size)
-    space.setBounds(bounds)
-    space.setLongestValidSegmentFraction(0.01 / space.getMaximumExtent())
-    around = base.SpaceInformation(space)
-    around.setStateValidityChecker(
-        lambda state: room.is_free(np.array([state[at] for at in range(size)]) / scale)
-    )
-    around.setup()
-    task = base.ProblemDefinition(around)
-    ends = []
-    for q in (problem.start, problem.goal):
-        state = space.allocState()
-        for joint in range(size):
-            state[joint] = float(q[joint] * scale[joint])
-        ends.append(state)
-    task.setStartAndGoalStates(*ends)
-    planner = geometric.RRTConnect(around)
-    planner.setProblemDefinition(task)
-    planner.setup()
-    planner.solve(base.timedPlannerTerminationCondition(5.0))
-    return bool(task.hasExactSolution())
+    for said, is_found in (("solved", True), ("without a way", False)):
+        times = [(took, cpu) for took, cpu, good, _ in tried if good is is_found]
+        if times:
+            took, cpu = (list(one) for one in zip(*times, strict=True))
+            print(
+                f"\n{len(times)} {said}: median {statistics.median(took):.2f} s (computing: {statistics.median(cpu):.2f} s), "
+                f"slowest {max(took):.2f} s ({max(cpu):.2f} s)"
+            )
 
 
 def past_a_box(robot: Robot) -> list[Problem]:
     """From the left of a post to its right."""
     cell = _cell(_obstacle("POST", Box(np.array([0.12, 0.12, 1.8])), [0.0, 0.7, 0.9]))
     random = np.random.default_rng(SEED)
-    room = _room(robot, cell)
+    room = room_around(robot, cell)
     found: list[Problem] = []
     while len(found) < 40:
         one, other = (
@@ -153,16 +128,16 @@ def past_a_box(robot: Robot) -> list[Problem]:
     return found
 
 
-def solvable(robot: Robot) -> list[Problem]:
-    """The fixed set of problems with hidden ways."""
+def solvable(robot: Robot, count: int = PROBLEMS) -> list[Problem]:
+    """The first of the fixed set of problems with hidden ways."""
     random = np.random.default_rng(SEED)
     found: list[Problem] = []
-    while len(found) < PROBLEMS:
+    while len(found) < count:
         walk = _walk(robot, random)
         if walk is None:
             continue
         cell = _around(robot, walk, random)
-        room = _room(robot, cell)
+        room = room_around(robot, cell)
         if _is_problem(room, walk[0], walk[-1]):
             found.append(Problem(cell, walk[0], walk[-1]))
     return found
@@ -214,7 +189,7 @@ def _is_problem(room: Room, start: Array, goal: Array) -> bool:
 
 def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:
     """The shortest time of some runs [ms], and whether a way was found."""
-    room = _room(robot, problem.cell)
+    room = room_around(robot, problem.cell)
     find_way(room, problem.start, problem.start + 1e-3)  # shapes and reaches are remembered
     times, found = [], True
     for _ in range(runs):
@@ -224,7 +199,7 @@ def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:
     return min(times), found
 
 
-def _room(robot: Robot, cell: Cell) -> Room:
+def room_around(robot: Robot, cell: Cell) -> Room:
     room = room_of(robot, cell, tool_frame(robot))
     assert room is not None
     return room

@@ -1,7 +1,7 @@
 """Problems of tight places with known ways, made backwards: a tool is drawn out of a place, what is around it is built about its way.
 
 Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a head under the rails of a T-slot, with openings
-that are 40 to 5 mm wider than the tool. The known way of each is free, looked at every few millimetres; the straight way isn't.
+that are 40 to 5 mm wider than the tool. The known way of each is free, looked at every few millimetres; the straight way isn't. Nine more have no way.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tight:
-    """A way is known from `start` to `goal` (n,) [rad or m] in a cell: `known` (k, n). The opening is `wider` than the tool [mm]."""
+    """A way is known from `start` to `goal` (n,) [rad or m] in a cell: `known` (k, n), no more than the start if there is none. The opening is `wider` than the tool [mm]."""
 
     robot: Robot
     kind: str
@@ -64,6 +64,29 @@ def problems(robots: tuple[Robot, ...]) -> Iterator[Tight]:
             kinds.append(("t-slot", 10))
         for number, (kind, wider) in enumerate(kinds):
             yield _problem(robot, kind, wider, np.random.default_rng([SEED, at, number]))
+
+
+def shut(robots: tuple[Robot, ...]) -> Iterator[Tight]:
+    """Yield three problems without a way for each arm: the head stands in a T-slot that is closed at both ends and narrower than the head."""
+    for at, robot in enumerate(robots):
+        for number in range(3):
+            random = np.random.default_rng([SEED, at, 100 + number])
+            yield next(one for _ in range(DRAWS) if (one := _shut(robot, 20, random)) is not None)
+
+
+def _shut(robot: Robot, wider: int, random: np.random.Generator) -> Tight | None:
+    tool, goal, start = tuple(_tool(robot, "t-slot")), _place(robot, random), _place(robot, random)
+    slot = SHAFT + wider * 1e-3
+    lid = Box(np.array([WALL, 0.2 + 2 * slot, 2 * (HEAD_LENGTH + WALL + wider * 1e-3)]))
+    frame, end = _frame(robot, goal), FOOT + LENGTH
+    lids = (
+        _body(f"END{number}", lid, frame @ _at(np.array([-0.03 + x, 0.0, end - HEAD_LENGTH / 2.0])))
+        for number, x in enumerate((-0.1 - WALL / 2.0, 0.1 + WALL / 2.0))
+    )
+    bodies = (*tool, *_around(robot, "t-slot", goal, wider * 1e-3, "A"), *lids)
+    if not _is_free(robot, bodies, np.stack([goal, start])):
+        return None
+    return Tight(robot, "shut t-slot", wider, _cell(bodies), start, goal, start[None])
 
 
 def _problem(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight:

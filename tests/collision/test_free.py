@@ -39,3 +39,23 @@ def test_pairs_can_be_asked_to_stay_farther_apart():
             seen.add(wide.has(one))
             assert wide.has(one) is bool(left > 0.0)
     assert seen == {True, False}
+
+
+def test_pairs_left_out_by_their_boxes_change_no_answer():
+    """All pairs one by one say the same as those whose boxes overlap."""
+    import pinocchio
+
+    seen = set()
+    for seed in range(6):
+        random = np.random.default_rng(seed)
+        robot = load_robot(ROBOTS[seed % 2]).value
+        scene = scene_of(robot, drawn(random)).value
+        more = random.uniform(0.0, 0.1, len(scene.pairs.first)) * (random.random() < 0.7)
+        space = free_space(scene, more)
+        for one in random.uniform(robot.limits.lower, robot.limits.upper, (800, robot.size)):
+            touches = pinocchio.computeCollisions(
+                space.model, space.data, space.geometry, space.pairs, one, True
+            )
+            assert space.has(one) is not touches
+            seen.add(touches)
+    assert seen == {True, False}

@@ -1,9 +1,13 @@
-"""The hull of a large STL: the same body as by coal's reader, in much less time."""
+"""A large STL and its hull: the same body as by coal's reader, in much less time."""
 
 import time
+from collections import Counter
 
 import numpy as np
 import pytest
+from floors import exercises
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from yarclang.collision import geometry
 from yarclang.collision.geometry import UnreadableError, geometry_of
@@ -61,6 +65,91 @@ def test_all_corners_of_the_file_are_within_the_hull(tmp_path):
     ways = np.random.default_rng(2).normal(size=(500, 3))
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     assert ((ways @ found.corners.T).max(axis=1) >= (ways @ corners.T).max(axis=1) - 1e-12).all()
+
+
+def closed_scan(triangles, seed=0):
+    """The same without a seam: what is nearly one corner at poles and seam is one."""
+    content = scan(triangles, seed)
+    records = np.frombuffer(content, TRIANGLE, offset=84).copy()
+    side = int((triangles / 2) ** 0.5)
+    at = records["corners"].reshape(2, side, side, 3, 3)
+    ring, pole = at[0, :, 0, 0].copy(), at[0, 0, 0, 0].copy()
+    # the four corners of a cell: at its place, one up, one up and around, one around
+    at[0, :, -1, 2], at[1, :, -1, 1] = at[0, :, 0, 1], at[0, :, 0, 1]
+    at[1, :, -1, 2] = ring
+    for half, corner in ((0, 0), (1, 0), (1, 2)):
+        at[half, 0, :, corner] = pole
+    bottom = at[0, -1, 0, 1].copy()
+    for half, corner in ((0, 1), (0, 2), (1, 1)):
+        at[half, -1, :, corner] = bottom
+    return content[:84] + records.tobytes()
+
+
+@pytest.mark.parametrize("made", [scan, closed_scan])
+def test_the_triangles_are_those_of_coals_reader(made, tmp_path, monkeypatch):
+    import coal
+
+    shape = mesh(tmp_path, made(30_000), (-1.0, 2.0, 0.5))
+    assert shape.path.stat().st_size >= geometry._LARGE_STL
+    quick = geometry_of(shape)
+    monkeypatch.setattr(geometry, "_LARGE_STL", 10**9)
+    slow = geometry_of(shape)
+    assert (quick.skin is None) is (slow.skin is None) is (made is scan)
+    assert quick.is_hollow
+    assert quick.of_coal.num_tris == slow.of_coal.num_tris
+    assert quick.of_coal.num_vertices == slow.of_coal.num_vertices
+    np.testing.assert_array_equal(quick.middle, slow.middle)
+    np.testing.assert_array_equal(quick.half, slow.half)
+    corners = [np.unique(np.asarray(one.of_coal.vertices()), axis=0) for one in (quick, slow)]
+    np.testing.assert_allclose(*corners, atol=1e-12)
+    if quick.skin is not None:
+        whole = [one.skin.sum(axis=1)[np.lexsort(one.skin.sum(axis=1).round(9).T)] for one in (quick, slow)]
+        np.testing.assert_allclose(*whole, atol=1e-8)
+    ball, here, there = coal.Sphere(0.01), coal.Transform3s(), coal.Transform3s()
+    request, answer = coal.DistanceRequest(), coal.DistanceResult()
+    for place in np.random.default_rng(4).normal(size=(100, 3)) * 0.3:
+        there.setTransform(np.eye(3), place)
+        found = []
+        for one in (quick, slow):
+            answer.clear()
+            found.append(coal.distance(one.of_coal, here, ball, there, request, answer))
+        assert found[0] == pytest.approx(found[1], abs=1e-9)
+
+
+@exercises(closed=0.2, open=0.2)
+@settings(max_examples=200, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_a_mesh_is_closed_where_every_edge_has_an_even_number_of_triangles(tally, seed):
+    rng = np.random.default_rng(seed)
+    bodies = []
+    for _ in range(int(rng.integers(1, 4))):  # tetrahedra, of corners that may be the same
+        corners = rng.integers(0, 3, (4, 3)).astype(float) * rng.choice([1.0, -1.0, 0.0], 3)
+        bodies.append(corners[[[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]]])
+    triangles = np.concatenate(bodies)
+    if rng.random() < 0.5:
+        triangles = triangles[rng.random(len(triangles)) < 0.9]
+    if not len(triangles):
+        return
+    # each triangle may have its own corners, or share them
+    corners, faces = triangles.reshape(-1, 3), np.arange(3 * len(triangles)).reshape(-1, 3)
+    if rng.random() < 0.5:
+        corners, of = np.unique(corners, axis=0, return_inverse=True)
+        faces = of.reshape(-1, 3)
+    edges = Counter()
+    for face in triangles:
+        named = [tuple((one + 0.0).tolist()) for one in face]
+        edges.update(frozenset(pair) for pair in (named[:2], named[1:], named[::2]))
+    expected = all(count % 2 == 0 for count in edges.values())
+    assert geometry._is_closed(corners, faces) is expected
+    tally.count("closed", expected)
+    tally.count("open", not expected)
+
+
+def test_a_million_triangles_that_are_no_hull_take_seconds(tmp_path):
+    shape = mesh(tmp_path, scan(1_000_000))
+    begun = time.process_time()
+    geometry_of(shape)
+    assert time.process_time() - begun < 12
 
 
 def test_sixty_megabytes_take_seconds(tmp_path):

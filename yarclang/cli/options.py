@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 import click
 
 from yarclang.cli.parameter import ParamType
+from yarclang.emitted.bounds import MOST_SEARCHES
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -186,4 +187,15 @@ def tm_option(function: F) -> F:
         "--tm",
         type=PositiveNumber("MS"),
         help="The longest segment time to use, in ms (default: the robot's largest).",
+    )(function)
+
+
+def avoid_effort_option(function: F) -> F:
+    """--avoid-effort N."""
+    return click.option(
+        "--avoid-effort",
+        type=click.IntRange(min=1, max=MOST_SEARCHES),
+        metavar="N",
+        default=1,
+        help=f"Take the quickest of N ways round obstacles, of motions with _AVOID that need one (default: 1, the first that is found; at most {MOST_SEARCHES}).",
     )(function)

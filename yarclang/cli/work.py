@@ -136,6 +136,7 @@ def options_from(planning: dict[str, Any]) -> Options:
         tolerance=None if tolerance is None else (tolerance[0], tolerance[1] if len(tolerance) > 1 else None),
         target=planning.get("target", ""),
         cell=planning.get("cell"),
+        avoid_effort=planning.get("avoid_effort", 1),
     )
 
 

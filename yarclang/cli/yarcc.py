@@ -12,7 +12,14 @@ import click
 from yarclang import __version__
 from yarclang.cli.door import Door, failure_of, is_failure
 from yarclang.cli.garbage import seldom_look_for_garbage
-from yarclang.cli.options import file_argument, format_option, jobs_option, planning_options, tm_option
+from yarclang.cli.options import (
+    avoid_effort_option,
+    file_argument,
+    format_option,
+    jobs_option,
+    planning_options,
+    tm_option,
+)
 from yarclang.cli.outputs import beside, refuse_collisions
 from yarclang.cli.threads import one_for_products
 
@@ -48,6 +55,7 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
 )
 @planning_options
 @tm_option
+@avoid_effort_option
 @click.option(
     "--target",
     metavar="TARGET",

@@ -19,7 +19,8 @@ from yarclang.shapes import Array
 class FreeSpace:
     """The joint positions at which all pairs of a scene's bodies stay farther apart than their margins, and some more.
 
-    `model`, `data`, `geometry` and `pairs` are Pinocchio's. Inside of a hollow mesh nothing is near: there `gaps` is needed.
+    `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's; the manager looks closer only at pairs whose boxes along the axes, with the margins about
+    them, overlap. Inside of a hollow mesh nothing is near: there `gaps` is needed.
     """
 
     scene: Scene
@@ -27,12 +28,13 @@ class FreeSpace:
     data: Any
     geometry: Any
     pairs: Any
+    manager: Any
 
     def has(self, q: Array) -> bool:
-        """Whether a joint position (n,) [rad or m] is one of them."""
+        """Return True if a joint position (n,) [rad or m] is one of them."""
         import pinocchio
 
-        return not pinocchio.computeCollisions(self.model, self.data, self.geometry, self.pairs, q, True)
+        return not pinocchio.computeCollisions(self.model, self.data, self.manager, q, True)
 
 
 def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
@@ -58,7 +60,9 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
     apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
     for pair, margin in enumerate(apart.tolist()):
         pairs.collisionRequests[pair].security_margin = margin
-    return FreeSpace(scene, model, data, geometry, pairs)
+    # made after the margins were set: each body's box grows by half of its largest margin
+    manager = pinocchio.BroadPhaseManager_NaiveCollisionManager(model, geometry, pairs)
+    return FreeSpace(scene, model, data, geometry, pairs, manager)
 
 
 @lru_cache(maxsize=32)

@@ -17,7 +17,7 @@ from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.hull import MOST_CORNERS, cover
 from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.ply import read_ply
-from yarclang.meshes.stl import stl_corners
+from yarclang.meshes.stl import is_binary, stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
@@ -100,7 +100,8 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """The triangles of a file, or their convex hull, where they aren't all in one plane."""
     outer_model = _outer_model(shape) if hull else None
-    model = outer_model or load_mesh(shape)
+    known = None if hull else _plain_model(shape)
+    model = known[0] if known is not None else outer_model or load_mesh(shape)
     if hull and outer_model is None and shape.path.suffix.lower() == ".obj":
         model = _with_all_corners(model, shape)
     corners: Array = np.asarray(model.vertices())
@@ -121,10 +122,13 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
         model = _with_hull(model, corners)
         outer: Array = np.asarray(model.convex.points()) - middle
         return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
-    faces = np.array(
-        [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
-    )
-    skin = _closed(corners[faces])
+    if known is not None:
+        faces = known[1]
+    else:
+        faces = np.array(
+            [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
+        )
+    skin = corners[faces] if _is_closed(corners, faces) else None
     outer = np.unique(corners, axis=0) - middle
     return Geometry(
         model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
@@ -156,6 +160,48 @@ def _outer_model(shape: Mesh) -> Any | None:
     except QhullError:
         return None
     return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+
+
+def _plain_model(shape: Mesh) -> tuple[Any, NDArray[np.int64]] | None:
+    """Return a model of a large binary STL, and its triangles (T, 3) as numbers of corners; None for another file.
+
+    The triangles are those of coal's reader, which takes three times as long.
+    """
+    corners = _large_stl(shape)
+    if corners is None:
+        return None
+    three = corners.reshape(-1, 3, 3)
+    is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
+    corners = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
+    if not len(corners):
+        return None
+    order, of, begins = _joined(corners)
+    faces = of.reshape(-1, 3)
+    return _modelled(corners[order[begins]], faces), faces
+
+
+def _large_stl(shape: Mesh) -> Array | None:
+    """Return the corners (3 T, 3) [m] of all triangles of a large binary STL without a fault; None for another file, or if one is too far away."""
+    if shape.path.suffix.lower() != ".stl":
+        return None
+    content = _content(shape)
+    if len(content) < _LARGE or not is_binary(content):
+        return None
+    corners = stl_corners(content)
+    if corners is None:
+        return None
+    corners = corners * (np.array(shape.scale) * shape.unit)
+    return corners if float(np.abs(corners).max()) <= _FAR else None
+
+
+def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+    """Return the order (V,) that sorts corners (V, 3), for each the number of those that equal it (V,), and where in the order another one begins (V,)."""
+    order = np.lexsort(corners.T)
+    in_order = corners[order]
+    begins = np.concatenate(([True], (in_order[1:] != in_order[:-1]).any(axis=1)))
+    of = np.empty(len(corners), dtype=np.int64)
+    of[order] = np.cumsum(begins) - 1
+    return order, of, begins
 
 
 def _with_all_corners(model: Any, shape: Mesh) -> Any:
@@ -249,13 +295,13 @@ def _modelled(corners: Array, faces: NDArray[np.int64]) -> Any:
     return model
 
 
-def _closed(triangles: Array) -> Array | None:
-    """The triangles (T, 3, 3) if they enclose a room: each edge belongs to two of them."""
-    _, corner = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    of = corner.reshape(-1, 3)
+def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
+    """Return True if triangles (T, 3) of corners (V, 3) enclose a room: each edge belongs to two of them, or to four."""
+    of = _joined(corners)[1][faces]
     edges = np.sort(np.concatenate([of[:, [0, 1]], of[:, [1, 2]], of[:, [2, 0]]]), axis=1)
-    _, count = np.unique(edges, axis=0, return_counts=True)
-    return triangles if (count % 2 == 0).all() else None
+    in_order = np.sort(edges[:, 0] * len(corners) + edges[:, 1])
+    ends = np.flatnonzero(np.concatenate(([True], in_order[1:] != in_order[:-1], [True])))
+    return bool((np.diff(ends) % 2 == 0).all())
 
 
 def encloses(triangles: Array, point: Array) -> bool:

@@ -29,6 +29,7 @@ class Header:
         lasting: the time that all motions and dwells take, and the number of waits.
         segments: the segment times in use as printed [ms]: none, one, or the least and the largest.
         longest: the longest segment time that was asked for (--tm) as printed [ms]; empty for the robot's own.
+        searches: how many ways round obstacles were looked for (--avoid-effort), of which the quickest was taken; 1 for the first that was found.
         certificate: one line that sums up what was proved.
         seal: SHA-256 of the whole text with `UNSEALED` in its place, in hexadecimal. It shows that a text was damaged or edited; it is no
             signature, since anybody can compute it.
@@ -47,6 +48,7 @@ class Header:
     lasting: Lasting
     segments: tuple[str, ...]
     longest: str = ""
+    searches: int = 1
     certificate: str = UNSEALED
     seal: str = UNSEALED
 
@@ -54,6 +56,7 @@ class Header:
         """Return the header's lines without the leading `; `."""
         segments = f", segments of {' to '.join(self.segments)} ms" if self.segments else ""
         longest = (f"longest segment asked for {self.longest} ms",) if self.longest else ()
+        searches = (f"ways round: the quickest of {self.searches} searches",) if self.searches > 1 else ()
         return (
             f"yarcc {self.version}: {self.source}",
             f"target {self.target}",
@@ -63,6 +66,7 @@ class Header:
             f"start {self.start} ({self.units})",
             f"duration {self.lasting.text()}{segments}",
             *longest,
+            *searches,
             self.loading,
             COLUMNS,
             f"certificate {self.certificate}",

@@ -37,8 +37,9 @@ FINDINGS = (
         "error",
         "no way round was found",
         "Start and target are free, and the search has ended without a way between them. It ends by the number of its tries, so that it gives the same answer "
-        'on every machine. That is no proof: there may be no way, or only one through a gap that is hard to find. Only where the message begins with "there is no way" is it one: a zone '
-        "forbids one joint alone what lies between start and target, which is seen before anything is searched for.",
+        "on every machine. That is no proof: there may be no way, or only one through a gap that is hard to find. The message says how far the search came, and which body or zone is in the way from there on. "
+        'Only where the message begins with "there is no way" is it a proof: a zone forbids one joint alone what lies between start and target, or is a box between them that the arm cannot '
+        "reach past; both are seen before anything is searched for.",
         "P0010 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)      ! behind a wall",
         "P0010 MOVEJ_AVOID 0 60 -80 0 0 0 [5] (deg,s)    ! over the wall\nP0020 MOVEJ_AVOID 90 0 0 0 0 0 [5] (deg,s)",
         sort="unreachable",

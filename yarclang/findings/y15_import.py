@@ -121,6 +121,24 @@ FINDINGS: tuple[Finding, ...] = (
         "pip install 'yarclang[bags]'",
     ),
     Finding(
+        "Y1516",
+        "cloud-not-readable",
+        "error",
+        "the point cloud can't be read",
+        "Point clouds are read from PCD files (text, binary or compressed) and PLY files. Points that are no numbers, where a sensor has seen nothing, are left out; a file that is damaged, or whose points "
+        "may count from elsewhere (VIEWPOINT), isn't guessed at: an obstacle in the wrong place protects nobody.",
+    ),
+    Finding(
+        "Y1517",
+        "voxels-too-small",
+        "error",
+        "the cubes are too small for the point cloud",
+        "A point cloud becomes the cubes of a grid that have a point inside. Small cubes follow it closely, but there are more of them than a proof of collisions can look at in reasonable time; "
+        "and between points that are farther apart than an edge there are holes.",
+        "yarc import hall.pcd --units m --voxel 0.1",
+        "yarc import hall.pcd --units m --voxel 50",
+    ),
+    Finding(
         "Y1521",
         "folder-in-use",
         "error",

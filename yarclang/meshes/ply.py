@@ -55,18 +55,49 @@ def read_ply(content: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]] | 
     Args:
         content: of the file, text or binary. What isn't a corner's place or a face may be anything.
     """
-    header = _HEADER.match(content[:_LONGEST_HEADER])
-    if header is None:
-        return "has no header of a PLY file"
     try:
-        elements = _elements(header["lines"].decode("ascii", "replace"))
-        if header["form"] == b"ascii":
-            source: _Numbers = _Text(content[header.end() :])
-        else:
-            source = _Binary(content, header.end(), "<" if header["form"] == b"binary_little_endian" else ">")
-        return _look(elements, source)
+        return _look(*_opened(content))
     except _FaultError as fault:
         return str(fault)
+
+
+def ply_points(content: bytes) -> NDArray[np.float64] | str:
+    """Return the corners (V, 3) of a PLY file, whatever its faces; or the end of a sentence that names what makes the file useless.
+
+    Args:
+        content: of the file, text or binary. Places that a sensor has not seen may be in it as NaN.
+    """
+    try:
+        elements, source = _opened(content)
+        for element in elements:
+            if element.name == "vertex":
+                return _corners_of(element, source)
+            for _ in _lists(element, source):
+                pass
+    except _FaultError as fault:
+        return str(fault)
+    return "has no points"
+
+
+def _opened(content: bytes) -> tuple[list[_Element], _Numbers]:
+    """Return the kinds of entries of a file, and its numbers; raises `_FaultError`."""
+    header = _HEADER.match(content[:_LONGEST_HEADER])
+    if header is None:
+        raise _FaultError("has no header of a PLY file")
+    elements = _elements(header["lines"].decode("ascii", "replace"))
+    if header["form"] == b"ascii":
+        return elements, _Text(content[header.end() :])
+    order = "<" if header["form"] == b"binary_little_endian" else ">"
+    return elements, _Binary(content, header.end(), order)
+
+
+def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
+    """Return the places (V, 3) of corners; raises `_FaultError`."""
+    names = [one.name for one in element.properties]
+    if not {"x", "y", "z"} <= set(names) or any(one.length for one in element.properties):
+        raise _FaultError("has corners without x, y and z")
+    rows = source.rows(element.count, [one.kind for one in element.properties])
+    return rows[:, [names.index(axis) for axis in "xyz"]]
 
 
 def ply_fault(content: bytes) -> str:
@@ -226,14 +257,10 @@ def _look(elements: list[_Element], source: _Numbers) -> tuple[NDArray[np.float6
     corners = np.zeros((0, 3))
     faces: list[NDArray[np.int64]] = []
     for element in elements:
-        names = [one.name for one in element.properties]
         if element.name == "tristrips":
             return "has strips of triangles, which aren't read here"
         if element.name == "vertex":
-            if not {"x", "y", "z"} <= set(names) or any(one.length for one in element.properties):
-                return "has corners without x, y and z"
-            rows = source.rows(element.count, [one.kind for one in element.properties])
-            corners = rows[:, [names.index(axis) for axis in "xyz"]]
+            corners = _corners_of(element, source)
             if not np.isfinite(corners).all():
                 return ODD_CORNER
             continue

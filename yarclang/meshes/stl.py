@@ -65,6 +65,13 @@ def _text_corners(content: bytes) -> NDArray[np.float64] | None:
     return corners if len(corners) == 3 * triangles else None
 
 
+def stl_of(triangles: NDArray[np.float64]) -> bytes:
+    """Return a binary STL file of triangles (T, 3, 3), whose normals are left to its readers."""
+    records = np.zeros(len(triangles), _TRIANGLE)
+    records["corners"] = triangles.reshape(-1, 9)
+    return bytes(_HEAD - 4) + len(triangles).to_bytes(4, "little") + records.tobytes()
+
+
 def stl_fault(content: bytes) -> str:
     """Return the end of a sentence that names what makes an STL file useless as a body; empty if nothing does.
 

@@ -40,11 +40,12 @@ from yarclang.robot.model import Robot, Tolerance
 
 @frozen
 class Settings:
-    """How to plan: the segment times that the controller takes, the tolerance, and what was planned before."""
+    """How to plan: the segment times that the controller takes, the tolerance, what was planned before, and how many ways round are looked for, of which the quickest is taken."""
 
     grid: Grid
     tolerance: Tolerance
     memory: Memory = NO_MEMORY
+    searches: int = 1
 
 
 def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPlan]:
@@ -69,7 +70,9 @@ def plan_in_part(
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
     steps = steps[:end]
-    router = Router(robot, steps, program.start, program.cell, settings.memory, program.cells)
+    router = Router(
+        robot, steps, program.start, program.cell, settings.memory, program.cells, settings.searches
+    )
     planner = _Planner(robot, settings, bounds_of(robot))
     for number in range(end):
         tell("planning", number // 2, end)

@@ -109,6 +109,8 @@ class Router:
     memory: Memory = NO_MEMORY
     cells: Mapping[int, Cell | None] | None = None
     """The cell as it is during each motion, where that is given."""
+    searches: int = 1
+    """How many ways round are looked for, of which the quickest is taken."""
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
     """What was taken instead of the nearest, by step."""
@@ -136,7 +138,7 @@ class Router:
         is_again = (origin.source, origin.span) in self._in_vain
         is_known = is_again or (origin.source, origin.span) in self._blocked
         measures = not is_known and len(self._in_vain) + len(self._blocked) < MOST_MEASURED
-        return Solver(self.robot, self._around(number, step, before), measures, is_again)
+        return Solver(self.robot, self._around(number, step, before), measures, is_again, self.searches)
 
     def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
         """Return the cell as it is during a motion."""
@@ -282,7 +284,7 @@ class Router:
         if not isinstance(self.memory, Forgetful):
             chosen = None if taken is None else taken.tobytes()
             kept = (self.robot, solver.cell, q.tobytes(), chosen, key_of(step))
-            key = ("route", *kept, solver.measures, solver.is_again)
+            key = ("route", *kept, solver.measures, solver.is_again, solver.searches)
 
         def make() -> tuple[Led, Route | None]:
             path = self._ahead.path(number, q) if isinstance(step, LineMove | ArcMove) else None

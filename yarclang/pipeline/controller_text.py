@@ -324,6 +324,7 @@ def _planned(
         options,
         robot=str(robot.folder / "robot.toml"),
         tm=float(header.longest) if header.longest else None,
+        avoid_effort=header.searches,
         target=header.target,
     )
     start = start_values(header, robot)

@@ -35,7 +35,8 @@ class Options:
     `tolerance` in mm and deg (None: the robot's own), `cell` the path of a cell.toml. `texts` are files that are open somewhere, by their absolute
     paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
     next time (pipeline/incremental.py makes one). `enough` is the number of lines in loops and SUBs after which a first look has seen enough (None: all).
-    `present` says where the parts of a cell are when the program starts (None: where its file has them).
+    `present` says where the parts of a cell are when the program starts (None: where its file has them). `avoid_effort` is how many ways round obstacles are looked
+    for, of which the quickest is taken.
     """
 
     robot: str | None = None
@@ -48,6 +49,7 @@ class Options:
     enough: int | None = None
     cell: str | None = None
     present: CellNow | None = None
+    avoid_effort: int = 1
 
 
 @frozen(eq=False)
@@ -120,6 +122,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
         memory=options.memory,
         enough=options.enough,
         present=options.present,
+        avoid_effort=options.avoid_effort,
     )
     return Result(Opened(module, request), diagnostics)
 

@@ -41,9 +41,9 @@ from yarclang.hir import (
     When,
     searches_of,
 )
-from yarclang.motion.avoid.messages import inside, parted
+from yarclang.motion.avoid.messages import inside, parted, tried
 from yarclang.motion.avoid.room import room_of
-from yarclang.motion.avoid.way import SAMPLES, NoWay, Way, find_way
+from yarclang.motion.avoid.way import NoWay, Way, find_way
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.places import matching
 from yarclang.pipeline.stages import Compiled, Request, certified, plan_program
@@ -114,8 +114,7 @@ def _why(robot: Robot, way: NoWay) -> str:
         return f"the robot can't go to the start: there, {inside(way.goal)}"
     if way.parting is not None:
         return f"there is no way from where the robot stands to the start: {parted(robot, way.parting)}"
-    between = f"; on the straight way {inside(way.between)}" if way.between is not None else ""
-    return f"no way from where the robot stands to the start was found within {SAMPLES:,} tries{between}"
+    return f"no way from where the robot stands to the start was found {tried(robot, way)}"
 
 
 _BY_HAND = "move the robot into the open by hand, slowly (yarc repl jogs it); or correct the cell.toml, or where the program starts"

@@ -47,7 +47,8 @@ class Request:
     the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `target` is what the text is for (empty: the first that the robot's controller has). `load` finds
     the modules that the program uses, `load_cell` its cell, `load_table` its files of timetables; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
     keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
-    the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file).
+    the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file). `avoid_effort` is how many ways round obstacles are
+    looked for, of which the quickest is taken.
     """
 
     robot: Robot
@@ -64,6 +65,7 @@ class Request:
     memory: Memory = NO_MEMORY
     enough: int | None = None
     present: CellNow | None = None
+    avoid_effort: int = 1
 
 
 @frozen(eq=False)
@@ -121,7 +123,8 @@ def _settings(request: Request) -> Result[Settings]:
     grid = backend_of(request.robot).grid(request.robot, request.tm)
     if grid.value is None:
         return Result(None, grid.diagnostics)
-    return Result(Settings(grid.value, request.tolerance or request.robot.tolerance, request.memory))
+    tolerance = request.tolerance or request.robot.tolerance
+    return Result(Settings(grid.value, tolerance, request.memory, request.avoid_effort))
 
 
 def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
@@ -232,6 +235,7 @@ def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
         lasting=planned.lasting,
         segments=written.segments,
         longest="" if request.tm is None else written.time(request.tm),
+        searches=request.avoid_effort if searches else 1,
     )
 
 

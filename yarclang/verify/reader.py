@@ -21,11 +21,13 @@ _HEADER = (
     r"; start ([-A-Z0-9.]+) \(.*\)",
     r"; duration (.*)",
     r"; longest .*",
+    r"; ways round: .*",
     r"; loading .{1,200}",
     r"; commands: .*",
     r"; certificate .*",
     rf"; sha256 {_HASH}",
 )
+_OPTIONAL = (r"; longest .*", r"; ways round: .*")
 _ENTRY = (
     r"; command ([0-9]{1,9}) (\S+) (\S+) ([0-9]{1,9}) "
     r"(?:([0-9]{1,9}) ([0-9]{1,9})(?: blend ([0-9]{1,6}))?( any-jerk)?|- -)"
@@ -163,7 +165,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     reading = _Reading(text, axes)
     said: list[str] = []
     for form in _HEADER:
-        if form.startswith("; longest") and not reading.peek().startswith("; longest"):
+        if form in _OPTIONAL and not reading.peek().startswith(form[:-2]):
             continue
         said += reading.match(form).groups()
     entries, barriers, registers = [], {}, []

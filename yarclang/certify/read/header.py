@@ -23,6 +23,7 @@ from yarclang.decisions import (
     inputs_of,
     registers_of,
 )
+from yarclang.emitted.bounds import MOST_SEARCHES
 from yarclang.emitted.header import COLUMNS, Header
 from yarclang.frozen import frozen
 from yarclang.lasting import ONCE, Lasting
@@ -40,6 +41,7 @@ _DURATION = re.compile(
     rf"(?:, segments of ({_TIME})(?: to ({_TIME}))? ms)?"
 )
 _LONGEST = re.compile(rf"; longest segment asked for ({_TIME}) ms")
+_SEARCHES = re.compile(r"; ways round: the quickest of ([1-9][0-9]?) searches")
 _LOADING = re.compile(r"; (loading .{1,200})")
 _CERTIFICATE = re.compile(r"; certificate (.*)")
 _SEAL = re.compile(r"; sha256 (-|[0-9a-f]{64})")
@@ -139,6 +141,13 @@ def _read_header(lines: Lines) -> Header:
     longest = ""
     if lines.peek().startswith("; longest"):
         (longest,) = _matched(lines, _LONGEST, "the longest segment that was asked for")
+    searches = 1
+    if lines.peek().startswith("; ways round"):
+        searches = int(_matched(lines, _SEARCHES, "the number of searches for ways round")[0])
+        if not 2 <= searches <= MOST_SEARCHES:
+            lines.refuse(
+                f"says that {searches} searches were made, which is not between 2 and {MOST_SEARCHES}", back=1
+            )
     (loading,) = _matched(lines, _LOADING, "what loading does")
     if (line := lines.peek()) != f"; {COLUMNS}":
         lines.refuse(f"is {shown(line)} where the map of commands begins")
@@ -161,6 +170,7 @@ def _read_header(lines: Lines) -> Header:
         ),
         segments=tuple(one for one in (least, most) if one),
         longest=longest,
+        searches=searches,
         certificate=certificate,
         seal=seal,
     )

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.garbage import seldom_look_for_garbage
-from yarclang.cli.options import finding_words, jobs_option, planning_options, tm_option
+from yarclang.cli.options import avoid_effort_option, finding_words, jobs_option, planning_options, tm_option
 from yarclang.cli.outputs import STANDARD
 from yarclang.cli.threads import one_for_products
 
@@ -52,6 +52,7 @@ _PAUSE = 0.3
 )
 @planning_options
 @tm_option
+@avoid_effort_option
 @jobs_option
 def command(
     paths: tuple[str, ...],

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.importing_clouds import import_cloud
 from yarclang.cli.options import PositiveNumber, robot_option
 from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 from yarclang.cli.parameter import ParamType
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
     UnitsByKind = dict[Kind, Unit]
 
+_CLOUDS = (".pcd", ".ply")
 _TIME = re.compile(r"MIN|[0-9]+(\.[0-9]+)?%?", re.ASCII)
 
 
@@ -89,6 +91,11 @@ class _Time(ParamType[str]):
     metavar="NAME",
     help="The only topic of a bag that is read; one of joint states is a recording.",
 )
+@click.option(
+    "--voxel",
+    type=PositiveNumber("MM"),
+    help="The edge of the cubes that a point cloud becomes, in mm.",
+)
 def command(
     file: str,
     output: str | None,
@@ -100,12 +107,30 @@ def command(
     every: int,
     tolerance: float | None,
     topic: str | None,
+    voxel: float | None,
 ) -> None:
     """Make a YARC program of FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
     FILE.csv becomes FILE.yarc; - reads standard input. Way-points with times keep these; long lists go into a CSV file beside the program. The program isn't
-    planned: yarc check does that.
+    planned: yarc check does that. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml.
     """
+    if Path(file).suffix.lower() in _CLOUDS:
+        others = {
+            "robot": robot,
+            "joints": joints,
+            "as": form,
+            "time": time,
+            "tolerance": tolerance,
+            "topic": topic,
+        }
+        given = [f"--{name}" for name, value in others.items() if value is not None] + ["--every"] * (
+            every > 1
+        )
+        if given:
+            raise click.UsageError(f"{', '.join(given)}: not for a point cloud")
+        import_cloud(file, output, units, voxel)
+    if voxel is not None:
+        raise click.UsageError(f"--voxel is for point clouds: files that end in {' or '.join(_CLOUDS)}")
     from yarclang.cli.show import show_findings
     from yarclang.convert.course import Wishes
     from yarclang.report.finding import count_text

@@ -10,7 +10,6 @@ from collections.abc import Callable
 
 import numpy as np
 
-from yarclang.collision.free import gaps
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.room import Room
@@ -66,8 +65,8 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
 
 def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
     """Return those that end where most room is, the shortest of equals first: a search that begins in tight places as well draws most of its samples into walls."""
-    spare = [min(float(gaps(room.scene, one.corners[-1]).min(initial=_OPEN)), _OPEN) for one in found]
-    order = sorted(range(len(found)), key=lambda at: (-round(spare[at], 3), len(found[at].corners)))
+    spare = np.round(room.spare(np.array([one.corners[-1] for one in found]), _OPEN), 3).tolist()
+    order = sorted(range(len(found)), key=lambda at: (-spare[at], len(found[at].corners)))
     return [found[at] for at in order[:_MOST]]
 
 

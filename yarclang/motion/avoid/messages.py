@@ -10,8 +10,9 @@ import numpy as np
 from yarclang.diagnostics import Edit, Fix
 from yarclang.hir import Array, AvoidMove, Motion, Origin, PoseGoal
 from yarclang.motion.avoid.changes import FARTHEST, Change, change_fix, changes_text
+from yarclang.motion.avoid.parting import Barrier, Parting
 from yarclang.motion.avoid.room import JOINTS, Obstruction
-from yarclang.motion.avoid.way import SAMPLES, NoWay, Parting, Way
+from yarclang.motion.avoid.way import NoWay, Way
 from yarclang.motion.leading.messages import differs, near_fix
 from yarclang.motion.wording import Message
 from yarclang.robot.model import Robot
@@ -51,14 +52,32 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
             "take a target on this side, or change the zone in the cell.toml",
             None,
         )
-    between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
-    message = f"no way round was found within {SAMPLES:,} tries, which doesn't prove that there is none: start and target are free{between}"
+    message = f"no way round was found {tried(robot, why)}"
     help_ = "go there in two motions, by a via pose in the open; or by another configuration (NEAR)"
+    if why.is_cut:
+        help_ += "; among so many bodies the search has ended early, and --avoid-effort 4 goes on four times as long"
     return "Y0923", message, origin.span, help_, None
 
 
-def parted(robot: Robot, parting: Parting) -> str:
-    """Return which zone lies between start and target, and of which joint."""
+def tried(robot: Robot, why: NoWay) -> str:
+    """Return in how many tries nothing was found, that this is no proof, and how far the search came."""
+    said = f"in {why.tries:,} tries, which doesn't prove that there is none: "
+    if why.has_corners:
+        said += "there is a way with corners, but no smooth one along it was proved to be free"
+        return said + (f"; on the straight way {inside(why.between)}" if why.between is not None else "")
+    if why.furthest is None:
+        between = f"; on the straight way {inside(why.between)}" if why.between is not None else ""
+        return f"{said}start and target are free{between}"
+    far = why.furthest
+    units = ",".join(dict.fromkeys(robot.axis_unit_names))
+    place = f"{_written(robot, far.q, 1)} ({units}), {far.left / MM:.0f} mm from the target"
+    return f"{said}it came as far as {place}; from there on {in_way(far.blocked)}"
+
+
+def parted(robot: Robot, parting: Parting | Barrier) -> str:
+    """Return which zone lies between start and target, and of which joint, or before what it watches."""
+    if isinstance(parting, Barrier):
+        return f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and where it shall be"
     joint, unit = parting.joint, robot.axis_units[parting.joint]
     return (
         f"zone {parting.name} forbids {robot.joint_names[joint]} from {parting.lower / unit:.6g} to {parting.upper / unit:.6g} "
@@ -145,6 +164,16 @@ def inside(one: Obstruction) -> str:
     return f"{moving} is {one.distance / MM:.3g} mm from {other}, nearer than its margin"
 
 
+def in_way(one: Obstruction) -> str:
+    """Return what is in the way, or comes nearest, as the end of a sentence."""
+    moving, other = one.names
+    if one.is_zone and one.distance <= 0.0:
+        return f"zone {other} leaves {moving} too little room"
+    if one.is_zone or one.distance <= 0.0:
+        return inside(one)
+    return f"{moving} is {one.distance / MM:.3g} mm from {other}"
+
+
 def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
     """A fix that declares the way-points and writes MOVEJ_SPLINE; None where one command has many places."""
     origin = step.origin
@@ -171,8 +200,8 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
     return Fix("write the way found as MOVEJ_SPLINE", edits, by_choice=True)
 
 
-def _written(robot: Robot, q: Array) -> str:
-    """A joint position as numbers; way-points stand on two decimals."""
+def _written(robot: Robot, q: Array, fine: int = 4) -> str:
+    """A joint position as numbers with so many decimals at most; way-points stand on two."""
     return " ".join(
-        f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, 4) + 0.0
+        f"{value:.{fine}f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, fine) + 0.0
     )

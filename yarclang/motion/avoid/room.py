@@ -63,8 +63,21 @@ class Room:
         if not broken:
             return None
         by, watch = min(broken, key=lambda one: one[0])
-        watched = watch.item.name if watch.item is not None else JOINTS
-        return Obstruction((watched, watch.zone.name), -by, is_zone=True)
+        return _broken(watch, -by)
+
+    def nearest(self, q: Array) -> Obstruction:
+        """Return what is worst at a joint position (n,) [rad or m], whether it is in the way there or only comes nearest."""
+        found = self.obstruction(q)
+        if found is not None:
+            return found
+        left = gaps(self.scene, q)
+        if len(left):
+            worst = int(np.argmin(left))
+            return Obstruction(
+                self.scene.names(worst), float(left[worst]) + float(self.scene.pairs.margin[worst])
+            )
+        watch = min(self.watches, key=lambda one: float(slack_at(self.scene, one, q[None])[0]))
+        return _broken(watch, -float(slack_at(self.scene, watch, q[None])[0]))
 
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
         """Yield what is worst at each of some joint positions (n,) [rad or m], as `obstruction`, as far as anybody asks: full turns of joints leave bodies where they are."""
@@ -83,6 +96,13 @@ class Room:
 
         It is negative where something is in the way, and `near` at most.
         """
+        left = self.spare(q, near)
+        for watch in self.watches:
+            left = np.minimum(left, slack_at(self.scene, watch, q) - slack_of(watch))
+        return left
+
+    def spare(self, q: Array, near: float) -> Array:
+        """Return how much farther than its margin the nearest pair of bodies is apart at joint positions (N, n): (N,) [m], `near` at most."""
         scene, left = self.scene, np.full(len(q), near)
         count = len(scene.pairs.first)
         if count:
@@ -95,8 +115,6 @@ class Room:
             at, pair = at[close], pair[close]
             apart = distances(scene, pair, seen.take(close)) - scene.pairs.margin[pair]
             np.minimum.at(left, at, apart)
-        for watch in self.watches:
-            left = np.minimum(left, slack_at(scene, watch, q) - slack_of(watch))
         return left
 
     def is_free(self, q: Array) -> bool:
@@ -134,6 +152,11 @@ class Room:
             float(slack_at(self.scene, one, q[None])[0]) >= slack_of(one) + _INSIDE * (not _of_joints(one))
             for one in self.watches
         )
+
+
+def _broken(watch: Watch, by: float) -> Obstruction:
+    watched = watch.item.name if watch.item is not None else JOINTS
+    return Obstruction((watched, watch.zone.name), by, is_zone=True)
 
 
 JOINTS = "the joints"

@@ -36,7 +36,7 @@ class Effort:
 @frozen(eq=False)
 class Question:
     """From one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m, n) within limits, through what is `free`. `reach` (n,) are the joints' scales
-    [m/rad or 1].
+    [m/rad or 1]. `is_over` ends the search before its samples are drawn.
     """
 
     starts: Array
@@ -44,6 +44,19 @@ class Question:
     limits: Limits
     reach: Array
     free: Callable[[Array], bool]
+    is_over: Callable[[], bool] = lambda: False
+
+
+@frozen(eq=False)
+class Apart:
+    """A search that ended without a way: of all joint positions that were reached from the starts, `q` (n,) is nearest to one, `beyond` (n,), from which a goal is reached; `left`
+    between them [m, of bodies]. So many `tries` were made.
+    """
+
+    q: Array
+    beyond: Array
+    left: float
+    tries: int
 
 
 _RANGE = 1.0
@@ -56,8 +69,8 @@ _FARTHEST = 6.4
 """A joint without limits goes this far from where it stands at most [rad or m]."""
 
 
-def polyline(question: Question, effort: Effort) -> Array | None:
-    """The corners (k, n) [rad or m] of a way from a start to a goal, both among them; None where none was found."""
+def polyline(question: Question, effort: Effort) -> Array | Apart:
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both among them; or how near the search came."""
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -98,21 +111,27 @@ def polyline(question: Question, effort: Effort) -> Array | None:
     planner.setRange(_RANGE)
     planner.setProblemDefinition(problem)
     planner.setup()
-    left = iter(range(effort.samples))
+    tries = 0
     given_up: list[Exception] = []
 
     def is_over() -> bool:
+        nonlocal tries
         try:
             go_on()
         except Exception as reason:  # it must not pass through C++
             given_up.append(reason)
-        return bool(given_up) or next(left, None) is None
+        if given_up or tries == effort.samples or question.is_over():
+            return True
+        tries += 1
+        return False
 
     planner.solve(base.PlannerTerminationCondition(is_over))
     if given_up:
         raise given_up[0]
     if not problem.hasExactSolution():
-        return None
+        data = base.PlannerData(around)
+        planner.getPlannerData(data)
+        return _apart(question, data, tries)
     path = problem.getSolutionPath()
     simplifier = geometric.PathSimplifier(around)
     # each is bounded by the number of its tries
@@ -125,6 +144,30 @@ def polyline(question: Question, effort: Effort) -> Array | None:
     corners /= scale
     corners[0], corners[-1] = _nearest(question.starts, corners[0]), _nearest(question.goals, corners[-1])
     return corners
+
+
+def _apart(question: Question, data: Any, tries: int) -> Apart:
+    """Return where the two trees of a search come nearest to each other."""
+    from scipy.spatial import cKDTree
+
+    trees: dict[int, list[list[float]]] = {_FROM_START: [], _FROM_GOAL: []}
+    joints = range(len(question.reach))
+    for number in range(data.numVertices()):
+        vertex = data.getVertex(number)
+        state = vertex.getState()
+        trees[vertex.getTag()].append([state[joint] for joint in joints])
+    # the ends of a side that nothing was drawn for belong to no tree
+    out, in_ = (
+        np.concatenate((np.array(grown).reshape(-1, len(joints)), ends * question.reach))
+        for grown, ends in ((trees[_FROM_START], question.starts), (trees[_FROM_GOAL], question.goals))
+    )
+    left, to = cKDTree(in_).query(out)
+    best = int(np.argmin(left))
+    return Apart(out[best] / question.reach, in_[to[best]] / question.reach, float(left[best]), tries)
+
+
+_FROM_START, _FROM_GOAL = 1, 2
+"""How RRT-Connect marks what it reached from the starts, and from the goals."""
 
 
 def _nearest(ends: Array, q: Array) -> Array:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
 import numpy as np
 
-from yarclang.cell.model import JointWindow
-from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.avoid.backing import Retreat, retreats
+from yarclang.motion.avoid.parting import Barrier, Parting, parting
 from yarclang.motion.avoid.room import Obstruction, Room, reaches
-from yarclang.motion.avoid.search import Effort, Question, polyline
+from yarclang.motion.avoid.search import Apart, Effort, Question, polyline
+from yarclang.motion.avoid.shorten import duration, shortened
 from yarclang.motion.avoid.smooth import Bend, smooth, straight_course
+from yarclang.motion.paths.spline import through
+from yarclang.robot.kinematics import flange_poses
 from yarclang.transforms import constant
 
 EFFORTS = (
@@ -23,8 +28,11 @@ EFFORTS = (
 )
 """One after the other until a way is found: first with room to spare, and quickly; then with the tool drawn out of its places; in the end close by, and long."""
 
-SAMPLES = sum(effort.samples for effort in EFFORTS)
-"""How many joint positions are drawn until it is given up."""
+OTHERS = EFFORTS[:2]
+"""For further solutions of a pose, after all efforts for the first: these two find nearly all ways that are found."""
+
+QUICK = EFFORTS[:1]
+"""For motions that are led once more."""
 
 _PROVED = 1e-3
 """The curve is proved to stay farther apart than the margins by this [m] at most: what is executed may be that much beside it."""
@@ -49,32 +57,47 @@ class Way:
         return len(self.waypoints) == 1
 
 
-@frozen
-class Parting:
-    """A forbidden window of one joint alone, number `joint` (from 0), between start and goal: `lower` to `upper` [rad or m] of the zone `name`."""
-
-    name: str
-    joint: int
-    lower: float
-    upper: float
-
-
 @frozen(eq=False)
 class NoWay:
     """Why there is no way: what is in the way at the `start`, or at the `goal`; or the zone that parts them for sure. None of these says that nothing was
-    found between, of which `between` is in the straight way.
+    found between in so many `tries`, of which `between` is in the straight way: the search came as far as `furthest`. `has_corners` is True if there was a way of
+    straight pieces, and no curve along it was proved to be free; `is_cut` if the search ended before all efforts were made, since there are many bodies.
     """
 
     start: Obstruction | None = None
     goal: Obstruction | None = None
     between: Obstruction | None = None
-    parting: Parting | None = None
+    parting: Parting | Barrier | None = None
+    furthest: Furthest | None = None
+    has_corners: bool = False
+    tries: int = 0
+    is_cut: bool = False
 
 
-def find_way(room: Room | None, start: Array, goal: Array, *, is_short: bool = False) -> Way | NoWay:
-    """Find the way from `start` to `goal` (n,) [rad or m], both within limits; the same for the same question, always.
+@frozen(eq=False)
+class Furthest:
+    """How far a search came: to the joint position `q` (n,) [rad or m], where the moving frame is `left` from where it is at the goal [m]; from there on `blocked` is in the way."""
 
-    `is_short` is True for no more than the first effort.
+    q: Array
+    left: float
+    blocked: Obstruction
+
+
+def find_way(
+    room: Room | None,
+    start: Array,
+    goal: Array,
+    efforts: tuple[Effort, ...] | None = None,
+    searches: int = 1,
+) -> Way | NoWay:
+    """Find a way; the same question has the same answer, always.
+
+    Args:
+        room: what is around; None where nothing can be in the way.
+        start: (n,) [rad or m], within limits.
+        goal: (n,) [rad or m], within limits.
+        efforts: made one after the other until one finds a way; None for all `EFFORTS`.
+        searches: as many ways are looked for by the effort that finds one, each shortened in time, and the quickest is taken; of 1 the way is that which is found first.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -85,40 +108,101 @@ def find_way(room: Room | None, start: Array, goal: Array, *, is_short: bool = F
     at_start, at_goal = room.obstruction(start), room.obstruction(goal)
     if at_start is not None or at_goal is not None:
         return NoWay(at_start, at_goal)
-    parting = _parting(room, start, goal)
-    if parting is not None:
-        return NoWay(between=between, parting=parting)
-    for effort in EFFORTS[:1] if is_short else EFFORTS:
-        waypoints = _found(room, start, goal, effort)
+    parted = parting(room, start, goal)
+    if parted is not None:
+        return NoWay(between=between, parting=parted)
+    apart: list[Apart] = []
+    has_corners, tries = False, 0
+    looks = _Looks(room, searches)
+    for effort in EFFORTS if efforts is None else efforts:
+        if looks.are_over():
+            break
+        found = _found(room, start, goal, effort, looks)
+        if isinstance(found, Apart):
+            apart.append(found)
+            tries += found.tries
+        elif found is not None:
+            tries += effort.samples
+            ways = [] if (first := smooth(found.bend, found.corners)) is None else [first]
+            if searches > 1:
+                ways += _shorter(room, start, goal, found, effort, searches, looks)
+            if ways:
+                return Way(constant(min(ways, key=lambda one: _duration(room, start, one))), between)
+            has_corners = True
+    furthest = _furthest(room, min(apart, key=lambda one: one.left), goal) if apart else None
+    return NoWay(
+        between=between, furthest=furthest, has_corners=has_corners, tries=tries, is_cut=looks.are_over()
+    )
+
+
+class _Looks:
+    """How many joint positions may still be looked at: a look costs more where many bodies are, and a search ends after about the same time."""
+
+    def __init__(self, room: Room, searches: int) -> None:
+        self.left = float(MOST_LOOKS * searches)
+        self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
+
+    def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
+        """Return what says the same, and counts how often it is asked."""
+
+        def look(q: Array) -> bool:
+            self.left -= self.cost
+            return free(q)
+
+        return look
+
+    def are_over(self) -> bool:
+        """Return True if no more are left."""
+        return self.left <= 0.0
+
+
+MOST_LOOKS = 300_000
+"""Joint positions among few bodies that are looked at for each search: more than all efforts need, and about 5 s."""
+
+_MANY = 100.0
+"""With so many bodies a look takes twice as long."""
+
+
+@frozen(eq=False)
+class _Corners:
+    """A way of straight pieces (k, n) [rad or m], and what its curve has to keep clear of; `free` says so of the pieces, looked at `step` (n,) apart [rad or m]."""
+
+    corners: Array
+    bend: Bend
+    free: Callable[[Array], bool]
+    step: Array
+
+
+def _shorter(
+    room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int, looks: _Looks
+) -> Iterator[Array]:
+    """Yield way-points (k, n) of ways that are shortened in time: of the one that is found, and of those that as many searches more give."""
+    for number in range(searches):
+        again = replace(effort, seed=effort.seed + number * _NEXT)
+        found = _found(room, start, goal, again, looks) if number else first
+        if not isinstance(found, _Corners):
+            continue
+        velocity = room.robot.limits.velocity
+        corners = shortened(found.corners, found.free, found.step, velocity, again.seed)
+        waypoints = smooth(found.bend, corners)
         if waypoints is not None:
-            return Way(constant(waypoints), between)
-    return NoWay(between=between)
+            yield waypoints
 
 
-def _parting(room: Room, start: Array, goal: Array) -> Parting | None:
-    """Return the forbidden window of one joint that lies between `start` and `goal` (n,): whatever the other joints do, no motion gets past it."""
-    limits = room.robot.limits
-    for watch in room.watches:
-        window = watch.zone.region
-        if not isinstance(window, JointWindow) or watch.zone.rule != "forbidden":
-            continue
-        narrows = (window.lower > limits.lower) | (window.upper < limits.upper)
-        if np.count_nonzero(narrows) != 1:
-            continue
-        joint = int(np.argmax(narrows))
-        lower, upper = float(window.lower[joint]), float(window.upper[joint])
-        low, high = sorted((float(start[joint]), float(goal[joint])))
-        # a window without width, or with less than what is told apart, parts nothing
-        if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
-            return Parting(watch.zone.name, joint, lower, upper)
-    return None
+_NEXT = 100
+"""From the seed of one search to that of the next of the same effort."""
 
 
-def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | None:
-    """The way-points (k, n) of a way; None where this effort isn't enough."""
+def _duration(room: Room, start: Array, waypoints: Array) -> float:
+    path = through(np.concatenate((start[None], waypoints)), room.robot.chain.is_prismatic)
+    return duration(path.spline, room.robot.limits)
+
+
+def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks) -> _Corners | Apart | None:
+    """Return a way of straight pieces, or how near its ends came to each other; None if the effort isn't for this question."""
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
-    free = room.check(padding)
+    free = looks.counted(room.check(padding))
     if not (free(start) and free(goal)):
         return None
     out, in_ = ([Retreat(q[None])] for q in (start, goal))
@@ -127,9 +211,9 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | Non
         if effort.is_for_lines and len(out) == len(in_) == 1:
             return None
     ends = [np.array([one.corners[-1] for one in side]) for side in (out, in_)]
-    corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free), effort)
-    if corners is None:
-        return None
+    corners = polyline(Question(ends[0], ends[1], room.robot.limits, reach, free, looks.are_over), effort)
+    if isinstance(corners, Apart):
+        return corners
     first, last = (
         next(one.corners for one in side if np.array_equal(one.corners[-1], end))
         for side, end in ((out, corners[0]), (in_, corners[-1]))
@@ -137,7 +221,28 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort) -> Array | Non
     corners = np.concatenate((first[:-1], corners, last[-2::-1]))
     # what is proved needs less room than what is looked for
     kept = np.minimum(padding / 2.0, _PROVED)
-    return smooth(Bend(room, room.check(kept), effort.step / reach, kept), corners)
+    step = effort.step / reach
+    return _Corners(corners, Bend(room, room.check(kept), step, kept), free, step)
+
+
+def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
+    """Return where a search that failed came nearest, and what is in the way from there on."""
+    way = np.linspace(0.0, 1.0, _PLACES)[1:, None] * (apart.beyond - apart.q)
+    places = apart.q + way
+    # only bodies that are near decide: what the search kept clear of by its padding is in the way as well
+    spare = room.clearances(places, _NEAR)
+    blocked = np.flatnonzero(spare <= 0.0)
+    at = int(blocked[0]) if len(blocked) else int(np.argmin(spare))
+    poses = flange_poses(room.robot.chain, np.stack([apart.q, goal])) @ room.flange_from_moving
+    left = float(np.linalg.norm(poses[1, :3, 3] - poses[0, :3, 3]))
+    return Furthest(constant(apart.q.copy()), left, room.nearest(places[at]))
+
+
+_PLACES = 129
+"""Places from where a search came nearest to what it didn't reach."""
+
+_NEAR = 0.1
+"""Bodies that are farther apart than their margins by this are in nobody's way [m]."""
 
 
 def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:

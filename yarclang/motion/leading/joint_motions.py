@@ -9,7 +9,7 @@ import numpy as np
 from yarclang.diagnostics import Collector
 from yarclang.hir import Array, AvoidMove, JointDelta, JointGoal, JointMove, PoseGoal, SplineMove, TimedMove
 from yarclang.motion.avoid.messages import configuration_without_way, no_way, way_round
-from yarclang.motion.avoid.way import NoWay, Way, find_way
+from yarclang.motion.avoid.way import OTHERS, QUICK, NoWay, Way, find_way
 from yarclang.motion.leading import messages
 from yarclang.motion.leading.led import NOWHERE, Led
 from yarclang.motion.leading.solving import Solver, is_free
@@ -49,11 +49,13 @@ def avoiding_motion(
     if end is None or any(one.is_error for one in findings.found):
         return Led(None, end, None)
     room = solver.room(step)
-    way = find_way(room, stands, end, is_short=solver.is_again)
+    way = find_way(room, stands, end, efforts=QUICK if solver.is_again else None, searches=solver.searches)
     if isinstance(way, NoWay) and way.start is None and choice is None and isinstance(step.goal, PoseGoal):
         others = solver.others(step.goal, stands, step) if is_free(step.goal) else iter(())
         for other in islice(others, _CONFIGURATIONS - 1):
-            found = find_way(room, stands, other, is_short=solver.is_again)
+            found = find_way(
+                room, stands, other, efforts=QUICK if solver.is_again else OTHERS, searches=solver.searches
+            )
             if isinstance(found, Way):
                 findings.add(*configuration_without_way(solver.robot, step, other, end, way))
                 end, way = other, found

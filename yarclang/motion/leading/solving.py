@@ -28,13 +28,14 @@ class Solver:
     """Solves poses for a robot in its cell.
 
     `measures` is True to search for how far poses are out of reach, and for poses beside those that can't be taken; `is_again` if a search for this command has found nothing before, in an earlier round
-    of a loop: then the next one is short.
+    of a loop: then the next one is short. `searches` is how many ways round are looked for, of which the quickest is taken.
     """
 
     robot: Robot
     cell: Cell | None = None
     measures: bool = True
     is_again: bool = False
+    searches: int = 1
 
     def room(self, step: Motion) -> Room | None:
         """What is around while a motion is under way."""

@@ -1,0 +1,168 @@
+"""Points of PCD files, the point clouds of PCL: text, binary, and compressed."""
+
+from __future__ import annotations
+
+import re
+import struct
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.meshes.wording import cut_off
+
+_HEADER = re.compile(
+    rb"((?:[ \t]*(?:#|[A-Z])[^\n]*\n|[ \t\r]*\n){1,60}?)DATA[ \t]+(ascii|binary_compressed|binary)[ \t]*\r?\n"
+)
+_LONGEST_HEADER = 20_000
+_KINDS = {
+    ("F", "4"): "<f4",
+    ("F", "8"): "<f8",
+    **{(sign, str(size)): f"<{sign.lower()}{size}" for sign in "IU" for size in (1, 2, 4, 8)},
+}
+_HERE = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
+_MOST_NUMBERS = 1_000
+
+
+class _FaultError(Exception):
+    """The end of a sentence that names a fault."""
+
+
+def pcd_points(content: bytes) -> NDArray[np.float64] | str:
+    """Return the points (N, 3) of a PCD file, in its own unit; or the end of a sentence that names what makes the file useless.
+
+    Places that a sensor has not seen are in it as NaN.
+
+    Args:
+        content: of the file. Other fields than x, y and z may be anything.
+    """
+    header = _HEADER.match(content[:_LONGEST_HEADER])
+    if header is None:
+        return "has no header of a PCD file"
+    try:
+        columns, count = _columns(header[1].decode("ascii", "replace"))
+        body = memoryview(content)[header.end() :]
+        if header[2] == b"ascii":
+            return _text(bytes(body), columns, count)
+        return _binary(body, columns, count) if header[2] == b"binary" else _compressed(body, columns, count)
+    except _FaultError as fault:
+        return str(fault)
+
+
+def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
+    """Return the name and the type of each number of a point, and how many points there are."""
+    said = {}
+    for words in map(str.split, text.splitlines()):
+        if words and not words[0].startswith("#"):
+            said[words[0]] = words[1:]
+    names = said.get("FIELDS", [])
+    sizes, kinds = said.get("SIZE", []), said.get("TYPE", [])
+    counts = said.get("COUNT", ["1"] * len(names))
+    if not names or not len(names) == len(sizes) == len(kinds) == len(counts):
+        raise _FaultError("has a header whose FIELDS, SIZE, TYPE and COUNT don't belong together")
+    columns = []
+    for name, size, kind, count in zip(names, sizes, kinds, counts, strict=True):
+        if (kind, size) not in _KINDS or not re.fullmatch(r"[0-9]{1,3}", count):
+            raise _FaultError(f"has a field {name[:20]} of a type that no PCD file has")
+        columns += [(name if count == "1" else "_", _KINDS[kind, size])] * int(count)
+    if any([name for name, _ in columns].count(axis) != 1 for axis in "xyz") or len(columns) > _MOST_NUMBERS:
+        raise _FaultError("has points without one x, one y and one z")
+    _stands_at_its_origin(said.get("VIEWPOINT"))
+    number = "".join(said.get("POINTS", []))
+    if not re.fullmatch(r"[0-9]{1,10}", number):
+        raise _FaultError("doesn't say how many POINTS it has")
+    return columns, int(number)
+
+
+def _stands_at_its_origin(viewpoint: list[str] | None) -> None:
+    """Refuse a cloud that was seen from elsewhere: its readers don't agree on whether its numbers count from there."""
+    try:
+        pose = _HERE if viewpoint is None else [float(one) for one in viewpoint]
+    except ValueError:
+        pose = []
+    if pose != _HERE:
+        raise _FaultError(
+            "has a VIEWPOINT other than 0 0 0 1 0 0 0, from which some readers count its points and others don't: save it with this one"
+        )
+
+
+def _text(body: bytes, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
+    words = body.split()
+    if len(words) != count * len(columns):
+        raise _FaultError(
+            f"has {len(words):,} numbers, and not the {count * len(columns):,} of {count:,} points"
+        )
+    try:
+        rows = np.array(words).astype(np.float64).reshape(count, len(columns))
+    except ValueError:
+        raise _FaultError("has a word that is no number") from None
+    names = [name for name, _ in columns]
+    found: NDArray[np.float64] = rows[:, [names.index(axis) for axis in "xyz"]]
+    return found
+
+
+def _binary(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
+    kind = np.dtype([(str(at), one) for at, (_, one) in enumerate(columns)])
+    if len(body) < count * kind.itemsize:
+        raise _FaultError(cut_off(f"{len(body):,} bytes of points", f"{count * kind.itemsize:,}"))
+    rows = np.frombuffer(body, kind, count) if count else np.zeros(0, kind)
+    names = [name for name, _ in columns]
+    with np.errstate(invalid="ignore"):  # NaNs of any kind
+        return np.stack([rows[str(names.index(axis))].astype(np.float64) for axis in "xyz"], axis=1)
+
+
+def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
+    """Return the points of fields that stand one after the other, each of all points."""
+    if len(body) < 8:
+        raise _FaultError(cut_off(f"{len(body)} bytes of points", "at least 8"))
+    packed, size = struct.unpack_from("<II", body)
+    widths = [np.dtype(kind).itemsize for _, kind in columns]
+    if size != count * sum(widths):
+        raise _FaultError(
+            f"has points of {size:,} bytes, and not the {count * sum(widths):,} of {count:,} points"
+        )
+    if len(body) - 8 < packed:
+        raise _FaultError(cut_off(f"{len(body) - 8:,} bytes of points", f"{packed:,}"))
+    plain = _unpacked(bytes(body[8 : 8 + packed]), size)
+    found = np.empty((count, 3))
+    at = 0
+    for (name, kind), width in zip(columns, widths, strict=True):
+        if name in ("x", "y", "z"):
+            with np.errstate(invalid="ignore"):  # NaNs of any kind
+                found[:, "xyz".index(name)] = np.frombuffer(plain, kind, count, at) if count else 0.0
+        at += count * width
+    return found
+
+
+def _unpacked(packed: bytes, size: int) -> bytes:
+    """Return what LZF has packed: bytes as they are, and what repeats those that came before."""
+    found = bytearray()
+    at, end = 0, len(packed)
+    try:
+        while at < end and len(found) <= size:
+            control = packed[at]
+            at += 1
+            if control < _LITERAL:
+                found += packed[at : at + control + 1]
+                at += control + 1
+                continue
+            length = control >> 5
+            if length == _LONG:
+                length += packed[at]
+                at += 1
+            start = len(found) - ((control & (_LITERAL - 1)) << 8) - packed[at] - 1
+            at += 1
+            length += 2
+            if start < 0:
+                raise _FaultError("has compressed points that are damaged")
+            piece = found[start : start + length]
+            # what is repeated may overlap what it makes
+            found += (piece * (length // len(piece) + 1))[:length]
+    except IndexError:
+        raise _FaultError("has compressed points that are damaged") from None
+    if len(found) != size:
+        raise _FaultError("has compressed points that are damaged")
+    return bytes(found)
+
+
+_LITERAL, _LONG = 32, 7
+"""Below the one a control byte of LZF counts bytes as they are; the other is a length that goes on in the next byte."""

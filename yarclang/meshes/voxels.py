@@ -1,0 +1,86 @@
+"""Point clouds as bodies: the cubes of a grid that have a point inside, as one closed mesh."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.frozen import frozen
+
+Array = NDArray[np.float64]
+
+_MOST_CELLS = 1 << 60
+"""Cells of the box around all points at most, so that each has a number."""
+
+
+@frozen(eq=False)
+class Voxels:
+    """The outer triangles (T, 3, 3) of all cubes that have a point inside, and how many cubes these are."""
+
+    triangles: Array
+    cubes: int
+
+
+@frozen
+class TooMany:
+    """The triangles of cubes that are too small, or 0 if the cubes are so small that they have no numbers."""
+
+    triangles: int
+
+
+def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
+    """Return the body of points, if it has no more than so many triangles.
+
+    Each point is in a cube or on its faces. Each edge of the mesh belongs to two of its triangles, or to four: so the mesh is closed, and counts as solid.
+
+    Args:
+        points: (N, 3), finite, at least one.
+        edge: of a cube; faces stand at its multiples.
+        most: triangles.
+    """
+    with np.errstate(over="ignore"):
+        places = np.floor(points / edge)
+    low = places.min(axis=0) - 1.0
+    # one more cell around it, so that each cube has a neighbour on every side
+    sizes = [int(one) for one in places.max(axis=0) - low + 2.0]
+    if (
+        not np.isfinite(low).all()
+        or max(abs(low).max(), *sizes) >= _EXACT
+        or sizes[0] * sizes[1] * sizes[2] >= _MOST_CELLS
+    ):
+        return TooMany(0)
+    strides = np.array([sizes[1] * sizes[2], sizes[2], 1])
+    cells = np.unique((places - low).astype(np.int64) @ strides)
+    faces = [(axis, side) for axis in range(3) for side in (0, 1)]
+    outer = [_without(cells, cells + (2 * side - 1) * strides[axis]) for axis, side in faces]
+    count = 2 * sum(len(one) for one in outer)
+    if count > most:
+        return TooMany(count)
+    triangles = []
+    for one, (axis, side) in zip(outer, faces, strict=True):
+        at = np.stack((one // strides[0], one // strides[1] % sizes[1], one % sizes[2]), axis=1) + low
+        triangles.append((at[:, None, None, :] + _face(axis, side)).reshape(-1, 3, 3))
+    return Voxels(np.concatenate(triangles) * edge, len(cells))
+
+
+def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the cells whose neighbour isn't among the cells, which are sorted."""
+    row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
+    outer: NDArray[np.int64] = cells[cells[row] != beyond]
+    return outer
+
+
+_EXACT = float(1 << 52)
+"""Integers below this are exact."""
+
+
+def _face(axis: int, side: int) -> Array:
+    """Return the two triangles (2, 3, 3) of a face of the cube from 0 to 1; seen from outside, their corners go round to the left."""
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    corners = np.zeros((4, 3))
+    corners[:, axis] = side
+    corners[[1, 2], first] = 1.0
+    corners[[2, 3], second] = 1.0
+    order = ((0, 1, 2), (0, 2, 3)) if side else ((0, 2, 1), (0, 3, 2))
+    found: Array = corners[np.array(order)]
+    return found

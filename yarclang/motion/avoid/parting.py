@@ -1,0 +1,105 @@
+"""Zones that part two joint positions for sure: whatever the other joints do, no motion gets past them. They are seen without a search."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.cell.model import JointWindow, ShapeRegion
+from yarclang.collision.zones.moved import Arm
+from yarclang.collision.zones.watched import Item
+from yarclang.collision.zones.windows import SLACK as WINDOW_SLACK
+from yarclang.collision.zones.workspace import SLACK, Watch
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.avoid.room import Room
+from yarclang.robot.kinematics.fk import lines_of
+from yarclang.robot.model import Chain, Limits
+from yarclang.shapes import Box
+
+
+@frozen
+class Parting:
+    """A forbidden window of one joint alone, number `joint` (from 0), between start and goal: `lower` to `upper` [rad or m] of the zone `name`."""
+
+    name: str
+    joint: int
+    lower: float
+    upper: float
+
+
+@frozen
+class Barrier:
+    """A forbidden box, zone `name`, that the arm can't reach past, between where it watches `item` at the start and at the goal."""
+
+    name: str
+    item: str
+
+
+def parting(room: Room, start: Array, goal: Array) -> Parting | Barrier | None:
+    """Return a zone that no motion from `start` to `goal` (n,) [rad or m] gets past; None where no zone is one for sure."""
+    for watch in room.watches:
+        if watch.zone.rule != "forbidden":
+            continue
+        found = _window(room.robot.limits, watch, start, goal) or _barrier(room, watch, start, goal)
+        if found is not None:
+            return found
+    return None
+
+
+def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting | None:
+    window = watch.zone.region
+    if not isinstance(window, JointWindow):
+        return None
+    narrows = (window.lower > limits.lower) | (window.upper < limits.upper)
+    if np.count_nonzero(narrows) != 1:
+        return None
+    joint = int(np.argmax(narrows))
+    lower, upper = float(window.lower[joint]), float(window.upper[joint])
+    low, high = sorted((float(start[joint]), float(goal[joint])))
+    # a window without width, or with less than what is told apart, parts nothing
+    if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
+        return Parting(watch.zone.name, joint, lower, upper)
+    return None
+
+
+def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | None:
+    """Return the barrier that a zone is: a point of what it watches would have to go through the box, whose other faces are out of its reach."""
+    region, item = watch.zone.region, watch.item
+    if item is None or watch.zone.posture is not None:
+        return None
+    if not (isinstance(region, ShapeRegion) and isinstance(region.shape, Box)):
+        return None
+    middle, radius = _reach(room.robot.chain, room.robot.limits, item)
+    turn, origin = region.base_from_shape[:3, :3], region.base_from_shape[:3, 3]
+    half = region.shape.size / 2.0
+    covered = np.abs((middle - origin) @ turn) + radius < half
+    posed = Arm.at(room.scene, np.stack([start, goal])).of(item)
+    sides = (posed.point(item.points[0]) - origin) @ turn
+    for axis in range(3):
+        low, high = sorted(sides[:, axis].tolist())
+        if (
+            np.delete(covered, axis).all()
+            and low < -half[axis] < half[axis] < high
+            and half[axis] > 2.0 * SLACK
+        ):
+            return Barrier(watch.zone.name, item.name)
+    return None
+
+
+def _reach(chain: Chain, limits: Limits, item: Item) -> tuple[Array, float]:
+    """Return a ball, middle (3,) in {B} and radius [m], that the first point of an item never leaves.
+
+    A turn about an axis leaves the distance to each of its points as it is: from the item to the first axis, the distances from one axis to the nearest point of
+    the next add up, and so does what slides.
+    """
+    lines, way = lines_of(chain), np.maximum(np.abs(limits.lower), np.abs(limits.upper))
+    point, radius = item.points[0], 0.0
+    for joint in reversed(range(item.joint)):
+        slide = abs(float(lines.slide[joint]))
+        radius += slide * float(way[joint]) if slide else 0.0
+        if lines.turn[joint]:
+            axis, origin = lines.axes[joint], lines.points[joint]
+            nearest = origin + axis * float(axis @ (point - origin))
+            radius += float(np.linalg.norm(point - nearest))
+            point = nearest
+    return point, radius

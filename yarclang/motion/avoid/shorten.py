@@ -1,0 +1,129 @@
+"""Ways made shorter in time: what counts is how long the joints need at their limits, not how far bodies go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from yarclang.hir import Array
+from yarclang.motion.natural import NaturalSpline
+from yarclang.progress import go_on
+from yarclang.robot.model import Limits
+
+TRIES = 200
+"""So many shortcuts are tried."""
+
+_LEAST = 0.005
+"""A shortcut that saves a smaller share of the whole way isn't looked at."""
+
+_PLACES = 201
+
+
+def duration(curve: NaturalSpline, limits: Limits) -> float:
+    """Return about how long a curve takes from rest to rest within the limits of velocity and acceleration [s], by a law that is a polynomial of degree 5."""
+    u = np.linspace(0.0, 1.0, _PLACES)[:, None]
+    rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
+    s = (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))[:, 0]
+    slope = curve.slope_at(s)
+    bend = np.column_stack([np.interp(s, curve.knots, one) for one in curve.bends.T])
+    by_velocity = float((np.abs(slope) * rate / limits.velocity).max())
+    by_acceleration = float((np.abs(bend * rate**2 + slope * change) / limits.acceleration).max())
+    return max(by_velocity, float(np.sqrt(by_acceleration)))
+
+
+def shortened(
+    corners: Array, free: Callable[[Array], bool], step: Array, velocity: Array, seed: int
+) -> Array:
+    """Return a way of straight pieces (k, n) [rad or m] that takes less time at the joints' largest speeds, with the same ends.
+
+    Pieces are replaced by straight ones, of all joints or of one joint alone, wherever that is shorter and free.
+
+    Args:
+        corners: (w, n) [rad or m], of a way that is free.
+        free: says if a joint position (n,) is.
+        step: (n,) how far apart joint positions are looked at [rad or m].
+        velocity: (n,) the joints' largest speeds [rad/s or m/s].
+        seed: of what is tried.
+    """
+    random = np.random.default_rng(seed)
+    points = corners
+    for _ in range(TRIES):
+        if len(points) < 3:
+            break
+        go_on()
+        length = _length(points, velocity)
+        whole = float(length[-1])
+        first, last = np.sort(random.random(2)) * whole
+        joint = int(random.integers(-1, len(velocity)))
+        candidate, begin, end = _cut(points, length, float(first), float(last), joint)
+        if _length(candidate, velocity)[-1] > whole * (1.0 - _LEAST):
+            continue
+        if all(
+            _is_free(one, other, free, step)
+            for one, other in zip(candidate[begin:end], candidate[begin + 1 : end + 1], strict=True)
+        ):
+            points = _without_idle(candidate, velocity)
+    return points
+
+
+def _length(points: Array, velocity: Array) -> Array:
+    """Return how long the way takes up to each corner, (k,): by the slowest joint, and a little by all of them [s]."""
+    legs = np.abs(np.diff(points, axis=0)) / velocity
+    taken = legs.max(axis=1) + _ALL * np.linalg.norm(legs, axis=1)
+    return np.concatenate(([0.0], np.cumsum(taken)))
+
+
+_ALL = 0.1
+"""How much the other joints count beside the slowest, so that they don't wander."""
+
+
+def _cut(points: Array, length: Array, first: float, last: float, joint: int) -> tuple[Array, int, int]:
+    """Return the way with a straight piece from one place to another, of all joints (`joint` is -1) or of one; and between which of its corners it is new."""
+    legs = np.searchsorted(length, [first, last], side="right") - 1
+    legs = np.minimum(legs, len(points) - 2)
+    shares = (np.array([first, last]) - length[legs]) / np.maximum(np.diff(length)[legs], 1e-12)
+    start, stop = points[legs] + shares[:, None] * (points[legs + 1] - points[legs])
+    middles = points[legs[0] + 1 : legs[1] + 1].copy()
+    if joint < 0:
+        middles = middles[:0]
+    elif len(middles):
+        share = (length[legs[0] + 1 : legs[1] + 1] - first) / max(last - first, 1e-12)
+        middles[:, joint] = start[joint] + share * (stop[joint] - start[joint])
+    found = np.concatenate((points[: legs[0] + 1], start[None], middles, stop[None], points[legs[1] + 1 :]))
+    begin = int(legs[0]) + 1
+    return found, begin, begin + len(middles) + 1
+
+
+def _is_free(one: Array, other: Array, free: Callable[[Array], bool], step: Array) -> bool:
+    """Return True if the straight piece between two joint positions is free, its middle looked at first."""
+    count = max(int(np.ceil(np.linalg.norm((other - one) / step))), 1)
+    order = _by_halves(count)
+    return all(free(q) for q in one + (order / count)[:, None] * (other - one))
+
+
+def _by_halves(count: int) -> Array:
+    """Return 0 to `count`, those first that are farthest from all before: a piece that isn't free is seen early."""
+    places = np.arange(count + 1)
+    stride = 1 << int(np.ceil(np.log2(count + 1)))
+    found = []
+    while stride:
+        found.append(places[stride :: 2 * stride] if stride <= count else places[:1])
+        stride //= 2
+    return np.concatenate(found).astype(float)
+
+
+def _without_idle(points: Array, velocity: Array) -> Array:
+    """Return the way without corners that stand on each other or on a straight line."""
+    kept = [points[0]]
+    for at in range(1, len(points) - 1):
+        before, here, after = kept[-1], points[at], points[at + 1]
+        into, on = (here - before) / velocity, (after - here) / velocity
+        a, b = float(np.linalg.norm(into)), float(np.linalg.norm(on))
+        if a > _SAME and b > _SAME and float(np.linalg.norm(into / a - on / b)) > _SAME:
+            kept.append(here)
+    return np.array([*kept, points[-1]])
+
+
+_SAME = 1e-6
+"""Nothing is made of corners nearer to each other [s], or of smaller turns."""

@@ -90,9 +90,9 @@ def test_the_triangles_are_those_of_coals_reader(made, tmp_path, monkeypatch):
     import coal
 
     shape = mesh(tmp_path, made(30_000), (-1.0, 2.0, 0.5))
-    assert shape.path.stat().st_size >= geometry._LARGE_STL
+    assert shape.path.stat().st_size >= geometry._LARGE
     quick = geometry_of(shape)
-    monkeypatch.setattr(geometry, "_LARGE_STL", 10**9)
+    monkeypatch.setattr(geometry, "_LARGE", 10**9)
     slow = geometry_of(shape)
     assert (quick.skin is None) is (slow.skin is None) is (made is scan)
     assert quick.is_hollow

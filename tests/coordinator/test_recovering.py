@@ -13,10 +13,11 @@ from hypothesis import strategies as st
 from tests.collision.dense import Dense
 from tests.floors import exercises
 from yarclang.coordinator.attached import Here
-from yarclang.coordinator.loading import Source
+from yarclang.coordinator.loading import Source, load
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.recovering import find_recovery
 from yarclang.handling.walk import flange_pose
+from yarclang.robot.description import load_robot
 from yarclang.runtime.actions import Trouble
 
 POST = """units = "mm,deg"
@@ -324,6 +325,68 @@ def test_from_anywhere_it_is_clear_of_everything(tally, tmp_path, here):
     assert Dense(robot, cell).distances(q).min() > 0.0
     speeds = np.abs(np.diff(q, axis=0) / (plan.duration / 399)).max(axis=0)
     assert (speeds / robot.limits.velocity).max() <= robot.controller.rapid_share * 1.001
+
+
+def found_from(folder, text, degrees, cell=POST, **options):
+    """What is found for a robot that stands somewhere, without a controller."""
+    robot = load_robot("INDUSTRIAL6").value
+    made = load(Source(str(project(folder, cell, text) / "p.yarc"), **options), robot)
+    assert made.value is not None, made.diagnostics
+    return find_recovery(robot, made.value, np.radians(degrees), lambda cell, start: None)
+
+
+@pytest.mark.parametrize(("off", "place"), [(0.01, None), (1e-6, "the start"), (0.0, "the start")])
+def test_a_joint_beyond_its_limit_is_named(tmp_path, off, place):
+    """J1 goes to 170 deg; what is off by rounding stands on the limit."""
+    made = found_from(tmp_path, SKIPPING, [170.0 + off, 0, 0, 0, 0, 0])
+    assert (made.value and made.value.place.title) == place
+    if place is None:
+        (finding,) = made.diagnostics
+        assert finding.message.startswith(
+            "J1 stands at 170.0100 deg, 0.0100 deg beyond its limits -170 to 170"
+        )
+
+
+def test_a_program_that_moves_nothing_has_only_its_start(tmp_path):
+    text = 'ROBOT INDUSTRIAL6\nCELL "cell.toml"\nP0010 STOP\n'
+    made = found_from(tmp_path, text, RIGHT)
+    assert made.value is None
+    assert "to the start is proved: the robot can't go to the start" in made.diagnostics[0].message
+    free = found_from(tmp_path, text, RIGHT, 'units = "mm,deg"\n')
+    assert free.value.place.title == "the start"
+
+
+def test_a_command_behind_ways_is_named_and_those_inside_are_no_places(tmp_path):
+    made = found_from(tmp_path, PROGRAM, RIGHT, first="P0070")
+    assert (made.value.place.index, made.value.place.title) == ("P0070", "P0070 MOVEJ")
+    plan = made.value.made.plan
+    assert np.degrees(plan.motions[-1].waypoints[-1]) == pytest.approx([-60, 10, -20, 0, -30, 0])
+    # the start is in the window, P0040, P0050 and P0060 are inside of the WHEN
+    cell = """units = "mm,deg"
+[[zones]]
+name = "NEVER"
+rule = "forbidden"
+shape = "joints"
+joints = { J1 = [-10, 10] }
+"""
+    refused = found_from(tmp_path, PROGRAM, RIGHT, cell)
+    assert refused.value is None
+    assert "P0040" not in refused.diagnostics[0].message
+
+
+def test_of_a_program_of_a_thousand_motions_few_places_are_tried(tmp_path):
+    lines = [f"P{10 * at + 10:05d} MOVEJ {-60 - at % 7} 20 -20 0 -30 0 [1] (deg,s)" for at in range(1000)]
+    text = "\n".join(['ROBOT INDUSTRIAL6\nCELL "cell.toml"\nSTART -60 20 -20 0 -30 0 (deg)', *lines, ""])
+    cell = """units = "mm,deg"
+[[zones]]
+name = "NEVER"
+rule = "forbidden"
+shape = "joints"
+joints = { J1 = [-10, 10] }
+"""
+    made = found_from(tmp_path, text, RIGHT, cell)
+    assert made.value is None
+    assert "to the start or to the 4 nearest places of the program" in made.diagnostics[0].message
 
 
 def flange(robot, degrees):

@@ -45,7 +45,7 @@ class Opened:
 
     async def _main(self):
         self._loop, self._end = asyncio.get_running_loop(), asyncio.Event()
-        session = OrderedSession("127.0.0.1", 1025)
+        session = self._session = OrderedSession("127.0.0.1", 1025)
         self.coordinator = Coordinator(self._robot, session, folder=Path(), log=NO_LOG)
         self.coordinator.engine.under_way = "a.yarc"
         self.operation = session.operation
@@ -69,7 +69,7 @@ class Opened:
                 self.operation.asked_for += 1
                 number = WANTED.number + self.operation.asked_for
                 self.operation.want(Wanted(number, WANTED.place, WANTED.registers, WANTED.needed))
-            self.operation.notices.clear()
+            self._session._tell()  # as it does between two steps of what it carries out
 
     @property
     def url(self):

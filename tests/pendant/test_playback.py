@@ -20,6 +20,20 @@ P0050 STOP
 """
 
 
+FAR = """ROBOT INDUSTRIAL6
+CELL "parted.toml"
+START 60 0 0 0 20 0 (deg)
+P0010 MOVEJ 65 0 0 0 20 0 [2] (deg,s)
+"""
+PARTED = """units = "mm,deg"
+[[zones]]
+name = "NEVER"
+rule = "forbidden"
+shape = "joints"
+joints = { J1 = [20, 30] }
+"""
+
+
 SIZE = 1024, 700
 """Without the picture, which software draws here, and slowly: it has tests of its own."""
 
@@ -29,6 +43,8 @@ def place(tmp_path_factory):
     browser_or_skip()
     folder = tmp_path_factory.mktemp("playback")
     (folder / "job.yarc").write_text(TEXT)
+    (folder / "far.yarc").write_text(FAR)
+    (folder / "parted.toml").write_text(PARTED)
     with serving(folder) as (url, token, process), opened_browser(folder / "profile") as browser:
         found = Place(url, token, process, browser)
         found.folder = folder
@@ -50,15 +66,15 @@ def press(browser, where, label):
     )
 
 
-def chosen(place):
-    """Choose the program anew; return once it is proved."""
+def chosen(place, name="job.yarc"):
+    """Choose a program anew; return once it is proved."""
     browser = place.browser
     until(lambda: place.api.order("status")["state"] == "stop")
     goes_to(browser, "status")
     goes_to(browser, "run")
     if not browser.execute_script("return document.querySelector('.playback .head').hidden"):
         press(browser, ".head", "Programs")
-    press(browser, ".programs", "job.yarc")
+    press(browser, ".programs", name)
     until(lambda: "Version" in shown(browser, ".chosen"), 60.0)
     return browser
 
@@ -193,3 +209,16 @@ def test_a_loop_is_held_and_resumed(place):
     until(lambda: "Pass 2 of 2" in shown(browser, ".doing"), 30.0)
     until(lambda: shown(browser, ".commands [aria-current]"))
     until(lambda: "job.yarc is done, 2 times" in shown(browser, ".chosen"), 30.0)
+
+
+def test_a_start_that_cannot_be_reached_and_no_place_either(place):
+    """The robot stands at HOME; all of the program lies behind a window that is forbidden."""
+    browser = chosen(place, "far.yarc")
+    before = place.joints()
+    press(browser, ".actions", "Run")
+    until(lambda: "can't get to its start" in shown(browser, ".ask"), 30.0)
+    press(browser, ".ask", "Nearest place")
+    until(lambda: "No proved motion leads from where the robot stands" in shown(browser, ".ask"), 60.0)
+    assert "NEVER" in shown(browser, ".ask")
+    press(browser, ".ask", "Close")
+    assert place.joints() == pytest.approx(before, abs=0.01)

@@ -83,6 +83,9 @@ def recovery(
     Returns:
         A finding instead, if no motion is proved.
     """
+    if (beyond := _beyond(robot, here)) is not None:
+        return Result(None, (beyond,))
+    here = np.clip(here, robot.limits.lower, robot.limits.upper)
     refused: tuple[Diagnostic, ...] = ()
     tried: list[Place] = []
     others = _others(plan, start, here, robot) if plan is not None and nearest else iter(())
@@ -100,6 +103,21 @@ def recovery(
         if is_known and _is_blocked(robot, here, cell):
             break  # no other place is nearer to something that the robot is in already
     return Result(None, (_no_way(tried, refused), *refused))
+
+
+def _beyond(robot: Robot, here: Array) -> Diagnostic | None:
+    """Return a finding if a joint stands beyond its limit; by less than `_SAME` is on it."""
+    excess = np.maximum(robot.limits.lower - here, here - robot.limits.upper)
+    joint = int(np.argmax(excess))
+    if excess[joint] <= _SAME:
+        return None
+    unit, scale = robot.axis_unit_names[joint], robot.axis_units[joint]
+    lower, upper = robot.limits.lower[joint] / scale, robot.limits.upper[joint] / scale
+    message = (
+        f"{robot.joint_names[joint]} stands at {here[joint] / scale:.4f} {unit}, {excess[joint] / scale:.4f} {unit} beyond its limits "
+        f"{lower:g} to {upper:g}: no motion from there is proved"
+    )
+    return Diagnostic(NOT_RECOVERED, message, help="move this joint back by the controller's own jog, slowly")
 
 
 def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, number: int = 0) -> Place:
@@ -125,9 +143,9 @@ def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Part
 
 def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
     """Yield the places at which the program may begin, nearest first, by the time that the slowest joint needs."""
-    begins = [first for first, _ in chains(plan)]
-    if not begins:
+    if not plan.motions:
         return
+    begins = [first for first, _ in chains(plan)]
     there = np.array([plan.motions[first].curve.points[0] for first in begins])
     far = (np.abs(there - here) / robot.limits.velocity).max(axis=1)
     seen = [start.there]

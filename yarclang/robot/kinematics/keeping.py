@@ -58,7 +58,7 @@ def kept_within(
 
 
 class _Kept:
-    """What ways of an arm keep to: limits (K, n) for each, no nearer to those of the arm than `ROOM` but for where they start."""
+    """Limits (K, n) for ways of an arm that start at `starts` (K, n): those of the arm less `ROOM`, as far as the starts keep within these."""
 
     __slots__ = ("chain", "lower", "scale", "starts", "upper")
 

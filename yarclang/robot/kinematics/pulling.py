@@ -127,7 +127,11 @@ def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Arra
 
 
 class Pull:
-    """What joint positions are pulled to: a pose (4, 4), or one for each (k, 4, 4), within limits (n,) each, and a reference (n,), or (k, n). Ways of joints count in units of `scale` (n,) [rad or m]."""
+    """The target of joint positions (k, n) that are pulled.
+
+    It is a pose (4, 4), or one for each of them (k, 4, 4), and a reference (n,) or (k, n), within the limits `lower` and `upper` (n,). Ways of joints count in units of `scale` (n,) [rad or m],
+    all alike if None.
+    """
 
     __slots__ = ("chain", "lower", "pose", "reference", "scale", "target", "upper")
 

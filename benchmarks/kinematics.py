@@ -43,7 +43,8 @@ from yarclang.robot.model import Chain, Limits
 from yarclang.robot.urdf import MOVING, read_urdf
 from yarclang.source import SourceFile
 
-COUNT, PEER_COUNT = 10_000, 1000
+COUNT, PEER_COUNT, SPARE_COUNT = 10_000, 1000, 300
+BAXTER = "baxter_description/urdf/baxter.urdf"
 TASKS = {
     # base, tip, the peers that know such an arm
     "UR5": ("base_link", "tool0", ("pin", "rtb", "eaik")),
@@ -114,25 +115,47 @@ def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
 
 
 def measure_spare(_: argparse.Namespace) -> Iterator[str]:
-    """The nearest solution of arms with one joint more than a pose needs, from any joint position within limits."""
+    """The nearest solution of arms with more joints than a pose needs, from any joint position within limits, and from one nearby."""
     ours = {name: made.seven(name) for name in made.SEVEN}
     six = np.radians([170, 135, 150, 190, 130, 360])
     ours["INDUSTRIAL6 on a rail"] = made.on_rail(made.industrial6()[0], six)
     ours["UR5 on a rail"] = made.on_rail(made.COBOTS["ur5"], np.full(6, 2.0 * math.pi))
-    yield "| nearest solution, alone (CPU time) | median | 95 % | solved | goal |\n|---|---|---|---|---|"
+    ours |= {"YuMi": made.yumi7(), "Baxter": _baxter(), "Sawyer": made.sawyer7()}
+    ours |= {"Panda on a rail": _on_rail(made.seven("panda")), "Panda on a base": made.on_base(1.0)}
+    yield "| nearest solution (CPU time) | median | 95 % | from nearby, median | solved | goal |\n|---|---|---|---|---|---|"
     for name, (chain, limits) in ours.items():
-        count = COUNT if name == "panda" else PEER_COUNT
-        poses, near = flange_poses(chain, _draw(chain, limits, count)), _draw(chain, limits, count)[::-1]
-        times, solved = [], 0
-        for pose, reference in zip(poses, near, strict=True):
-            begun = time.process_time()
-            found = nearest_solutions(chain, limits, pose, reference)
-            times.append(time.process_time() - begun)
-            solved += isinstance(found, Solutions) and bool(
-                np.abs(flange_poses(chain, found.q) - pose).max() < 1e-8
+        count = COUNT if name == "panda" else PEER_COUNT if name in made.SEVEN else SPARE_COUNT
+        q = _draw(chain, limits, count)
+        nearby = np.clip(q + np.random.default_rng(3).normal(0.0, 0.1, q.shape), limits.lower, limits.upper)
+        poses, away = flange_poses(chain, q), _draw(chain, limits, count)[::-1]
+        times, solved = {"away": [], "nearby": []}, 0
+        for number, pose in enumerate(poses):
+            found = {}
+            for key, references in (("away", away), ("nearby", nearby)):
+                begun = time.process_time()
+                found[key] = nearest_solutions(chain, limits, pose, references[number], is_only=True)
+                times[key].append(time.process_time() - begun)
+            solved += all(
+                isinstance(one, Solutions) and bool(np.abs(flange_poses(chain, one.q) - pose).max() < 1e-8)
+                for one in found.values()
             )
-        middle, most = 1e3 * statistics.median(times), 1e3 * float(np.percentile(times, 95))
-        yield f"| {name} | {middle:.2f} ms | {most:.2f} ms | {solved:,} of {count:,} | 2 ms |"
+        middle, most = 1e3 * statistics.median(times["away"]), 1e3 * float(np.percentile(times["away"], 95))
+        near = 1e3 * statistics.median(times["nearby"])
+        yield f"| {name} | {middle:.2f} ms | {most:.2f} ms | {near:.2f} ms | {solved:,} of {count:,} | 2 ms |"
+
+
+def _on_rail(arm: tuple[Chain, Limits]) -> tuple[Chain, Limits]:
+    """An arm on a rail of 2 m."""
+    chain, limits = arm
+    on_rail, _ = made.on_rail(chain, limits.upper)
+    return on_rail, made.limits_of(np.r_[-1.0, limits.lower], np.r_[1.0, limits.upper])
+
+
+def _baxter() -> tuple[Chain, Limits]:
+    """The right arm of Baxter, by its URDF."""
+    text = arms.MIMICS.sub("", arms.SHAPES.sub("", (arms.DATA / BAXTER).read_text(encoding="utf-8-sig")))
+    chain, limits, _ = _arm(text, "torso", "right_hand_link", "Baxter")
+    return chain, limits
 
 
 def _random_arms(count: int = 1000) -> str:

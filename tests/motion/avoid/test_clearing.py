@@ -10,6 +10,7 @@ from tests.motion.avoid.test_self_motion import solver_and_goal
 from tests.robot.made_arms import DATA, REAL, made
 from yarclang.collision.free import gaps
 from yarclang.collision.placing import place
+from yarclang.motion.avoid.room import Room
 from yarclang.motion.cartesian import CartesianPath, along
 from yarclang.motion.leading import clearing
 from yarclang.motion.leading.clearing import kept_clear
@@ -114,3 +115,27 @@ def test_where_nothing_helps_the_line_is_as_it_was(panda):
         assert other is path or clearing._is_free(solver.room(step), other)
         done += 1
     assert done >= 1
+
+
+def test_joint_positions_asked_together_are_as_free_as_alone(panda, monkeypatch):
+    """In their order, none after those that somebody asks for; full turns are asked once."""
+    rng = np.random.default_rng(4)
+    post = box("POST", [0.3, 0.1, 0.5], [0.3, 0.3, 0.4])
+    _, _, step = solver_and_goal(panda, post)
+    room = Solver(panda, cell_of(post)).room(step)
+    q = list(panda.home + rng.uniform(-0.8, 0.8, (60, 7)))
+    expected = [one for one in q if room.obstruction(one) is None]
+    assert 10 <= len(expected) <= 50, len(expected)
+    found = list(room.free_among(q))
+    np.testing.assert_array_equal(found, expected)
+    turned = [one + 2.0 * np.pi * rng.integers(-1, 2, 7) for one in q[:3] for _ in range(20)]
+    asked = []
+    clearances = Room.clearances
+    monkeypatch.setattr(
+        Room, "clearances", lambda self, q, near: asked.append(len(q)) or clearances(self, q, near)
+    )
+    list(room.free_among(turned))
+    assert sum(asked) == 3
+    asked.clear()
+    assert next(room.free_among([expected[0], *q])) is expected[0]
+    assert sum(asked) <= 16

@@ -330,3 +330,51 @@ def off_nominal(chain: Chain, rng, size: float) -> Chain:
     points = np.cross(chain.screws[:, 3:], chain.screws[:, :3]) + size * rng.normal(size=(6, 3))
     axes /= np.linalg.norm(axes, axis=1)[:, None]
     return Chain(frozen(np.hstack([-np.cross(axes, points), axes])), chain.base_from_flange)
+
+
+def on_base(travel: float = 0.3) -> tuple[Chain, Limits]:
+    """Panda on a base that turns and goes straight, `travel` [m] to both sides: nine joints."""
+    chain, limits = seven("panda")
+    place = np.array([0.15, 0.0, 0.38])
+    arm = np.hstack([chain.screws[:, :3] + np.cross(place, chain.screws[:, 3:]), chain.screws[:, 3:]])
+    home = chain.base_from_flange.copy()
+    home[:3, 3] += place
+    base = np.array([[0, 0, 0, 0, 0, 1.0], [1.0, 0, 0, 0, 0, 0]])
+    high = np.r_[3.1, travel, limits.upper]
+    return Chain(frozen(np.vstack([base, arm])), frozen(home)), limits_of(
+        np.r_[-3.1, -travel, limits.lower], high
+    )
+
+
+def yumi7() -> tuple[Chain, Limits]:
+    """An arm of seven joints about as ABB's YuMi: no three axes meet, no two neighbours are parallel."""
+    rows = [
+        (-0.03, -RIGHT, 0.1, 0),
+        (0.03, RIGHT, 0.0, 0),
+        (0.0405, RIGHT, 0.2515, 0),
+        (0.0405, -RIGHT, 0.0, -RIGHT),
+        (0.027, -RIGHT, 0.265, math.pi),
+        (0.027, RIGHT, 0.0, 0),
+        (0.0, 0.0, 0.036, 0),
+    ]
+    lower = degrees(-168.5, -143.5, -168.5, -123.5, -290, -88, -229)
+    upper = degrees(168.5, 43.5, 168.5, 80, 290, 138, 229)
+    return of_dh(rows), limits_of(lower, upper)
+
+
+def sawyer7() -> tuple[Chain, Limits]:
+    """An arm of seven joints about as Rethink's Sawyer: neighbouring axes meet, no three do."""
+    rows = [
+        (0.081, -RIGHT, 0.317, 0),
+        (0, RIGHT, 0.1925, RIGHT),
+        (0, -RIGHT, 0.4, 0),
+        (0, RIGHT, -0.1685, 0),
+        (0, -RIGHT, 0.4, 0),
+        (0, RIGHT, 0.1363, 0),
+        (0, 0, 0.13375, 0),
+    ]
+    lower, upper = (
+        [-3.05, -3.81, -3.04, -3.04, -2.98, -2.98, -4.71],
+        [3.05, 2.27, 3.04, 3.04, 2.98, 2.98, 4.71],
+    )
+    return of_dh(rows), limits_of(lower, upper)

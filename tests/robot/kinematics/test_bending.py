@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from tests.robot.kinematics import arms
 from tests.robot.kinematics.test_redundant import line, starts
-from yarclang.robot.kinematics import Track, flange_poses, smallest_singular_values, track
+from yarclang.robot.kinematics import Track, bending, flange_poses, smallest_singular_values, track
 from yarclang.robot.kinematics.bending import bent
 from yarclang.robot.kinematics.within import beyond
 
@@ -113,3 +113,22 @@ def test_an_arm_without_a_spare_joint_has_no_other_way():
     known = track(chain, limits, pose_at, q, reason="any")
     assert isinstance(known, Track)
     assert list(bent(chain, limits, pose_at, known, lambda q: np.ones(len(q)))) == []
+
+
+@pytest.mark.parametrize("name", ["panda", "slider9"])
+def test_what_is_not_found_is_not_looked_for_endlessly(name):
+    """A cost that goes down a little everywhere and never to nothing: about as many joint positions are asked as for others, however long the line and however many joints."""
+    exercised = 0
+    for chain, limits, pose_at, known in lines(ARMS[name], 12, 5, length=0.5):
+        asked = [0]
+
+        def cost(q, asked=asked):
+            asked[0] += len(q)
+            return 1.0 + np.sin(3.0 * q).sum(axis=1) ** 2
+
+        found = list(bent(chain, limits, pose_at, known, cost))
+        assert asked[0] < 1.3 * bending.MOST_ASKED, asked
+        for one in found:
+            kept(chain, limits, pose_at, known, one)
+        exercised += asked[0] > 0.25 * bending.MOST_ASKED
+    assert exercised >= 3, exercised

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from tests.robot.kinematics import arms
-from yarclang.robot.kinematics import Track, flange_poses, track
+from yarclang.robot.kinematics import Track, flange_poses, follow, track
 from yarclang.robot.kinematics.march import march
 from yarclang.robot.kinematics.redundant import reaches, self_motion, weights
+from yarclang.robot.kinematics.track import followed
 from yarclang.robot.kinematics.within import beyond
 
 REDUNDANT = [arms.seven7, arms.slider9]
@@ -91,3 +92,33 @@ def test_lines_keep_within_limits_by_the_null_space():
             assert isinstance(found, Track)
             np.testing.assert_array_equal(found.q, least.q)
     assert kept >= plain + 3, (plain, kept)
+
+
+@pytest.mark.parametrize("arm", [arms.slider9, arms.on_base, lambda: arms.seven("panda")])
+def test_joints_at_their_limits_stay_there_and_the_others_make_up_for_it(arm):
+    """Lines that begin next to limits, of slides above all: found where neither the least motion nor that away from limits keeps within them."""
+    chain, limits, starting, rng = starts(arm, 24, 7)
+    slides = np.flatnonzero(chain.is_prismatic)
+    more = 0
+    for q in 1.2 * starting:
+        q[slides] = rng.choice((limits.lower + 0.02, limits.upper - 0.02))[slides]
+        way = rng.normal(size=3)
+        pose_at = line(flange_poses(chain, q[None])[0], 0.3 * way / np.linalg.norm(way))
+        found = track(chain, limits, pose_at, q, reason="any")
+        is_followed = followed(chain, limits, [pose_at], q[None])
+        assert is_followed.tolist() == [isinstance(found, Track)]
+        if not isinstance(found, Track):
+            continue
+        before = (march(chain, pose_at, q), march(chain, pose_at, q, 0, limits))
+        if any(one.end == "whole" and np.abs(beyond(limits, one.q)).max() <= 1e-8 for one in before):
+            continue
+        more += 1
+        # between the places as well, where the joints are solved from the curve through them
+        s = np.linspace(0.0, 1.0, 301)
+        joints, miss, turn = follow(chain, pose_at(s), found.at(s))
+        assert max(miss.max(), turn.max()) < 1e-8
+        assert np.abs(beyond(limits, joints)).max() <= 1e-8
+        moves = np.diff(joints, axis=0)
+        assert np.abs(moves).max() < 0.2
+        assert np.abs(np.diff(moves, axis=0)).max() < 0.02
+    assert more >= (2 if len(slides) else 1), more

@@ -448,7 +448,7 @@ def test_paths_that_are_followed_together_end_as_one_by_one(arm):
         for path, start in zip(paths, starts, strict=True)
     ]
     assert followed(chain, limits, paths, starts).tolist() == alone
-    assert 4 <= sum(alone) <= 22
+    assert 4 <= sum(alone) < len(alone)
 
 
 def test_no_paths_are_followed():

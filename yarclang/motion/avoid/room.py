@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -29,6 +29,13 @@ _POSITIONS = 64
 
 _LEAST_REACH = 0.1
 """A joint counts as moving what it carries by at least this [m/rad]."""
+
+
+_AT_ONCE = 16
+"""Joint positions that are asked together whether they are free."""
+
+TOUCH = 1e-6
+"""Nothing that is farther away than this [m] is looked at to tell whether something is in the way."""
 
 
 @frozen(eq=False)
@@ -81,15 +88,40 @@ class Room:
 
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
         """Yield what is worst at each of some joint positions (n,) [rad or m], as `obstruction`, as far as anybody asks: full turns of joints leave bodies where they are."""
-        turning = ~self.robot.chain.is_prismatic & (links_of(self.robot.chain).slide == 0.0)
         known = dict[bytes, Obstruction]()
         for one in q:
-            turned = np.where(turning, one - 2.0 * np.pi * np.round(one / (2.0 * np.pi)), one)
-            key = (np.round(turned, 9) + 0.0).tobytes()
+            key = self._apart_from_turns(one)
             found = known.get(key) or self.obstruction(one)
             if found is not None and not found.is_zone:
                 known[key] = found
             yield found
+
+    def free_among(self, q: Sequence[Array]) -> Iterator[Array]:
+        """Yield those of some joint positions (n,) at which nothing is in the way, in their order: `_AT_ONCE` are asked together, those after them only if somebody asks on.
+
+        Full turns of joints are asked once, unless a zone is about joints.
+        """
+        is_once = not any(_of_joints(watch) for watch in self.watches)
+        known = dict[bytes, bool]()
+        for start in range(0, len(q), _AT_ONCE):
+            part = q[start : start + _AT_ONCE]
+            keys = [self._apart_from_turns(one) if is_once else one.tobytes() for one in part]
+            new = {key: one for key, one in zip(keys, part, strict=True) if key not in known}
+            if new:
+                is_free = self.clearances(np.array(list(new.values())), TOUCH) > 0.0
+                known.update(zip(new, is_free.tolist(), strict=True))
+            # nothing is taken of which the single look says otherwise
+            yield from (
+                one
+                for key, one in zip(keys, part, strict=True)
+                if known[key] and self.obstruction(one) is None
+            )
+
+    def _apart_from_turns(self, q: Array) -> bytes:
+        """Return what is the same for joint positions (n,) that differ by full turns."""
+        turning = ~self.robot.chain.is_prismatic & (links_of(self.robot.chain).slide == 0.0)
+        turned = np.where(turning, q - 2.0 * np.pi * np.round(q / (2.0 * np.pi)), q)
+        return bytes((np.round(turned, 9) + 0.0).tobytes())
 
     def clearances(self, q: Array, near: float) -> Array:
         """Return how much farther than its margin the nearest pair of bodies is apart, or how far the nearest zone is from being broken, at joint positions (N, n): (N,) [m, of a joint window rad or m].

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.hir import Array, Motion
-from yarclang.motion.avoid.room import Room
+from yarclang.motion.avoid.room import TOUCH, Room
 from yarclang.motion.cartesian import CartesianPath, flange_poses_of
 from yarclang.motion.leading.solving import Solver
 from yarclang.motion.singular import NEAR, nearest_singularity
@@ -19,9 +19,6 @@ _PLACES = 65
 
 _WANTED = 0.02
 """Bodies shall stay farther apart than their margins by this where they can [m]; zones as well."""
-
-_TOUCH = 1e-6
-"""Nothing that is farther away than this [m] is looked at to tell whether something is in the way."""
 
 _CLEAR = 1.5 * NEAR
 """The smallest singular value from which on there is nothing to win."""
@@ -62,4 +59,4 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
 def _is_free(room: Room, path: CartesianPath) -> bool:
     """Return True if nothing is in the way at places of a path, from the second on: it begins where the robot stands anyway."""
     places = np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s)))[1:]
-    return bool((room.clearances(path.followed.at(places), _TOUCH) > 0.0).all())
+    return bool((room.clearances(path.followed.at(places), TOUCH) > 0.0).all())

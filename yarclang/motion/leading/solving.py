@@ -12,12 +12,12 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array, Motion, PoseGoal
 from yarclang.motion.avoid.changes import helpful_changes
 from yarclang.motion.avoid.messages import configuration_blocked, every_configuration_blocked, with_changes
-from yarclang.motion.avoid.room import Obstruction, Room, room_of
+from yarclang.motion.avoid.room import Room, room_of
 from yarclang.motion.leading import messages
 from yarclang.motion.wording import Message
 from yarclang.motion.zones import moving_of
 from yarclang.robot.kinematics.in_turn import nearest_in_turn
-from yarclang.robot.kinematics.nearest import Unreachable, full_turns, nearest_solutions
+from yarclang.robot.kinematics.nearest import SAME, Unreachable, full_turns, nearest_solutions
 from yarclang.robot.kinematics.redundant import reaches, self_motion
 from yarclang.robot.kinematics.within import EDGE, beyond
 from yarclang.robot.model import Robot
@@ -47,7 +47,7 @@ class Solver:
         """The joint position nearest to `near` that takes the moving frame to its goal, whatever is in the way there; None with a finding where there is none."""
         near = near if goal.near is None else goal.near
         chain, limits = self.robot.chain, self.robot.limits
-        solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=self.measures)
+        solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=self.measures, is_only=True)
         if isinstance(solved, Unreachable):
             told = messages.unreachable(self.robot, solved, step.origin, which)
             findings.add(*self._with_changes(told, goal, near, step, which))
@@ -64,17 +64,15 @@ class Solver:
         room = self.room(step)
         if room is None or room.is_free(q) or (found := room.obstruction(q)) is None:
             return q
-        blocked: list[tuple[Array, Obstruction]] = [(q, found)]
-        others = self.solutions(goal, near)[1:]
-        for other, inside in zip(others, room.obstructions(others), strict=True):
-            if inside is None:
-                findings.add(*configuration_blocked(self.robot, step, other, blocked[0], which))
-                return other
-            blocked.append((other, inside))
-        beside = self._along_self_motion(goal, near, [one for one, _ in blocked], room)
-        if beside is not None:
-            findings.add(*configuration_blocked(self.robot, step, beside, blocked[0], which))
-            return beside
+        others = self._after(goal, near, q)
+        other = next(room.free_among(others), None)
+        if other is None:
+            other = self._along_self_motion(goal, near, [q, *others], room)
+        if other is not None:
+            findings.add(*configuration_blocked(self.robot, step, other, (q, found), which))
+            return other
+        asked = zip(others, room.obstructions(others), strict=True)
+        blocked = [(q, found), *((one, inside) for one, inside in asked if inside is not None)]
         told = every_configuration_blocked(self.robot, step, blocked, which)
         findings.add(*self._with_changes(told, goal, near, step, which))
         return q
@@ -93,8 +91,7 @@ class Solver:
             seeds = [near, *seeds[:-1]]
         more = np.concatenate((np.array(seeds), self_motion(chain, limits, flange, np.array(seeds))))
         nearest = more[np.argsort(np.round(np.square(more - near).sum(axis=1), 9), kind="stable")]
-        free = (one for one in nearest if room.is_free(one) and room.obstruction(one) is None)
-        return next(free, None)
+        return next(room.free_among(list(nearest)), None)
 
     def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
         """Return the joint positions (k, n) that `chosen` gives for the first k of some goals of one moving frame, each near the one before: as far as there is
@@ -130,11 +127,17 @@ class Solver:
     def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
         """Yield the solutions after the nearest at which nothing is in the way, the nearest to `near` first; none is asked before somebody wants it."""
         room = self.room(step)
-        others = self.solutions(goal, near)[1:]
-        if room is None:
-            yield from others
+        solved = nearest_solutions(
+            self.robot.chain, self.robot.limits, flange_at(goal), near, measures=False, is_only=True
+        )
+        if isinstance(solved, Unreachable):
             return
-        yield from (q for q, found in zip(others, room.obstructions(others), strict=True) if found is None)
+        others = self._after(goal, near, solved.q[0])
+        yield from others if room is None else room.free_among(others)
+
+    def _after(self, goal: PoseGoal, near: Array, q: Array) -> list[Array]:
+        """Return all solutions but one (n,), the nearest to `near` first."""
+        return [one for one in self.solutions(goal, near) if np.abs(one - q).max() > SAME]
 
 
 _SEEDS = 6

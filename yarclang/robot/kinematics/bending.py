@@ -40,6 +40,9 @@ ROUNDS = 30
 NUDGE, NUDGES = 0.2, 4
 """A start besides the path itself is moved to one side by so many steps of this size [rad, or m by weights]."""
 
+MOST_ASKED = 8500
+"""Joint positions that are put onto the path, or whose cost is asked, for one path at most, about: 0.2 s among bodies. What then isn't found isn't looked for any more."""
+
 STIFF = 0.01
 """How much the band resists being bent, against being stretched [squares of the path's length]."""
 
@@ -67,23 +70,26 @@ def bent(
     band = _Band(chain, limits, pose_at(s), followed, s, cost)
     if (known := band.onto(followed.at(s))) is None:
         return
-    least = float(cost(known).sum())
+    least = float(band.cost(known).sum())
     for number in range(1 + 2 * (chain.size - 6)):
+        if band.asked > MOST_ASKED:
+            return
         start = band.beside(known, number) if number else known
         found = None if start is None else band.relaxed(start)
-        if found is not None and float(cost(found).sum()) < least:
+        if found is not None and float(band.cost(found).sum()) < least:
             yield Track(sealed(s), sealed(found), sealed(spline_bends(s, found)))
 
 
 class _Band:
     """Joint positions at the samples of one path."""
 
-    __slots__ = ("chain", "cost", "high", "limits", "low", "poses", "scale", "smooth", "start")
+    __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 
     def __init__(
         self, chain: Chain, limits: Limits, poses: Array, followed: Track, s: Array, cost: Cost
     ) -> None:
-        self.chain, self.limits, self.poses, self.cost = chain, limits, poses, cost
+        self.chain, self.limits, self.poses, self._cost = chain, limits, poses, cost
+        self.asked = 0
         self.start = followed.q[0]
         self.scale = weights(chain, limits) / np.pi
         self.smooth = _smoothing(len(s))
@@ -92,8 +98,14 @@ class _Band:
         self.low = np.maximum(np.minimum(low, followed.q.min(axis=0)), limits.lower)
         self.high = np.minimum(np.maximum(high, followed.q.max(axis=0)), limits.upper)
 
+    def cost(self, q: Array) -> Array:
+        """Return the costs (N,) of joint positions (N, n)."""
+        self.asked += len(q)
+        return self._cost(q)
+
     def onto(self, q: Array) -> Array | None:
         """Return joint positions (M, n) next to some that stand at the poses, with the path's start; None where that can't be without jumps or within limits."""
+        self.asked += len(q)
         found = fit(self.chain, self.poses, q, lower=self.low, upper=self.high, rounds=15)
         placed = found.q
         placed[0] = self.start
@@ -111,7 +123,7 @@ class _Band:
         costs, step = self.cost(q), LARGEST
         for _ in range(ROUNDS):
             go_on()
-            if costs[1:].max() <= 0.0:
+            if costs[1:].max() <= 0.0 or self.asked > MOST_ASKED:
                 break
             way = self._downhill(q, costs)
             size = float(np.abs(way).max())

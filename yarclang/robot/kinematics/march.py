@@ -167,8 +167,8 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
     inverse = scaled.T @ np.linalg.inv(scaled @ scaled.T + DAMPING * np.eye(len(scaled)))
     step: Array = inverse @ twist
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
-    lower, upper = (np.where(bounded, end, 0.0) for end in (limits.lower, limits.upper))
-    middle = np.where(bounded, 0.5 * (lower + upper), q)
+    lower, upper = (np.where(bounded, one, q) for one in (limits.lower, limits.upper))
+    middle = 0.5 * (lower + upper)
     # beyond a limit the way back grows no more
     place = np.clip((q - middle) / scale, -1.0, 1.0)
     back = -(np.sign(place) * np.abs(place) ** STEEP)

@@ -17,9 +17,11 @@ from yarclang.robot.kinematics.geometry import WristedArm, form_of
 from yarclang.robot.kinematics.inverse import branches, has_all, reached_within, restarts, wrapped
 from yarclang.robot.kinematics.nearest_spare import nearest_along
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
+from yarclang.robot.kinematics.postures import spread
+from yarclang.robot.kinematics.pulling import nearest_pulled, pulled_to
 from yarclang.robot.kinematics.single import pose_with_jacobian
 from yarclang.robot.kinematics.spare import spare_form
-from yarclang.robot.kinematics.within import EDGE, beyond, clear_of_limits, nearest_turn
+from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
@@ -32,9 +34,6 @@ STANDS = 1e-7
 
 SEARCHES = 96
 """Starts of the numeric search within limits."""
-
-PULLED = 24
-"""Solutions of a redundant arm, nearest first, that are moved towards the reference."""
 
 FREE = 1e-5
 """A smallest singular value of a Jacobian [m and rad] under which a pose may leave a joint free."""
@@ -79,6 +78,7 @@ def nearest_solutions(
     reference: Array,
     *,
     measures: bool = True,
+    is_only: bool = False,
 ) -> Solutions | Unreachable:
     """All solutions within limits, by their sum of squared joint differences from `reference`.
 
@@ -92,13 +92,14 @@ def nearest_solutions(
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
         measures: True to search for how far a pose is out of reach.
+        is_only: True if only the nearest is wanted: of a redundant arm, which takes half the time, others may be missing.
 
     Returns:
         The solutions, or the reason why there is none.
     """
     reference = np.asarray(reference, dtype=float)
     if form_of(chain) is None:
-        found = _searched(chain, limits, base_from_flange, reference)
+        found = _searched(chain, limits, base_from_flange, reference, is_only)
     else:
         found = _in_closed_form(chain, limits, base_from_flange, reference)
     if not len(found):
@@ -188,7 +189,7 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
     return q[_reaching(chain, pose[None], q)]
 
 
-def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
+def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_only: bool) -> Array:
     """Solutions (m, n) by numeric search; within limits if there are any, else without regard to them."""
     start = np.clip(reference, limits.lower, limits.upper)
     if has_all(chain):
@@ -200,27 +201,37 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Ar
         along = nearest_along(chain, limits, spare, pose, start)
         if len(along) and not _is_loose(chain, start, along):
             return along
-    low = np.maximum(limits.lower, np.where(chain.is_prismatic, limits.lower, start - math.pi))
-    high = np.minimum(limits.upper, np.where(chain.is_prismatic, limits.upper, start + math.pi))
-    spread = restarts(chain, SEARCHES)
-    unit = (spread - spread.min(axis=0)) / np.ptp(spread, axis=0)
-    bounded = np.isfinite(low) & np.isfinite(high)
-    seeds = np.where(bounded, np.where(bounded, low, 0.0) + unit * np.where(bounded, high - low, 0.0), spread)
-    seeds = np.vstack([start, seeds])
-    poses = np.broadcast_to(pose, (len(seeds), 4, 4))
-    clipped = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper)
-    q = clipped.q[clipped.total < reached_within(chain)]
-    free = branches(chain, pose[None])
+    if chain.size > 6:
+        pulled = nearest_pulled(chain, limits, pose, start, is_only=is_only)
+        if len(pulled):
+            return np.vstack([along, pulled])
+    free, reached = branches(chain, pose[None])
     from_reference = fit(chain, pose[None], start[None])
     q = np.vstack(
-        [along, q, free[0][0][free[1][0]], from_reference.q[from_reference.total < reached_within(chain)]]
+        [along, free[0][reached[0]], from_reference.q[from_reference.total < reached_within(chain)]]
     )
-    if chain.size > 6 and len(q):
+    # with more joints than the pose needs: what isn't reached without limits isn't within them
+    if chain.size > 6 and not len(q):
+        return q
+    q = np.vstack([q, _found_within(chain, limits, pose, start)])
+    if chain.size > 6:
         turned = nearest_turn(chain, limits, q, reference)
         inside = np.abs(beyond(limits, turned)).max(axis=1) <= EDGE
         if inside.any():
-            q = _pulled(chain, limits, pose, turned[inside], start)
+            q = turned[inside]
+            pulled = pulled_to(chain, limits, pose, q, start)
+            q = pulled if len(pulled) else q
     return q
+
+
+def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Array:
+    """Return solutions (m, n) within limits that are found from joint positions spread over these, and from one (n,)."""
+    even = spread(chain, limits.lower, limits.upper, start, SEARCHES)
+    seeds = np.vstack([start, even])
+    poses = np.broadcast_to(pose, (len(seeds), 4, 4))
+    clipped = fit(chain, poses, seeds, lower=limits.lower, upper=limits.upper)
+    found: Array = clipped.q[clipped.total < reached_within(chain)]
+    return found
 
 
 def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
@@ -247,40 +258,6 @@ def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start
     lifted = nearest_turn(chain, limits, q, reference)
     inside = np.abs(beyond(limits, lifted)).max(axis=1) <= EDGE
     return q if inside.any() and miss[0] < reached_within(chain) else None
-
-
-def _pulled(chain: Chain, limits: Limits, pose: Array, q: Array, reference: Array) -> Array:
-    """Solutions of a redundant arm moved through its null space towards the reference, clear of limits as far as
-    the reference is.
-    """
-    lower, upper = clear_of_limits(limits, reference)
-    q = q[np.argsort(np.square(q - reference).sum(axis=1), kind="stable")[:PULLED]]
-    share = np.ones(len(q))
-    active = np.arange(len(q))
-    for _ in range(25):
-        here = q[active]
-        jacobian = walk_with_jacobian(chain, np.ascontiguousarray(here.T), np.eye(4))[1].transpose(2, 0, 1)
-        wanted = reference - here
-        wanted = wanted - np.einsum(
-            "nij,nj->ni", np.linalg.pinv(jacobian, rcond=1e-6), np.einsum("nij,nj->ni", jacobian, wanted)
-        )
-        largest = np.abs(wanted).max(axis=1)
-        step = wanted * (np.minimum(1.0, 0.3 / np.maximum(largest, 1e-12)) * share[active])[:, None]
-        poses = np.broadcast_to(pose, (len(active), 4, 4))
-        moved = fit(chain, poses, here + step, lower=lower, upper=upper, rounds=8)
-        outside = np.abs(np.clip(here, lower, upper) - here).max(axis=1) > EDGE
-        nearer = np.square(moved.q - reference).sum(axis=1) < np.square(here - reference).sum(axis=1)
-        # what comes from beyond the clear limits to within them is better wherever it is
-        better = (nearer | outside) & (moved.total < reached_within(chain))
-        change = np.abs(moved.q - here).max(axis=1)
-        q[active[better]] = moved.q[better]
-        share[active[~better]] *= 0.5
-        active = active[np.where(better, change > 1e-6, share[active] > 0.1)]
-        if not len(active):
-            break
-    q = q[_reaching(chain, pose[None], q)]
-    clear = np.abs(np.clip(q, lower, upper) - q).max(axis=1) <= EDGE
-    return q[clear] if clear.any() else q
 
 
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:

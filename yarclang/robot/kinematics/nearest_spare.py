@@ -22,14 +22,11 @@ SAMPLES = 72
 KEPT = 6
 """Places at which a branch comes nearest that are looked at more closely, the nearest first."""
 
-CLOSER = 9
-"""Samples around each of these, and `VERTEX` where a parabola has its lowest point."""
+CLOSER = 21
+"""Samples around each of these once more, and `VERTEX` where a parabola has its lowest point."""
 
 VERTEX: Array = np.array([-0.02, 0.0, 0.02])
 """The samples there, as shares of how far those around go."""
-
-ROUNDS = 2
-"""How many times the samples are narrowed."""
 
 SLID = 1
 """Of these, the nearest are slid along the self-motion ..."""
@@ -77,6 +74,8 @@ def nearest_along(
     away = np.square(q[branch, place] - reference).sum(axis=1)
     far = costs[branch, place] * (over[branch, place] > NEARLY)
     order = np.argsort(away + far, kind="stable")[:KEPT]
+    if not len(order):
+        return np.empty((0, chain.size))
     branch, place = branch[order], place[order]
     best, cost = q[branch, place], costs[branch, place]
     # as far as the neighbours
@@ -84,24 +83,20 @@ def nearest_along(
     centre, half = values[place], np.maximum(gaps[place], gaps[place + 1])
     rows = np.arange(len(centre))
     lowest = _vertex(np.broadcast_to(values, (len(rows), len(values))), costs[branch], place)
-    for _ in range(ROUNDS if len(centre) else 0):
-        steps = np.concatenate(
-            (
-                centre[:, None] + half[:, None] * np.linspace(-1.0, 1.0, CLOSER),
-                lowest[:, None] + half[:, None] * VERTEX,
-            ),
-            axis=1,
-        )
-        steps = np.clip(np.sort(steps, axis=1), low, high)
-        every, valid = seen.at(steps.ravel())
-        own = every.reshape(BRANCHES, *steps.shape, chain.size)[branch, rows]
-        q, costs, _ = seen.costs(own, valid.reshape(BRANCHES, *steps.shape)[branch, rows])
-        nearest = np.argmin(costs, axis=1)
-        better = costs[rows, nearest] < cost
-        best[better], cost[better] = q[rows, nearest][better], costs[rows, nearest][better]
-        centre = np.where(better, steps[rows, nearest], centre)
-        lowest = _vertex(steps, costs, nearest)
-        half = half * (2.0 / (CLOSER - 1))
+    steps = np.concatenate(
+        (
+            centre[:, None] + half[:, None] * np.linspace(-1.0, 1.0, CLOSER),
+            lowest[:, None] + half[:, None] * VERTEX,
+        ),
+        axis=1,
+    )
+    steps = np.clip(np.sort(steps, axis=1), low, high)
+    every, valid = seen.at(steps.ravel())
+    own = every.reshape(BRANCHES, *steps.shape, chain.size)[branch, rows]
+    q, costs, _ = seen.costs(own, valid.reshape(BRANCHES, *steps.shape)[branch, rows])
+    nearest = np.argmin(costs, axis=1)
+    better = costs[rows, nearest] < cost
+    best[better], cost[better] = q[rows, nearest][better], costs[rows, nearest][better]
     inside = np.argsort(cost, kind="stable")[: int(np.count_nonzero(cost < OUTSIDE))]
     best, cost = best[inside], cost[inside]
     for one in range(min(SLID, len(best))):

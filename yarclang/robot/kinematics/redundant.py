@@ -19,10 +19,16 @@ ROUNDS = 40
 """Steps to each side at most: more than half a turn of the joint that moves most."""
 
 
+LEAST = 1e-3
+"""What the way of a joint counts that has hardly any range, as a share of that with the largest."""
+
+
 def weights(chain: Chain, limits: Limits) -> Array:
     """Return what each joint's way counts against the others (n,) [rad or m]: half of its range, of a turn half a turn at most, of a slide the arm's size."""
     half = 0.5 * (limits.upper - limits.lower)
-    result: Array = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
+    ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
+    # a joint that limits lock counts as one that hardly moves
+    result: Array = np.maximum(ways, LEAST * ways.max())
     return result
 
 

@@ -107,7 +107,7 @@ def solutions_with(
     if isinstance(form, HeldAtEnd):
         return _solved_at_end(form, base_from_flange, values, hold)
     if form.is_reversed:
-        base_from_flange, hold = np.asarray(np.linalg.inv(base_from_flange), dtype=np.float64), hold[::-1]
+        base_from_flange, hold = _back(base_from_flange), hold[::-1]
     q, valid = _solved_within(form, base_from_flange, values, hold)
     if form.is_reversed:
         q = q[::-1]
@@ -147,7 +147,7 @@ def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
         return None
     if is_reversed:
         # T⁻¹ = exp(-s7' q7) … exp(-s1' q1) M⁻¹, the screws s' seen from the flange M
-        home = np.asarray(np.linalg.inv(chain.base_from_flange), dtype=np.float64)
+        home = _back(chain.base_from_flange)
         chain = Chain(sealed(-_seen_from(chain.base_from_flange, chain.screws)[::-1]), sealed(home))
     links = links_of(chain)
     axes, points = links.frames[:, :3, 2], links.frames[:, :3, 3]
@@ -309,6 +309,14 @@ def _cross(axis: Array) -> Array:
 def _distance(axis: Array, point: Array, other: Array) -> float:
     """Return how far a point (3,) is from an axis through another one [m]."""
     return float(np.linalg.norm(np.cross(axis, other - point)))
+
+
+def _back(transform: Array) -> Array:
+    """Return the inverse of a rigid transform (4, 4)."""
+    result = np.eye(4)
+    result[:3, :3] = transform[:3, :3].T
+    result[:3, 3] = -(result[:3, :3] @ transform[:3, 3])
+    return result
 
 
 def _seen_from(frame: Array, screws: Array) -> Array:

@@ -18,6 +18,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import walk
 from yarclang.robot.kinematics.geometry import form_of
 from yarclang.robot.kinematics.inverse import branches, follow, reached_within, restarts
+from yarclang.robot.kinematics.keeping import kept_within
 from yarclang.robot.kinematics.march import march, marches
 from yarclang.robot.kinematics.nearest import nearest_miss
 from yarclang.robot.kinematics.numeric import fit, misses, pose_columns
@@ -154,8 +155,10 @@ def track(
     outside = _leaving(chain, limits, pose_at, strand)
     if chain.size > 6 and (outside is not None or strand.end != "whole"):
         # the least motion of the joints doesn't lead along the whole path within limits: another one may
-        clear = march(chain, pose_at, start[0], bends, limits)
-        if _keeps(limits, clear):
+        clear: Strand | None = march(chain, pose_at, start[0], bends, limits)
+        if clear is not None and not _keeps(limits, clear):
+            clear = None if bends else kept_within(chain, limits, [pose_at], start)[0]
+        if clear is not None and _keeps(limits, clear):
             strand, outside = clear, None
     if outside is not None:
         return outside
@@ -186,6 +189,10 @@ def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: A
         left = np.flatnonzero(~whole).tolist()
         again = marches(chain, [paths[at] for at in left], starts[left], limits)
         whole[left] = [_keeps(limits, strand) for strand in again]
+        left = np.flatnonzero(~whole).tolist()
+        if left:
+            kept = kept_within(chain, limits, [paths[at] for at in left], starts[left])
+            whole[left] = [strand is not None and _keeps(limits, strand) for strand in kept]
     return whole
 
 

@@ -1,0 +1,108 @@
+"""A way along a path within joint limits, for an arm with spare joints: a joint that comes to its limit stays there, and the others make up for it.
+
+The way is found step by step, each with the least motion of the joints, each joint's way counted as a share of its range. It has a corner wherever a joint comes to its limit or
+leaves it. So it is smoothed along the path and put back onto the poses, in turns: a joint then slows down before its limit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from yarclang.progress import go_on
+from yarclang.robot.kinematics.pulling import EXACT, Pull
+from yarclang.robot.kinematics.redundant import weights
+from yarclang.robot.kinematics.strands import Strand
+from yarclang.robot.model import Array, Chain, Limits
+
+PLACES = 129
+"""Places of the path."""
+
+FARTHEST, SHARPEST = 0.15, 0.02
+"""The most that a joint moves from place to place, and that two such moves differ [rad or m]."""
+
+ROOM = 2e-3
+"""How far joints stay from their limits, as far as the start does [rad or m]: a curve through the places may go a little beyond them."""
+
+ROUNDS = 12
+"""How many times the way is smoothed at most."""
+
+PASSES = 30
+"""How many times in one round each place goes halfway to the middle of its neighbours."""
+
+STEPS = 6
+"""Steps of each place back onto its pose."""
+
+
+def kept_within(
+    chain: Chain, limits: Limits, paths: Sequence[Callable[[Array], Array]], starts: Array
+) -> list[Strand | None]:
+    """Return for each path the strand from its start that keeps within limits, None if none is found.
+
+    Args:
+        chain: an arm with more than six joints.
+        limits: its limits.
+        paths: base_from_flange (N, 4, 4) at places (N,), for each path.
+        starts: (K, n) [rad or m], each stands at the start of its path within limits.
+    """
+    s = np.linspace(0.0, 1.0, PLACES)
+    poses = np.array([pose_at(s) for pose_at in paths])
+    kept = _Kept(chain, limits, starts)
+    strands: list[Strand | None] = [None] * len(paths)
+    for row, way in kept.stepped(poses).items():
+        smooth = kept.smoothed(row, poses[row], way)
+        if smooth is not None:
+            strands[row] = Strand(s, smooth, "whole", smooth[-1])
+    return strands
+
+
+class _Kept:
+    """Limits (K, n) for ways of an arm that start at `starts` (K, n): those of the arm less `ROOM`, as far as the starts keep within these."""
+
+    __slots__ = ("chain", "lower", "scale", "starts", "upper")
+
+    def __init__(self, chain: Chain, limits: Limits, starts: Array) -> None:
+        self.chain, self.starts = chain, starts
+        self.lower = np.minimum(limits.lower + ROOM, starts)
+        self.upper = np.maximum(limits.upper - ROOM, starts)
+        scale = weights(chain, limits)
+        self.scale = scale / scale.max()
+
+    def stepped(self, poses: Array) -> dict[int, Array]:
+        """Return the ways (PLACES, n) of least motion through poses (K, PLACES, 4, 4), for those paths that have one."""
+        ways = np.repeat(self.starts[:, None], PLACES, axis=1)
+        rows = np.arange(len(ways))
+        for place in range(1, PLACES):
+            go_on()
+            before = ways[rows, place - 1]
+            pull = Pull(
+                self.chain, self.lower[rows], self.upper[rows], poses[rows, place], before, self.scale
+            )
+            q, miss = pull.put_back(before, STEPS)
+            ways[rows, place] = q
+            rows = rows[(miss < EXACT) & (np.abs(q - before).max(axis=1) < FARTHEST)]
+            if not len(rows):
+                break
+        return {row: ways[row] for row in rows.tolist()}
+
+    def smoothed(self, row: int, poses: Array, way: Array) -> Array | None:
+        """Return a way (PLACES, n) through poses (PLACES, 4, 4) without corners, None if it keeps some."""
+        for _ in range(ROUNDS):
+            if _is_smooth(way):
+                return way
+            go_on()
+            wanted = way.copy()
+            for _ in range(PASSES):
+                wanted[1:-1] += 0.25 * (wanted[:-2] - 2.0 * wanted[1:-1] + wanted[2:])
+            pull = Pull(self.chain, self.lower[row], self.upper[row], poses[1:], wanted[1:], self.scale)
+            back, miss = pull.put_back(wanted[1:], STEPS)
+            if miss.max() > EXACT:
+                return None
+            way = np.vstack((way[:1], back))
+        return way if _is_smooth(way) else None
+
+
+def _is_smooth(q: Array) -> bool:
+    moves = np.diff(q, axis=0)
+    return bool(np.abs(moves).max() < FARTHEST and np.abs(np.diff(moves, axis=0)).max() < SHARPEST)

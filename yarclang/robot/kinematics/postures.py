@@ -1,0 +1,198 @@
+"""Joint positions that nearly reach a pose, from a table: where to begin the search for an arm with spare joints.
+
+The first and the last joint need no table: a pose, read as the line of the last axis, has the same place beside the first axis however far the first joint is moved, and the last joint only turns about that line. So the table
+has the joints between, and for each row where the last axis then lies as seen from the first. The rows that come nearest to the pose give the other two joints.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from yarclang.frozen import frozen
+from yarclang.robot.kinematics.fk import flange_poses, links_of
+from yarclang.robot.kinematics.inverse import extent, restarts
+from yarclang.robot.model import Array, Chain, Limits
+from yarclang.transforms import sealed
+
+ROWS = 8192
+"""Joint positions in a table."""
+
+SEEDS = 48
+"""Joint positions from which one pose is looked for."""
+
+NEAREST = 192
+"""Rows that come nearest to a pose; of these, those are taken that are nearest to the reference."""
+
+LONG = 3.0
+"""A slide is looked at as far as this to both sides [sizes of the arm]."""
+
+BEYOND = 10.0
+"""What it costs to be beyond limits at an end of the arm [squared joint differences, per rad or m]."""
+
+
+@frozen(eq=False)
+class Table:
+    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and where the last axis lies.
+
+    `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that the first joint doesn't change, lengths in units of `unit` [m], `sizes` (ROWS,) their squares. `bearings` (ROWS,) is how far the first joint would be for them [rad or m].
+    `across` (ROWS, 3) is a direction across the last axis. `axis`, `point`, `side` (3,) are the last axis, a point of it, and that direction, in the flange.
+    `turns` is True if the first joint turns, `first` (4, 4) its frame in {B}.
+    """
+
+    q: Array
+    places: Array
+    sizes: Array
+    bearings: Array
+    across: Array
+    axis: Array
+    point: Array
+    side: Array
+    first: Array
+    turns: bool
+    unit: float
+
+
+def seeds_near(
+    chain: Chain,
+    limits: Limits,
+    lower: Array,
+    upper: Array,
+    base_from_flange: Array,
+    reference: Array,
+    count: int = SEEDS,
+) -> Array:
+    """Return joint positions (count, n) [rad or m] from which a pose is looked for, the reference first.
+
+    Args:
+        chain: an arm with more than six joints.
+        limits: its limits.
+        lower: (n,) the limits to keep to [rad or m].
+        upper: (n,) the same.
+        base_from_flange: (4, 4).
+        reference: (n,) [rad or m].
+        count: how many, NEAREST + 1 at most.
+    """
+    table = _table_of(chain, limits.lower.tobytes(), limits.upper.tobytes())
+    if table is None:
+        others = spread(chain, lower, upper, reference, count - 1)
+    else:
+        others = near_pose(table, lower, upper, base_from_flange, reference)[: count - 1]
+    return np.vstack((reference, others))
+
+
+@lru_cache(maxsize=16)
+def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
+    """Return an arm's table, remembered by the identity of the chain and its limits; None if its first joint is a screw, its last one doesn't just turn, or another one slides so far that a table would be too coarse."""
+    links = links_of(chain)
+    turns = bool(links.turn[0])
+    far = np.frombuffer(upper) - np.frombuffer(lower) > 2.0 * LONG * extent(chain)
+    if (far & chain.is_prismatic)[1:].any():
+        return None
+    if not links.turn[-1] or links.slide[-1] != 0.0 or (turns and links.slide[0] != 0.0):
+        return None
+    q = spread(chain, np.frombuffer(lower), np.frombuffer(upper), np.zeros(chain.size), ROWS)
+    q[:, [0, -1]] = 0.0
+    home = chain.base_from_flange
+    turned = home[:3, :3].T
+    axis = turned @ links.frames[-1, :3, 2]
+    side = turned @ links.frames[-1, :3, 0]
+    point = turned @ (links.frames[-1, :3, 3] - home[:3, 3])
+    # the point of the axis that is nearest to the flange
+    point = point - axis * (axis @ point)
+    unit = 0.5 * extent(chain)
+    poses = flange_poses(chain, q)
+    places, bearings = _seen(poses, links.frames[0], turns, axis, point, unit)
+    across = poses[:, :3, :3] @ side
+    return Table(
+        sealed(q),
+        sealed(places),
+        sealed(np.square(places).sum(axis=1)),
+        sealed(bearings),
+        sealed(across),
+        axis,
+        point,
+        side,
+        links.frames[0],
+        turns,
+        unit,
+    )
+
+
+def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array, reference: Array) -> Array:
+    """Return joint positions (NEAREST, n) [rad or m] within limits that nearly reach a pose, on the full turns nearest to the reference.
+
+    Args:
+        table: the arm's table.
+        lower: (n,) [rad or m].
+        upper: (n,) the same.
+        base_from_flange: (4, 4).
+        reference: (n,) [rad or m].
+    """
+    wanted, bearing = _seen(
+        base_from_flange[None], table.first, table.turns, table.axis, table.point, table.unit
+    )
+    # squared distances, but for a constant
+    apart = table.sizes - table.places @ (2.0 * wanted[0])
+    rows = np.argpartition(apart, NEAREST)[:NEAREST]
+    q = table.q[rows].copy()
+    q[:, 0] = bearing[0] - table.bearings[rows]
+    across = table.across[rows]
+    if table.turns:
+        across = _about(table.first[:3, 2], across, q[:, 0])
+    axis, side = base_from_flange[:3, :3] @ table.axis, base_from_flange[:3, :3] @ table.side
+    q[:, -1] = -np.arctan2(across @ np.cross(axis, side), across @ side)
+    turning = [0, -1] if table.turns else [-1]
+    q[:, turning] += 2.0 * math.pi * np.round((reference[turning] - q[:, turning]) / (2.0 * math.pi))
+    inside = np.clip(q, lower, upper)
+    away = np.square(q - reference).sum(axis=1) + BEYOND * np.abs(q - inside).max(axis=1)
+    q = inside
+    return q[np.argsort(away, kind="stable")]
+
+
+def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -> Array:
+    """Return joint positions (count, n) [rad or m] spread evenly over limits, of turns half a turn to both sides of `about` (n,) at most."""
+    reach = np.where(chain.is_prismatic, LONG * extent(chain), math.pi)
+    # no narrower than they have to be where `about` is near a limit, or beyond it
+    about = np.clip(about, np.minimum(lower + reach, upper), np.maximum(upper - reach, lower))
+    low, high = np.maximum(lower, about - reach), np.minimum(upper, about + reach)
+    even = restarts(chain, count)
+    even = (even - even.min(axis=0)) / np.ptp(even, axis=0)
+    result: Array = low + even * (high - low)
+    return result
+
+
+def _seen(
+    poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
+) -> tuple[Array, Array]:
+    """Return where the last axis lies at flange poses (N, 4, 4) as the first joint leaves it, (N, 5), and that joint's share (N,) [rad or m]."""
+    place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
+    way = (poses[:, :3, :3] @ axis) @ first[:3, :3]
+    if not turns:
+        return np.column_stack((place[:, :2] / unit, way)), place[:, 2].copy()
+    bearing = np.arctan2(place[:, 1], place[:, 0])
+    sin, cos = np.sin(bearing), np.cos(bearing)
+    radius = np.hypot(place[:, 0], place[:, 1])
+    return (
+        np.column_stack(
+            (
+                radius / unit,
+                place[:, 2] / unit,
+                way[:, 2],
+                cos * way[:, 0] + sin * way[:, 1],
+                cos * way[:, 1] - sin * way[:, 0],
+            )
+        ),
+        bearing,
+    )
+
+
+def _about(axis: Array, vectors: Array, angle: Array) -> Array:
+    """Return vectors (N, 3) turned about an axis (3,) by angles (N,) [rad]."""
+    sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
+    result: Array = (
+        cos * vectors + sin * np.cross(axis, vectors) + (1.0 - cos) * (vectors @ axis)[:, None] * axis
+    )
+    return result

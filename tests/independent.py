@@ -29,8 +29,16 @@ class Arm:
         self.flange = self.model.getFrameId(self.data["flange"])
         joints = self.data["joints"].values()
         self.lower, self.upper = np.array([joint["position"] for joint in joints]).T
-        self.velocity, self.acceleration, self.jerk = (
-            np.array([joint[kind] for joint in joints]) for kind in ("velocity", "acceleration", "jerk")
+        ramps = self.data.get("ramps", {})  # times in ms, for joints that don't say it themselves
+        self.velocity = np.array([joint["velocity"] for joint in joints])
+        self.acceleration = np.array(
+            [joint.get("acceleration") or joint["velocity"] * 1e3 / ramps["rise"] for joint in joints]
+        )
+        self.jerk = np.array(
+            [
+                joint.get("jerk") or rate * 1e3 / ramps["ease"]
+                for joint, rate in zip(joints, self.acceleration, strict=True)
+            ]
         )
         self.counts = np.diag(self.data["actuation"]["K"]) @ np.array(self.data["actuation"]["J"])
         self.motor_velocity = np.array(self.data["motors"]["velocity"]) * 1e3

@@ -66,3 +66,26 @@ def test_a_line_of_nothing_but_a_sign_takes_no_time():
         for guesser in GUESSERS:
             guesser(Line(text, 2, Around(SourceFile("a.yarc", ""))))
     assert time.process_time() - begun < 2.0
+
+
+HEADS = (
+    *("P0010 MOVEJ ", "P0010 MOVEC ", "P0010 SET ", "P0010 WAIT ", "P0010 HOLD ", "WHEN ", "REPEAT ", "LET N ", "FRAME {A} "),
+    *("DEFAULT ", "USE ", "", "JOINTS A ", "OUTPUT A ", "CALL A", "REGISTER N "),
+)  # fmt: skip
+REPEATED = (
+    *("A,", "0 ", "0, ", "X0 ", "{A} ", "(", "A ", "$A + ", "1/", "-", "mm,", "[A] ", "BLEND 5 ", "NEAR 0 ", "V=1 ", "5 s", "NOT "),
+    *("A = ", "P-", "1.", "''", "A B", "( ", "0 Z1 ", "= 1 TO ", "TO 1 ", " TIMES", "  ", "\t", "; 0", "{ A", "}{"),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("head", HEADS)
+def test_what_is_repeated_takes_no_time(head):
+    """The expressions that guess are linear, or nearly so, in the longest line that is looked at."""
+    around = Around(SourceFile("a.yarc", HEAD + "\nINPUT DOOR M11\nOUTPUT GLUE M1 OFF\n"))
+    for repeated in REPEATED:
+        for tail in ("", "?"):
+            line = Line((head + repeated * 400)[:399] + tail, 4, around)
+            for guesser in GUESSERS:
+                begun = time.process_time()
+                guesser(line)
+                assert time.process_time() - begun < 0.2, (guesser, head, repeated, tail)

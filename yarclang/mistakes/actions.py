@@ -208,7 +208,7 @@ def rounds(line: Line) -> Guess | None:
     if line.word.upper() != "REPEAT":
         return None
     found = re.fullmatch(
-        r"\s+(?P<all>(?P<name>[A-Za-z_]\w*)?\s*(?:=|FROM)?\s*(?P<first>[0-9]+)?\s*(?:TO\s+(?P<last>[0-9]+))?\s*(?:TIMES|X)?\s*(?:DO)?)",
+        r"\s++(?P<all>(?P<name>[A-Za-z_]\w*+)?(?:\s*+(?:=|FROM))?(?:\s*+(?P<first>[0-9]++))?(?:\s*+TO\s++(?P<last>[0-9]++))?(?:\s*+(?:TIMES|X))?(?:\s*+DO)?)",
         line.values,
         re.I,
     )

@@ -7,11 +7,11 @@ import re
 from yarclang.mistakes.line import Guess, Line, is_number
 from yarclang.units import UNITS
 
-_EQUALS = re.compile(r"(?P<before>\s+(?:\{\s*\w+\s*\}|\w+)?)\s*(?P<sign>:?=)\s*")
+_EQUALS = re.compile(r"(?P<before>\s++(?:\{\s*+\w++\s*+\}|\w++)?)\s*+(?P<sign>:?=)\s*+")
 _LISTED = re.compile(
-    r"\s+\{?\s*\w+\s*\}?\s*=?\s*(?P<all>[(\[{]?\s*(?P<list>[-+]?[0-9.]+(?:\s*,\s*[-+]?[0-9.]+){2,})\s*[)\]}]?)"
+    r"\s++\{?\s*+\w++\s*+\}?\s*+=?\s*+(?P<all>[(\[{]?\s*+(?P<list>[-+]?[0-9.]++(?:\s*+,\s*+[-+]?[0-9.]++){2,})\s*+[)\]}]?)"
 )
-_WITH_UNIT = re.compile(r"\s+\w+\s*(?P<all>=\s*(?P<value>[-+]?[0-9.]+)\s*(?P<unit>[A-Za-z]+))")
+_WITH_UNIT = re.compile(r"\s++\w++\s*+(?P<all>=\s*+(?P<value>[-+]?[0-9.]++)\s*+(?P<unit>[A-Za-z]++))")
 _MISNAMED = {
     "JOINT": "JOINTS",
     "JPOS": "JOINTS",
@@ -24,7 +24,8 @@ _MISNAMED = {
     "REGISTERS": "REGISTER",
 }
 _VARIABLE = re.compile(
-    r"\s+(?P<name>[A-Za-z_]\w*)\s+(?P<variable>(?:DO|DI|DOUT|DIN|OUT|IN)?\s*\[?[0-9]+\]?)(?P<rest>.*)", re.I
+    r"\s++(?P<name>[A-Za-z_]\w*+)\s++(?P<variable>(?:DO|DI|DOUT|DIN|OUT|IN)?\s*+\[?[0-9]++\]?)(?P<rest>.*)",
+    re.I,
 )
 
 

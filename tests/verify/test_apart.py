@@ -1,6 +1,9 @@
 """Planes prove distances that Pinocchio's and coal's samples never fall below, and a body that comes too near is refused."""
 
 import copy
+import functools
+import operator
+import random
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +12,8 @@ from programs import robot_of
 
 from tests.collision.dense import Dense
 from tests.collision.test_proof import ROBOTS, drawn
+from tests.verify.proof_forging import MOTIONS, made, refused, table
+from tests.verify.test_forged_proofs import VALUES, parts
 from yarclang.certify.bodies.second import nearest, seen
 from yarclang.certify.kinematics.arm import KINEMATICS, steps_of
 from yarclang.certify.pmac.proof.planes import planes_of
@@ -298,3 +303,31 @@ def test_where_bodies_pass_no_gap_is_larger_than_the_distance(seed):
                     assert gap <= apart.min() + 2e-6, (first.name, second.name, long, is_curve)
                     sharp += gap > apart.min() - 1e-3
     assert sharp >= 5
+
+
+def test_whatever_is_told_of_bodies_is_judged_without_a_traceback():
+    """Bodies, exceptions, zones and planes in which anything stands are refused or followed."""
+    text, _ = made(MOTIONS)
+    draw, refusals = random.Random(34), 0
+    for _ in range(60):
+        proof = table(MOTIONS, bodies=True)
+        proof["motions"] = {}
+        proof["cell"]["zones"] = [copy.deepcopy(ZONE)]
+        places = [place for place in parts(proof) if place[0] in ("cell", "planes")]
+        for _ in range(draw.choice((1, 1, 2))):
+            *outer, name = draw.choice(places)
+            try:
+                functools.reduce(operator.getitem, outer, proof)[name] = draw.choice(VALUES)
+            except (KeyError, IndexError, TypeError):
+                continue  # changed away before
+        refusals += bool(refused(text, proof))
+    assert refusals > 30
+
+
+ZONE = {
+    "name": "Z",
+    "rule": "allowed",
+    "margin": 0,
+    "watched": [0],
+    "region": {"pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0], "core": [9, 9, 9], "disc": 0, "radius": 0},
+}

@@ -1,6 +1,9 @@
 """Planes prove distances that Pinocchio's and coal's samples never fall below, and a body that comes too near is refused."""
 
 import copy
+import functools
+import operator
+import random
 from itertools import pairwise
 
 import numpy as np
@@ -9,7 +12,10 @@ from programs import robot_of
 
 from tests.collision.dense import Dense
 from tests.collision.test_proof import ROBOTS, drawn
-from yarclang.certify.kinematics.arm import KINEMATICS
+from tests.verify.proof_forging import MOTIONS, made, refused, table
+from tests.verify.test_forged_proofs import VALUES, parts
+from yarclang.certify.bodies.second import nearest, seen
+from yarclang.certify.kinematics.arm import KINEMATICS, steps_of
 from yarclang.certify.pmac.proof.planes import planes_of
 from yarclang.certify.pmac.proof.room import During, Room, exactly, told_arm
 from yarclang.collision.zones.watched import tool_frame
@@ -254,3 +260,74 @@ def test_no_point_of_a_body_is_faster_than_its_bound(seed):
             assert most <= speed * (1 + 1e-6) + 1e-6, body.name
             sharp += most > 0.9 * speed
     assert sharp > 5
+
+
+@pytest.mark.parametrize("seed", range(CASES))
+def test_where_bodies_pass_no_gap_is_larger_than_the_distance(seed):
+    """The plane between two bodies where they are nearest, on stretches around and beside that place: here bounds are sharp."""
+    case = Case(seed)
+    timeline, told = Timeline(case.rows, case.arm), exactly(case.cell)
+    travel = np.abs(np.concatenate([row.control for row in case.rows]).astype(np.float64)).max(axis=0)
+    far = [int(one) + 1 for one in travel * case.robot.axis_units / PRINTED * ONE]
+    room = ToldRoom(told, case.arm, far)
+    pairs = [pair for pair in room.pairs(timeline.steps) if pair.needs]
+    ends = (0, timeline.begins[2] * PARTS - 1)  # the first sequence, but for its last instant
+    places = np.linspace(*ends, 120)
+    placed = KINEMATICS.placements(case.robot.chain, case.joints(*ends, len(places)))
+    links = [np.eye(4)]
+    for step in steps_of(case.robot.chain)[:-1]:
+        links.append(links[-1] @ step)
+    sharp = 0
+    for pair in pairs:
+        one, other = case.items[pair.one], case.items[pair.other]
+        toward, distance = nearest(one, other, seen(placed, one.joint, other.joint, np.arange(len(places))))
+        least = int(np.argmin(distance))
+        if distance[least] <= 1e-3:
+            continue
+        normal = exactly(np.round(links[one.joint][:3, :3].T @ toward[:, least] * 1e6).astype(int).tolist())
+        middle = int(places[least])
+        for long in (8, 40, 160, 640):
+            for begin, end in (
+                (middle - long, middle + long),
+                (middle, middle + long),
+                (middle - long, middle),
+            ):
+                if begin < ends[0] or end > ends[1]:
+                    continue
+                there = KINEMATICS.placements(case.robot.chain, case.joints(begin, end, 9))
+                _, apart = nearest(one, other, seen(there, one.joint, other.joint, np.arange(9)))
+                for is_curve in (False, True):
+                    stretch = timeline.stretch(begin, end, is_curve)
+                    first, second = room.bodies[pair.one], room.bodies[pair.other]
+                    gap = stretch.gap(first, second, normal, case.arm.turns) / ONE
+                    assert gap <= apart.min() + 2e-6, (first.name, second.name, long, is_curve)
+                    sharp += gap > apart.min() - 1e-3
+    assert sharp >= 5
+
+
+def test_whatever_is_told_of_bodies_is_judged_without_a_traceback():
+    """Bodies, exceptions, zones and planes in which anything stands are refused or followed."""
+    text, _ = made(MOTIONS)
+    draw, refusals = random.Random(34), 0
+    for _ in range(60):
+        proof = table(MOTIONS, bodies=True)
+        proof["motions"] = {}
+        proof["cell"]["zones"] = [copy.deepcopy(ZONE)]
+        places = [place for place in parts(proof) if place[0] in ("cell", "planes")]
+        for _ in range(draw.choice((1, 1, 2))):
+            *outer, name = draw.choice(places)
+            try:
+                functools.reduce(operator.getitem, outer, proof)[name] = draw.choice(VALUES)
+            except (KeyError, IndexError, TypeError):
+                continue  # changed away before
+        refusals += bool(refused(text, proof))
+    assert refusals > 30
+
+
+ZONE = {
+    "name": "Z",
+    "rule": "allowed",
+    "margin": 0,
+    "watched": [0],
+    "region": {"pose": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0], "core": [9, 9, 9], "disc": 0, "radius": 0},
+}

@@ -40,8 +40,8 @@ def cross(a: Vector, b: Vector) -> Vector:
 
 
 def dot(a: Sequence[int], b: Sequence[int]) -> int:
-    """Return the scalar product."""
-    return sum(x * y for x, y in zip(a, b, strict=True)) >> BITS
+    """Return the scalar product of two vectors."""
+    return (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) >> BITS
 
 
 def placed(numbers: Sequence[Fraction]) -> Step:

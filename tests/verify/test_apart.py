@@ -305,6 +305,15 @@ def test_where_bodies_pass_no_gap_is_larger_than_the_distance(seed):
     assert sharp >= 5
 
 
+def test_a_body_is_no_point():
+    """What has a size can't be left out as a point."""
+    text, _ = made(MOTIONS)
+    for at in range(len(table(MOTIONS, bodies=True)["cell"]["bodies"])):
+        proof = table(MOTIONS, bodies=True)
+        proof["cell"]["bodies"][at]["point"] = True
+        assert "a point that has a size" in refused(text, proof)
+
+
 def test_whatever_is_told_of_bodies_is_judged_without_a_traceback():
     """Bodies, exceptions, zones and planes in which anything stands are refused or followed."""
     text, _ = made(MOTIONS)

@@ -33,6 +33,7 @@ class Body:
         far = max([length(*corner) for corner in self.corners], default=0)
         far += length(length(*self.core[:2]) + self.disc, self.core[2]) + self.radius
         need(far < 64 * ONE, f"{self.name} is larger than 64 m")
+        need(not self.is_point or far <= 8, f"{self.name} is a point that has a size")
         self.reach = arm.reaches(self.joint, self.origin, travel, far)
 
     def is_there(self, step: int) -> bool:

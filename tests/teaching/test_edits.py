@@ -264,6 +264,19 @@ def test_a_long_program_is_listed_in_a_second():
     assert min(took) < 1.0
 
 
+def test_the_input_that_ends_a_motion_is_a_field():
+    text = "INPUT TOUCH M12\nINPUT STOP M13\nREGISTER DEPTH 0..9\nP0010 MOVEL 1 2 3 0 0 0 [V 50] (mm,deg,s) UNTIL TOUCH OFF INTO DEPTH ELSE\nEND\n"
+    found = program(text)
+
+    def line(**fields):
+        return applied(text, change(found, 4, fields).edits).splitlines()[3]
+
+    assert line(until="STOP").endswith("UNTIL STOP INTO DEPTH ELSE")
+    with pytest.raises(Trouble, match="would break a block"):
+        line(until="")
+    assert line(into="").endswith("UNTIL TOUCH OFF ELSE")
+
+
 def test_a_timetable_has_the_time_of_each_way_point_and_its_own_options():
     text = "DEFAULT (deg,s)\nP0010 MOVEJ_TIMED 1 0 0 0 5 0 [1] VEL 0 0 0 0 4 0; 2 0 0 0 9 0 [2.5] VEL 0 0 0 0 0 0\n"
     made = program(text)

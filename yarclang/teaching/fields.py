@@ -359,6 +359,10 @@ def _options(
     yield _option(given, "TOL", "Tolerance", "number", length)
     if "NEAR" in given or (not spec.moves_frame and not of_joints):
         yield _option(given, "NEAR", "Near", "joints", "")
+    if spec.may_search:
+        yield _option(given, "UNTIL", "Until an input is ON (or: NAME OFF)", "text", "")
+        if spec.moves_frame:
+            yield _option(given, "INTO", "Register for how far it came, 0.01 mm", "text", "")
 
 
 def _last_time(statement: Statement, unit: str) -> Placed:
@@ -386,6 +390,8 @@ def _option(given: dict[str, Option], word: str, label: str, kind: FieldKind, un
     argument = option.argument
     text = argument.text if argument is not None else ""
     end = argument.place if argument is not None else option.word.place
+    if option.state is not None:
+        text, end = f"{text} {option.state.text}", option.state.place
     place = Place(option.word.place.row, option.word.place.start, end.end)
     if end.row != place.row:
         place = end

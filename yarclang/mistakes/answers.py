@@ -21,6 +21,7 @@ from yarclang.mistakes import (
     indices,
     numbers,
     parts,
+    sensed,
     words,
 )
 from yarclang.mistakes.line import Around, Guess, Guesser, Line, first
@@ -60,6 +61,8 @@ GUESSERS: tuple[Guesser, ...] = (
     comments.behind,
     blocks.condition,
     blocks.hold,
+    sensed.until,
+    sensed.watch,
     actions.signal,
     actions.turned,
     actions.wait,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -47,48 +48,41 @@ def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> R
         Or why it can't be done.
     """
     steps = plan.program.steps
-    first = plan.motions[number].step
+    begin = _behind_when(steps, plan.motions[number].step + 1)
     jobs: list[Job] = []
-    run: list[Step] = []
-    moves: Motion | None = None
-    at = _behind_when(steps, first + 1)
-    begin = at
-    for at in range(begin, len(steps)):
-        step = steps[at]
-        if isinstance(step, JointMove | LineMove):
-            moves = step
-            break
-        if isinstance(step, SetOutput | Dwell):
-            run.append(step)
-            continue
-        if run:
-            made = _job(plan, begin, tuple(run), here, request)
-            if isinstance(made, str):
-                return made
-            jobs.append(made)
-            run = []
-        if isinstance(step, Motion):
-            break
-    if moves is None:
-        if run:
-            made = _job(plan, begin, tuple(run), here, request)
-            if isinstance(made, str):
-                return made
-            jobs.append(made)
-    else:
-        following = next((one for one in plan.motions[number + 1 :] if one.step == at), None)
-        if following is None:
-            return f"{moves.origin.name} has no end that is known"
-        end = following.waypoints[-1]
-        if isinstance(moves, JointMove):
-            moves = replace(moves, goal=JointGoal(end))
-        made = _job(plan, begin, (*run, moves), here, request)
+    for part in _parts(steps, begin):
+        *still, last = part
+        end = None
+        if isinstance(last, JointMove | LineMove):
+            title = last.origin.label or last.origin.name
+            following = next((one for one in plan.motions[number + 1 :] if steps[one.step] is last), None)
+            if following is None:
+                return f"{title} leads nowhere in the program"
+            end = following.waypoints[-1]
+            if isinstance(last, JointMove):  # of several solutions the program's
+                last = replace(last, goal=JointGoal(end))
+        made = _job(plan, begin, (*still, last), here, request)
         if isinstance(made, str):
             return made
-        if float(np.abs(made.end - end).max()) > _SAME:
-            return f"from here {moves.origin.label or moves.origin.name} ends in another configuration"
+        if end is not None and float(np.abs(made.end - end).max()) > _SAME:
+            return f"from here {title} ends in another configuration"
         jobs.append(made)
     return Replanned(tuple(jobs), _length(plan, number, here))
+
+
+def _parts(steps: Sequence[Step], begin: int) -> Iterator[list[Step]]:
+    """Yield what is streamed between barriers, from step `begin` to the end of the next motion."""
+    part: list[Step] = []
+    for step in steps[begin:]:
+        if isinstance(step, SetOutput | Dwell | Motion):
+            part.append(step)
+        elif part:
+            yield part
+            part = []
+        if isinstance(step, Motion):
+            break
+    if part:
+        yield part
 
 
 def _behind_when(steps: tuple[Step, ...], first: int) -> int:

@@ -13,8 +13,9 @@ UNSEALED = "-"
 
 @frozen
 class Header:
-    """Facts about a controller text, for people and for the judge, which compares or ignores them and trusts
-    none.
+    """Facts about a controller text, for people and for the judge.
+
+    The judge trusts none of them: it compares or ignores them.
 
     Attributes:
         version: version of yarcc.

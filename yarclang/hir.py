@@ -327,8 +327,9 @@ class LineMove(MotionHead):
 
 @frozen(eq=False)
 class ArcMove(MotionHead):
-    """A motion of the moving frame's origin along the circle through its current position, `via` and the
-    goal.
+    """A motion of the moving frame's origin along a circle through its current position and the goal.
+
+    The circle also passes `via`.
 
     The frame turns about one fixed axis the short way, in proportion to the arc length. `via` is (3,) in {B}
     [m].

@@ -17,8 +17,10 @@ from yarclang.frozen import frozen
 
 Mark = Literal["wait", "hold", "ask", "when", "else", "end", "finish", "loop", "next", "exit", "endloop"]
 Part = float | Mark
-"""Part of a program: a known time [s], or a mark for a wait, a branch or a loop (`ask`: a wait followed by a
-branch)."""
+"""Part of a program: a known time [s], or a mark.
+
+Marks stand for waits, branches and loops; `ask` is a wait followed by a branch.
+"""
 
 ONCE = "each loop once"
 """Text after times that count every loop once."""
@@ -205,9 +207,7 @@ class _Clock:
                 pass
 
     def _since(self, depth: int) -> Lasting:
-        """Return the time since the open item at index `depth` began, or since the program's start if none is
-        open there.
-        """
+        """Return the time since the open item at index `depth` began, or since the program's start."""
         whole = self.so_far
         for one in reversed(self.open[depth:]):
             whole = one.before.then(whole)

@@ -412,9 +412,7 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """Known time of all motions and dwells along the longest branches [s]; `lasting` also counts the
-        waits.
-        """
+        """Known time of all motions and dwells along the longest branches [s], without waits."""
         return self.lasting.most
 
     @property
@@ -500,8 +498,9 @@ class Certificate:
 
 
 def bound_text(value: float, unit: float) -> str:
-    """Return an upper bound in MM or DEG with four decimals, rounded up so that the printed number is proved
-    too.
+    """Return an upper bound in MM or DEG with four decimals.
+
+    It is rounded up, so that the printed number is proved too.
     """
     return up(most(value, unit), 4)
 

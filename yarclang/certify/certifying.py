@@ -116,8 +116,9 @@ def _certified(
     start: Array,
     commands: tuple[CommandCertificate, ...],
 ) -> Result[Certificate]:
-    """Return the certificate and all findings. The header's claims are compared only if there is no error so
-    far.
+    """Return the certificate and all findings.
+
+    The header's claims are compared only if there is no error so far.
     """
     if not has_errors(judge.findings):
         judge.claims(content, start)
@@ -157,8 +158,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
 def _row(
     judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
 ) -> CommandCertificate:
-    """Build one command's row of the certificate, cached by the command's label, its position and its proofs.
-    """
+    """Build one command's row of the certificate, cached by the command's label, position and proofs."""
 
     def make() -> CommandCertificate:
         return judge.command(

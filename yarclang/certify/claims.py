@@ -1,5 +1,6 @@
-"""Claims of the planner about a text. Each claim is checked; a wrong claim weakens the proof, never the
-judgement.
+"""Claims of the planner about a text.
+
+Each claim is checked; a wrong claim weakens the proof, never the judgement.
 """
 
 from __future__ import annotations

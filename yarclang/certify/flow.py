@@ -1,5 +1,6 @@
-"""Actions of a text between its motions: dwells, outputs, waits and branches must be the program's, in its
-order and at rest.
+"""Comparison of a text's actions between its motions with those of the program.
+
+Dwells, outputs, waits and branches must be the program's, in its order and at rest.
 
 The only exception from rest is an output after a motion that flows into the next one: it is set in the middle
 of the blend.
@@ -89,8 +90,9 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
 
 
 def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
-    """Check that a motion that an input ends is alone between two barriers, since the input ends all lines
-    streamed with it.
+    """Check that a motion that an input ends is alone between two barriers.
+
+    The input ends all lines that are streamed together.
     """
     ends = {entry.step: (entry.first or 0, entry.last or 0) for entry in text.entries}
     legs = list(_legs(text))
@@ -116,8 +118,9 @@ def _legs(text: ControllerText) -> Iterator[list[int]]:
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
-    """Yield the program's actions in order, with their steps. Motions of length zero have no lines in the
-    text.
+    """Yield the program's actions in order, with their steps.
+
+    Motions of length zero have no lines in the text.
     """
     for number, step in enumerate(program.steps):
         if number in moving:
@@ -208,8 +211,7 @@ def _printable(text: str) -> str:
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
-    """Return the number of segments between a command's end and an output; negative if the output comes
-    first.
+    """Return the number of segments from a command's end to an output; negative if the output is first.
 
     A move line begins the segment with its number in the sequence.
     """
@@ -254,8 +256,9 @@ def _same(found: Deed, deed: Deed) -> bool:
 
 
 def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
-    """Return True if a number in the text is the program's: a time to the printed precision, a value to its
-    last decimal.
+    """Return True if the text has the program's number.
+
+    A time must agree to the printed precision, a value to its last decimal.
 
     A running program compares the value of a WAIT exactly, so any other value would be another condition.
     """
@@ -273,9 +276,7 @@ def _words(deed: Deed | None) -> str:
 
 
 def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
-    """Report outputs and barriers right after moves, which would come before the moves end, and RAPIDs not
-    after a barrier.
-    """
+    """Report outputs and barriers during a motion, and RAPIDs that are not after a barrier."""
     before: object = None
     for item in text.course:
         if isinstance(item, Put | Barred) and isinstance(before, Run):
@@ -295,8 +296,9 @@ def _out_of_order(text: ControllerText) -> Iterator[Fault]:
 
 
 def _decided_unread(text: ControllerText) -> Iterator[Fault]:
-    """Report decisions with earlier inputs that are not at the start of the second branch of the decision
-    that read these inputs.
+    """Report decisions by inputs that were not read before.
+
+    Such a decision belongs at the start of the second branch of the decision that reads these inputs.
     """
     read: list[set[str]] = []
     before: Barred | None = None

@@ -1,5 +1,6 @@
-"""Bounds in other units and with few digits, rounded outwards: a printed bound is never better than the
-proved one.
+"""Bounds in other units and with few digits, rounded outwards.
+
+A printed bound is never better than the proved one.
 """
 
 from __future__ import annotations

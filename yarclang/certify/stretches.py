@@ -62,8 +62,9 @@ Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
 
 @frozen
 class _Window:
-    """Rows that are proved together: the window's `own` rows, and `around`, which adds the neighbours that
-    affect them.
+    """Rows that are proved together.
+
+    `own` are the window's rows; `around` adds the neighbours that affect them.
     """
 
     own: range
@@ -73,8 +74,9 @@ class _Window:
 def recalled(
     memory: Memory, judge: Judge, layout: Layout, claims: Claims, prove: Prove
 ) -> Mapping[int, Proved]:
-    """Return the proofs of all steps, from the cache or new. Long texts are proved window by window on all
-    cores.
+    """Return the proofs of all steps, from the cache or new.
+
+    Long texts are proved window by window on all cores.
 
     Only proofs without findings are cached. With any finding, the whole text is proved again at once, since
     findings of one kind are counted together.
@@ -168,8 +170,7 @@ def _windows(layout: Layout) -> Iterator[_Window]:
 
 
 def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
-    """Return the row after the last row of the window that begins at row `begin`; None if there is no
-    suitable place.
+    """Return the row after the window that begins at row `begin`; None without a suitable place.
 
     The window has between `WINDOW` and 2 `WINDOW` rows. Among the possible places, a hash of the goal of a
     nearby motion chooses one, so that an edit elsewhere in the text does not move the cuts.

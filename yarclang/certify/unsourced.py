@@ -20,8 +20,7 @@ _MOST = 4
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return the program as far as the text's map reveals it: the commands, the branches, and which commands
-    move.
+    """Return the program as far as the map reveals it: its commands, its branches, and what moves.
 
     Args:
         content: the text that was read.

@@ -114,8 +114,9 @@ class Judge:
     # start, times, rest
 
     def start(self, content: ControllerText) -> Array:
-        """Return the start of the text (n,) [rad or m]; check that it is the program's start, to the printed
-        decimals.
+        """Return the start of the text (n,) [rad or m].
+
+        It must be the program's start, to the printed decimals.
         """
         robot = self.robot
         start = reader_of(robot.controller).start(content, robot)
@@ -300,8 +301,9 @@ class Judge:
         return loads
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """Return True if a jerk beyond the limit is outside of motions without this limit, and of blends with
-        them.
+        """Return True if a jerk beyond the limit is outside of everything without this limit.
+
+        A motion may have no limit of the jerk; its blends have none then.
         """
         if place.any_jerk:
             return False
@@ -310,8 +312,9 @@ class Judge:
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
-        """Check that programmed speeds are held from when they are first reached to when they are last left,
-        and never exceeded.
+        """Check that programmed speeds are held and never exceeded.
+
+        A speed must be held from when it is first reached to when it is last left.
 
         Args:
             layout: the commands of the text.
@@ -414,9 +417,7 @@ def _title(origin: hir.Origin) -> str:
 
 
 def _beside_any_jerk(place: Place) -> tuple[int, int]:
-    """Return the number of segments, at the start and the end of a command, in blends with motions without a
-    jerk limit.
-    """
+    """Return the numbers of segments at both ends in blends with motions without a jerk limit."""
     before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 

@@ -58,8 +58,7 @@ class Stretch:
 def moves_alone(
     lines: Sequence[str], begin: int, commands: Sequence[Listed], barriers: Mapping[int, int]
 ) -> Iterator[Stretch]:
-    """Yield the purpose of every line after the header, as far as the header shows it: moves, and other
-    lines.
+    """Yield the purpose of every line after the header, as far as the header shows it.
 
     Args:
         lines: all lines of the text.

@@ -6,8 +6,7 @@ from pathlib import Path
 from yarclang.verify.verdict import Verdict, verify
 
 ACCEPTED, REFUSED, USAGE, UNCHECKED = 0, 1, 2, 3
-"""Exit status: everything was checked; refused; wrong usage; nothing is wrong, but something was not checked.
-"""
+"""Exit status: all was checked; refused; wrong usage; nothing is wrong, but something was not checked."""
 LARGEST = 1 << 30
 """Largest size of a text or proof [bytes]."""
 

@@ -1,5 +1,6 @@
-"""Check that bodies stay apart, by planes: for each stretch of the text, the proof names one for each pair of
-bodies.
+"""Check that bodies stay apart, by planes.
+
+For each stretch of the text, the proof names one plane for each pair of bodies.
 
 A body is the convex hull of a box around its middle (half edges `core`) or of `corners`, widened by a disc
 perpendicular to its z axis and by a ball. The first `joint` joints move it. Of a pair, the body that fewer
@@ -165,8 +166,7 @@ class Timeline:
 def check_apart(
     rows: Sequence[Moved], told: dict[str, Any], planes: list[Any], arm: Arm
 ) -> tuple[str, list[str]]:
-    """Check that bodies keep their margins from each other, and respect zones; return what was checked, and
-    what was not.
+    """Check the margins of bodies, and zones; return what was checked, and what was not.
 
     Args:
         rows: all commands.

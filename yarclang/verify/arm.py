@@ -22,8 +22,9 @@ _UNEVEN = ONE >> 40
 
 @dataclass
 class Frame:
-    """A frame in {B}: `origin` and its velocity `rate`; the columns `axes` of its rotation, and their angular
-    velocity `spin`.
+    """A frame in {B}.
+
+    `origin` has the velocity `rate`; the columns `axes` of its rotation have the angular velocity `spin`.
     """
 
     origin: Vector
@@ -47,8 +48,9 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
 
 
 def placed(numbers: Sequence[Fraction]) -> Step:
-    """Read a frame, given as three rows of a rotation, each with a coordinate of the origin [m]; return
-    columns and origin.
+    """Read a frame; return the columns of its rotation, and its origin.
+
+    It is given as three rows of the rotation, each followed by a coordinate of the origin [m].
     """
     need(len(numbers) == 12, "a frame isn't told by 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]

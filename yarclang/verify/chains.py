@@ -93,8 +93,7 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
 
 
 def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]) -> list[tuple[int, int]]:
-    """Check the corner after a motion; return bounds of the frame's speed on the pieces between both paths.
-    """
+    """Check the corner after a motion; return bounds of the frame's speed between both paths."""
     row, title = first.motion.row, first.motion.row.entry.title
     far = Fraction(row.entry.blend or 0, 2) + 1
     inside = row.last - far <= first.end <= second.begin <= row.last + far

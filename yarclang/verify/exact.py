@@ -1,5 +1,4 @@
-"""Numbers: exact integers and fractions for text and proof, fixed-point numbers for roots, sines and long
-products.
+"""Numbers: exact for text and proof, fixed-point for roots, sines and long products.
 
 A fixed-point integer x stands for x / 2**128. Each product and quotient of fixed-point numbers is off by less
 than one unit, a sine or cosine by less than 2**10 units. Consider a chain of at most 16 joints, with steps no

@@ -1,6 +1,4 @@
-"""Check the distance of joints from their paths: straight lines, and natural cubic splines through
-way-points.
-"""
+"""Check the distance of joints from their paths: straight lines, and natural cubic splines."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -14,8 +12,9 @@ from yarclang.verify.reader import PRINTED
 
 _FINE = 1 << 64
 _NEAREST = ONE >> 13
-"""Least distance of neighbouring way-points of a spline (about 1e-4 rad or m): with less, rounding would
-matter.
+"""Least distance of neighbouring way-points of a spline, about 1e-4 rad or m.
+
+With less, rounding would matter.
 """
 _EQUAL = ONE // 10**9
 
@@ -47,10 +46,9 @@ def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]
 
 
 class Spline:
-    """The natural cubic spline through way-points in joint space, over the sum of their distances, in SI
-    units.
+    """The natural cubic spline through way-points in joint space, over the sum of their distances.
 
-    `s` are the parameters of its way-points `y`, `bend` its second derivatives there.
+    All is in SI units: `s` are the parameters of its way-points `y`, `bend` its second derivatives there.
     """
 
     def __init__(self, points: Sequence[Vector]) -> None:
@@ -67,9 +65,7 @@ class Spline:
         self.bend = [self._bends(joint) for joint in range(len(points[0]))]
 
     def _bends(self, joint: int) -> list[int]:
-        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), with M = 0 at both ends (Thomas
-        algorithm).
-        """
+        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), M = 0 at both ends (Thomas algorithm)."""
         h = self.steps
         slope = [
             ((b[joint] - a[joint]) << BITS) // step for (a, b), step in zip(pairwise(self.y), h, strict=True)
@@ -102,9 +98,7 @@ class Spline:
         return max((k for k, begin in enumerate(self.s[:-1]) if begin <= s), default=0)
 
     def derivatives(self, joint: int, low: int, high: int) -> tuple[int, int, int]:
-        """Return bounds of the second and third derivatives on a stretch, and of the sum of jumps of the
-        third.
-        """
+        """Return bounds of the second and third derivatives on a stretch, and of the third's jumps."""
         bend, first, last = self.bend[joint], self.span(low), self.span(high)
         second = max(abs(one) for one in bend[first : last + 2])
         thirds = [((bend[k + 1] - bend[k]) << BITS) // self.steps[k] for k in range(first, last + 1)]

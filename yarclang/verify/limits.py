@@ -91,9 +91,7 @@ def _fastest(steps: Sequence[Any]) -> Fraction:
 
 
 def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | None, who: str) -> None:
-    """Check the range of a joint: first by control points, then by Bezier points of repeatedly halved
-    segments.
-    """
+    """Check the range of a joint: by control points, then by Bezier points of halved segments."""
     low = None if lower is None else lower * PRINTED - PRINTED // 10**9
     high = None if upper is None else upper * PRINTED + PRINTED // 10**9
 

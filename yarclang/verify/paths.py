@@ -37,14 +37,11 @@ from yarclang.verify.reader import PRINTED
 SHARE = 10**10
 """Unit of the proof's s and s': integers stand for multiples of 1e-10, and 1e-10 per s."""
 GRID = 1 << 20
-"""Unit of a place at which a path is left or joined: integers stand for multiples of 1 / `GRID` of a segment.
-"""
+"""Unit of a place at which a path is left or joined: 1 / `GRID` of a segment."""
 _SAME = ONE >> 30
 """Largest error of a turn's goal: 1e-9 rad."""
 _ROUND = ONE >> 42
-"""Largest error of an arc's three points and of its roundness: 2e-13 m, which makes less than 1e-9 m
-anywhere.
-"""
+"""Largest error of an arc's points and roundness: 2e-13 m, which makes less than 1e-9 m anywhere."""
 
 
 @dataclass
@@ -118,9 +115,7 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
 
 
 def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
-    """Return the ends of the pieces from one place to another; each segment's part is cut into `pieces`
-    pieces.
-    """
+    """Return the ends of pieces from one place to another: `pieces` in each segment."""
     need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
     if begin == end:
         return [end]
@@ -157,9 +152,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
 
 
 def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
-    """Return the places between which a motion follows its path; the proof may give them, in units of 1 /
-    `GRID`.
-    """
+    """Return the places between which a motion follows its path, as the proof may give them."""
     begin, end = motion.begin, motion.end
     if "from" in proof:
         begin, end = (Fraction(whole(proof[name]), GRID) for name in ("from", "until"))
@@ -168,9 +161,7 @@ def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
 
 
 def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
-    """Return the bound of |P(s(t))''''| from bounds of the second to fourth derivative of P over s, and of
-    |s'| to |s'''|.
-    """
+    """Return the bound of |P(s(t))''''| from bounds of P's derivatives over s, and of |s'| to |s'''|."""
     second, third, last = derivatives
     w, a, j = bends
     square = times(w, w)
@@ -210,9 +201,7 @@ class Turn:
         self.derivatives = [times(SQUARE_ROOT_OF_2, *[self.angle + _SAME] * k) for k in (2, 3, 4)]
 
     def at(self, s: int) -> tuple[list[Vector], list[Vector]]:
-        """Return the columns of R0 + sin K R0 + (1 - cos) K^2 R0 at s (Rodrigues), and their derivatives over
-        s.
-        """
+        """Return the columns of R0 + sin K R0 + (1 - cos) K^2 R0 at s, and their derivatives over s."""
         sine, cosine = sine_and_cosine(s * self.angle >> BITS)
         columns, slopes = [], []
         for base, once, twice in zip(self.start, self.once, self.twice, strict=True):
@@ -242,9 +231,7 @@ def line(start: Vector, goal: Vector) -> tuple[Place, list[int]]:
 
 
 def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple[Place, list[int]]:
-    """Return an arc of less than a full turn with given centre, spoke, side and sweep; check that it passes
-    `via`.
-    """
+    """Return an arc of less than a full turn by centre, spoke, side and sweep; check that it passes `via`."""
     centre, spoke, side = ([fixed(x) for x in told[name]] for name in ("centre", "spoke", "side"))
     sweep = fixed(told["sweep"])
     radius = length(*spoke)

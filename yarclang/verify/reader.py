@@ -46,8 +46,9 @@ _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 
 @dataclass
 class Entry:
-    """A command of the map: its move lines (0: none), the number of segments of its blend, and whether it has
-    no jerk limit.
+    """A command of the map.
+
+    It has move lines (0: none), the number of segments of its blend, and perhaps no jerk limit.
     """
 
     step: int
@@ -104,9 +105,7 @@ class Text:
 
 
 def exactly(printed: str, scale: int = PRINTED) -> int:
-    """Return a printed decimal number in units of 1 / scale, a power of ten with enough digits for all its
-    decimals.
-    """
+    """Return a printed decimal number in units of 1 / scale, a power of ten with enough digits."""
     whole, _, decimals = printed.partition(".")
     power: int = scale // 10 ** len(decimals)
     return int(whole + decimals) * power
@@ -222,9 +221,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
 def _read_course(
     reading: _Reading, barriers: dict[int, tuple[str, int, str]]
 ) -> tuple[list[Item], list[tuple[int, bool]]]:
-    """Read from the first TM up to CLOSE: the actions, and the lines at which the guard is armed (True) and
-    disarmed.
-    """
+    """Read from the first TM up to CLOSE: the actions, and where the guard is armed (True) and disarmed."""
     course: list[Item] = []
     arms: list[tuple[int, bool]] = []
     waiting = dict(barriers)

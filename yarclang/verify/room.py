@@ -128,8 +128,7 @@ class Room:
                 self.all.append(region)
 
     def margin(self, one: int, other: int, step: int) -> int | None:
-        """Return the margin of two bodies during a command; None if one is not present, or if they may touch.
-        """
+        """Return the margin of two bodies during a command; None if one is absent, or they may touch."""
         first, second = self.all[one], self.bodies[other]
         if not (first.is_there(step) and second.is_there(step)):
             return None
@@ -142,8 +141,7 @@ class Room:
         return max(first.margin, second.margin)
 
     def pairs(self, steps: Sequence[tuple[int, int, int]]) -> list[Pair]:
-        """Return all pairs of bodies that joints move against each other, followed by the pairs that zones
-        watch.
+        """Return the pairs of bodies that joints move against each other, then the pairs that zones watch.
 
         Args:
             steps: commands, with the begin and the end of their segments.

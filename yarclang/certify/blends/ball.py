@@ -71,9 +71,7 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """Bound distances and turns segment by segment, with arguments as in `farthest` and the number of pieces
-    of a segment.
-    """
+    """Bound distances and turns segment by segment; arguments as in `farthest`."""
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -138,9 +136,7 @@ def away_on_path(
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """Return a part of a path in joint space, between two shares of it, as motions with constant jerk over
-    its parameter.
-    """
+    """Return the part of a path in joint space between two shares as cubics over its parameter."""
     end = spline.s[-1]
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))
@@ -172,8 +168,7 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """Return the sum of the turns (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,).
-    """
+    """Return the summed turns (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 

@@ -35,9 +35,7 @@ NOTHING = Away(0.0, 0.0)
 
 
 def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Blended]:
-    """Return the proof of each blend by the step of the motion before it, and report blends that leave their
-    balls.
-    """
+    """Prove each blend, by the step of the motion before it; report those that leave their balls."""
     found: dict[int, Blended] = {}
     rounded: list[Corner] = []
     for corner in proofs.flows.corners:
@@ -115,8 +113,7 @@ def _how(away: float, left: float, joined: float) -> str:
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """Bound the distance of each joint (n,) from the corner on the part of a path in joint space that is not
-    followed.
+    """Bound the distance (n,) of the joints from the corner on the part of a path that is not followed.
 
     Args:
         proofs: the proofs so far.

@@ -1,5 +1,6 @@
-"""Start of each motion's programmed path: the current position, or the programmed end of the motion that
-flows into it.
+"""Start of each motion's programmed path.
+
+This is the current position, or the programmed end of the motion that flows into it.
 """
 
 from __future__ import annotations
@@ -25,7 +26,9 @@ SAME_JOINTS = 1e-9
 _ROUNDS = 20
 """Most iterations of Newton's method."""
 NEARLY_KEPT = 5e-4
-"""Relative loss of a programmed speed up to which a claim is ignored: the motion must reach the whole speed.
+"""Largest relative loss of a programmed speed for which a claim is ignored.
+
+The motion must then reach the whole speed.
 """
 
 
@@ -59,8 +62,9 @@ class Judged:
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the share of its programmed speed below which a motion must not fall: `share_of`, or the
-        planner's claim if less.
+        """Return the share of its programmed speed below which a motion must not fall.
+
+        This is `share_of`, or the planner's claim if less.
         """
         return min(self.share_of(step), _share(self.claims.least.get(step, 1.0)))
 
@@ -84,8 +88,9 @@ class Starts:
 
 @frozen(eq=False)
 class _End:
-    """The programmed end of a motion: the flange, and the joints; None for a Cartesian motion, until they are
-    needed.
+    """The programmed end of a motion: flange and joints.
+
+    The joints of a Cartesian motion are None until they are needed.
     """
 
     flange: Array
@@ -154,17 +159,16 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
 
 @lru_cache(maxsize=16)
 def _inverse(pose: bytes) -> Array:
-    """Return the inverse (4, 4) of a pose (4, 4) given as bytes; cached, since most motions of a program move
-    one frame.
+    """Return the inverse (4, 4) of a pose (4, 4) given as bytes.
+
+    It is cached, since most motions of a program move one frame.
     """
     inverse: Array = np.asarray(np.linalg.inv(np.frombuffer(pose).reshape(4, 4)), dtype=np.float64)
     return inverse
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
-    """Return the joint positions (count, n) that the planner claims to have chosen; None without a
-    well-formed claim.
-    """
+    """Return the joint positions (count, n) that the planner claims; None without a well-formed claim."""
     claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
@@ -184,8 +188,9 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
 
 
 def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
-    """Return the joints (n,) at the end of a Cartesian motion: as claimed, or else those nearest to the
-    middle of the blend.
+    """Return the joints (n,) at the end of a Cartesian motion.
+
+    They are the claimed ones, or else those nearest to the middle of the blend.
     """
     claimed = claimed_joints(judged, place, 1)
     if claimed is not None:
@@ -219,8 +224,7 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """Return the largest distances of the claimed goals of a motion from the programmed ones [m], [rad], and
-    report excesses.
+    """Return the largest distances of claimed goals from programmed ones [m], [rad]; report excesses.
 
     Both are infinite without a well-formed claim.
     """

@@ -99,8 +99,9 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return the share of a path (...) at which the ball at its start ends and that at its end begins, if
-    blends take the whole path.
+    """Return the share of a path (...) that divides it between two balls, if blends take the whole path.
+
+    The ball at the start must hold the path up to this share, the ball at the end from there on.
 
     A path with a cut at its start has a ball at its end only, and the other way round.
 
@@ -163,9 +164,7 @@ def _corners(layout: Layout, robot: Robot) -> list[Corner]:
 def _passed(
     judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
 ) -> Iterator[tuple[Corner, tuple[int, float]]]:
-    """Yield the time at which each corner without a ball is passed: the segment, and the time after its start
-    [s].
-    """
+    """Yield for each corner without a ball its segment and the time after the segment's start [s]."""
     robot, tolerance = judged.robot, judged.tolerance
     groups: dict[bytes, tuple[Array | None, list[Corner]]] = {}
     for corner in corners:
@@ -192,8 +191,9 @@ def _passed(
 
 
 def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
-    """Return the weights of a distance [1/m] and an angle [1/rad] at a corner, by the stricter tolerance of
-    its motions.
+    """Return the weights of distance [1/m] and angle [1/rad] at a corner.
+
+    The stricter tolerance of both motions applies.
     """
     one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
     return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)

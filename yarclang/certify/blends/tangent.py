@@ -57,8 +57,7 @@ class Corners:
         return found
 
     def closing(self, chain: Chain, own: Rows, x: Array, v: Array) -> Array:
-        """Return half the rate of the squared distance (N,) for joints `x` (N, n) with velocities `v` (N, n).
-        """
+        """Return half the rate of the squared distance (N,) for joints `x` and velocities `v` (N, n)."""
         if self.flange_from_moving is None or self.poses is None:
             rate: Array = ((x - self.q[own]) * self.weights[own] ** 2 * v).sum(axis=1)
             return rate

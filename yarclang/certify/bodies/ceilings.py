@@ -42,8 +42,7 @@ class _Stretches:
 def find_ceilings(
     layout: Layout, robot: Robot, moved: dict[int, Moving]
 ) -> tuple[dict[int, ZoneSpeed], list[Diagnostic]]:
-    """Return the speed of the frame of every command with a ceiling, by its step, and a finding for each that
-    is too fast.
+    """Return the frame's speed of every command with a ceiling, by step, and findings where it is too fast.
 
     In a corner between two motions, the larger of both ceilings applies; if one motion has no ceiling, the
     corner has none.
@@ -105,9 +104,7 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield each command with the ceilings of the neighbours that it flows out of, and into [m/s]; infinite
-    without one.
-    """
+    """Yield each command with the ceilings of the neighbours in its chain [m/s]; infinite without one."""
     moving = [place for place in layout.places if place.size]
     for row, place in enumerate(moving):
         before = _allowed(moving[row - 1]) if row and place.before is not None else 0.0

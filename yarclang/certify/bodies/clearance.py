@@ -1,5 +1,4 @@
-"""Proof that the bodies of the robot and the cell stay apart while the text runs, with the least distances.
-"""
+"""Proof that the bodies of robot and cell stay apart while the text runs, with the least distances."""
 
 from __future__ import annotations
 
@@ -43,8 +42,7 @@ NOTHING_NEAR = Apart(None, None)
 def find_clearances(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, Apart], list[Diagnostic]]:
-    """Return the least distances of every command by its step, and a finding for each that brings bodies too
-    close.
+    """Return the least distances of every command by its step, and findings where bodies come too close.
 
     Args:
         layout: the segments of the text.

@@ -1,5 +1,6 @@
-"""The judge's own bound of the speed of bodies in a slow zone. It shares no code with
-`yarclang.collision.zones.speed`, which the planner uses.
+"""The judge's own bound of the speed of bodies in a slow zone.
+
+It shares no code with `yarclang.collision.zones.speed`, which the planner uses.
 
 Pieces of segments are halved until each is proved to be outside of the zone, or not faster than the known
 speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
@@ -100,8 +101,7 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Return a bound (P,) [m/s] of the speeds of a body's points, exact for bodies without round parts.
-        """
+        """Return a bound (P,) [m/s] of the speeds of a body's points, exact without round parts."""
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
             x, y, z = self.point(own)
@@ -123,8 +123,9 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at all begins, and at those ends that differ from the next begin; return the rows
-        of the ends as well.
+        """Compute the arm at all begins, and at the ends that differ from the next begin.
+
+        Returns the rows of the ends as well.
         """
         before, after = self.cubics.at(np.zeros(len(self.cubics.h))), self.cubics.at(self.cubics.h)
         count = len(self.cubics.h)
@@ -212,8 +213,7 @@ class _Search:
         return known
 
     def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
-        """Return True for pieces that are outside, by a ball around the body or by the ranges of the joints.
-        """
+        """Return True for pieces that are outside by a ball around the body, or by the joints' ranges."""
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
             cubics = self.all.cubics.take(segment)
@@ -233,8 +233,7 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return True for pieces that are completely outside, and True for pieces whose middles are inside.
-        """
+        """Return True for pieces completely outside, and True for pieces whose middles are inside."""
         region = self.region
         if isinstance(region, JointWindow):
             q = self.all.cubics.take(segment).at(half)[0]
@@ -255,8 +254,9 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return True for pieces beyond planes with the normals `toward` (3, P), and the gaps in their
-        middles (P,) [m].
+        """Return True for pieces beyond planes, and the gaps in their middles (P,) [m].
+
+        `toward` (3, P) are the normals of the planes.
         """
         low = [arm.lowest(self.item, toward) for arm in arms]
         reach = extent(region, toward)

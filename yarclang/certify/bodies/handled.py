@@ -114,8 +114,9 @@ def _computed(handling: Handling) -> list[Diagnostic]:
 
 
 def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagnostic]:
-    """Return findings about loops that leave a part in another place: their later passes would differ from
-    the proved one.
+    """Return findings about loops that leave a part in another place.
+
+    Their later passes would differ from the proved one.
     """
     found = []
     for number, name in unlike.items():
@@ -149,8 +150,9 @@ def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
 
 
 def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return findings about picked parts: a part that starts in the air or inside a body, or a gripper deep
-    in a part.
+    """Return findings about picked parts.
+
+    A part may start in the air or inside a body, or a gripper may be deep in a part.
     """
     cell = handling.cell
     if cell is None:

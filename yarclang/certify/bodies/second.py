@@ -1,5 +1,4 @@
-"""A second proof of clearances: the distances of convex bodies that `yarclang.collision.proof` reports are
-proved again.
+"""A second proof of clearances, as reported by `yarclang.collision.proof` for convex bodies.
 
 It uses placements, support functions and bounds of the judge's own. For each pair on each piece of a motion,
 the second body is seen from the first. Three bounds settle a piece of duration d: the gap between spheres
@@ -214,9 +213,7 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
 
 
 def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
-    """Return directions (3, P) and distances (P,) [m] of two bodies, by coal; distances are not positive if
-    they overlap.
-    """
+    """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not positive in an overlap."""
     import coal
 
     assert one.base_from_body is not None  # points are not in any pair
@@ -266,8 +263,7 @@ def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Arra
 
 @lru_cache(maxsize=512)
 def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
-    """Return the distances (n,) [m] from axis to axis with all joints at zero, the last to the body's
-    farthest point.
+    """Return the distances (n,) [m] from axis to axis at zero, the last to the body's farthest point.
 
     Cached by identity.
     """

@@ -25,14 +25,13 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""Approximate share of an effort that the bounds between computed points may add to a motion's largest
-torque.
-"""
+"""Approximate share of an effort that bounds between computed points may add."""
 PARTS = 64
 """Most parts into which a segment is cut."""
 ROOM = 0.03
-"""Share that is added to a proposed time: with another time, a law has another number of segments and other
-ramps.
+"""Share that is added to a proposed time.
+
+With another time, a law has another number of segments and other ramps.
 """
 
 
@@ -60,8 +59,7 @@ class _Samples:
 
 
 def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
-    """Return the largest load of an effort of every command by its step, and a finding for each that needs
-    more than available.
+    """Return the largest load of an effort of every command by its step, and findings about excesses.
 
     Args:
         layout: the segments of the text.
@@ -113,9 +111,7 @@ def _judge_load(
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
-    """Compute torques so close together that the bounds between them hardly matter, wherever they could
-    matter.
-    """
+    """Compute torques so closely that the bounds between them hardly matter, where they could."""
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper))
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()

@@ -15,8 +15,9 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Dynamics
 
 LEAST_LENGTH = 0.1
-"""Least length in chains with sliding joints [m]: a larger length is still a bound, and a slide counts as a
-turn by its distance over this length.
+"""Least length in chains with sliding joints [m].
+
+A larger length is still a bound, and a slide counts as a turn by its distance over this length.
 """
 
 Derivatives = tuple[Array, ...]
@@ -86,8 +87,9 @@ class _Rates:
     j_slide: Array
 
     def grown(self, length: Array | float) -> Derivatives:
-        """Return the Bell polynomials (N,) of order 0 to 4: bounds of the derivatives of a vector of `length`
-        [m], per length.
+        """Return the Bell polynomials (N,) of order 0 to 4.
+
+        They bound the derivatives of a vector of `length` [m], relative to its length.
         """
         scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
         w, a, j = (
@@ -150,8 +152,7 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
 
 
 def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
-    """Bound the distance of a body's centre from a point on the axis of each turning joint before it, on N
-    pieces.
+    """Bound the distance of a body's centre from each turning axis before it, on N pieces.
 
     The method is that of `reaches` in bounds.py. A sliding joint gets the value of the joint after it.
 

@@ -1,5 +1,6 @@
-"""A second check of zones to stay in or out of, at the ends of all segments, with placements and distances of
-the judge's own.
+"""A second check of zones to stay in or out of, with the judge's own placements and distances.
+
+It examines the ends of all segments.
 
 It does not prove that a zone is respected: `yarclang.collision.zones.proof`, which the planner uses too, does
 that. It can only refute that proof. What it sees beyond a border is really there: points of the watched
@@ -45,8 +46,7 @@ class Seen:
 
 
 def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
-    """Return for each motion the place farthest beyond a zone's border at the ends of its segments; None if
-    there is none.
+    """Return each motion's place farthest beyond a zone's border, at the ends of segments; None without one.
 
     Args:
         motions: the segments, and the range of each motion.
@@ -75,9 +75,7 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return the distance (N,) by which joint positions (N, n) are surely beyond a window; not positive if
-    they are not.
-    """
+    """Return the distance (N,) by which joints (N, n) are surely beyond a window; not positive if inside."""
     region = watch.zone.region
     assert isinstance(region, JointWindow)
     inside = np.minimum(q - region.lower, region.upper - q).min(axis=1)
@@ -85,9 +83,7 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return the distance (N,) [m] by which a body is surely beyond a border at N instants; not positive if
-    it is not.
-    """
+    """Return the distance (N,) [m] by which a body is surely beyond a border; not positive if it is not."""
     zone, region = watch.zone, watch.zone.region
     assert not isinstance(region, JointWindow)
     points = _points(item)

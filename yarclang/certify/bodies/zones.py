@@ -53,8 +53,7 @@ NO_ZONES = InZones(None, None)
 def find_zones(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, InZones], list[Diagnostic]]:
-    """Return the bounds of every command by its step, and a finding for each zone or own ceiling that it
-    breaks.
+    """Return the bounds of every command by its step, and findings about broken zones and ceilings.
 
     Args:
         layout: the segments of the text.

@@ -19,8 +19,9 @@ _BLOCK = 1024
 """Samples that are computed in one step, so that its arrays stay in the processor's cache."""
 
 _NO_PITCH = 1e-11
-"""Largest pitch [m/rad] of a joint that only turns; if its axis is more than 1 m from the origin of {B}, as a
-share of the distance.
+"""Largest pitch [m/rad] of a joint that only turns.
+
+If its axis is more than 1 m from the origin of {B}, this is a share of the distance.
 
 No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m for an arm 100 m from
 its URDF's root.
@@ -217,16 +218,12 @@ def _blocks(count: int) -> Iterator[slice]:
 
 
 class Kinematics:
-    """The judge's kinematics behind the interface that distances, zones and parts use, so that shared code
-    computes with it.
-    """
+    """The judge's kinematics in the form that shared code for distances, zones and parts uses."""
 
     __slots__ = ()
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return the transforms (n + 1, 3, 4, P) that bring the links from their places at zero to those at
-        `q` (P, n).
-        """
+        """Return the transforms (n + 1, 3, 4, P) of the links from their places at zero to `q` (P, n)."""
         count = len(q)
         frames = _hinged(chain, np.ascontiguousarray(q.T))
         steps = _steps(chain)

@@ -1,5 +1,6 @@
-"""The judge's description of a robot, read from the texts of robot.toml and URDF by its own readers and
-conventions.
+"""The judge's description of a robot, from the texts of robot.toml and URDF.
+
+The judge has its own readers and conventions.
 
 The texts come with the robot (`Robot.written`) as they were first read, so that a later change of the files
 has no effect. A robot that was made without files is taken as it is, with the judge's own kinematics.

@@ -1,5 +1,6 @@
-"""The elbow as docs/cells.md defines it, on the turning axis that is farthest from both shoulder and flange,
-with all joints at zero.
+"""The elbow as docs/cells.md defines it.
+
+It is on the turning axis that is farthest from both shoulder and flange, with all joints at zero.
 """
 
 from __future__ import annotations

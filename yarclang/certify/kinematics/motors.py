@@ -1,5 +1,6 @@
-"""Conversion between motor counts and joint positions, computed by the judge: counts = K J q + a0, with q in
-deg and mm.
+"""The judge's conversion between motor counts and joint positions.
+
+counts = K J q + a0, with q in deg and mm.
 """
 
 from __future__ import annotations

@@ -1,5 +1,6 @@
-"""Comparison with Pinocchio at a few points of each motion: it must place all links alike and need the same
-torques.
+"""Comparison with Pinocchio at a few points of each motion.
+
+It must place all links alike and need the same torques.
 
 The points are the begin of each motion, the knot in its middle, and the end of the last motion. A motion
 takes about 0.1 ms.
@@ -21,8 +22,9 @@ from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Array, Robot
 
 SAME_PLACE = 1e-9
-"""Largest difference of equal transforms in each entry [m]; for an arm longer than 1 m, as a share of its
-length.
+"""Largest difference of equal transforms in each entry [m].
+
+For an arm longer than 1 m, this is a share of its length.
 """
 SAME_TORQUE = 1e-7
 """Largest difference of equal torques, as a share of the largest torque [N m or N]."""
@@ -102,8 +104,9 @@ def _joined(placed: Array) -> Array:
 
 
 def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: bool) -> tuple[Array, Array]:
-    """Return Pinocchio's places (n + 1, 4, 4) of joints and flange, and the torques (n,), which are zero
-    unless `loaded`.
+    """Return Pinocchio's places (n + 1, 4, 4) of joints and flange, and the torques (n,).
+
+    The torques are zero unless `loaded`.
     """
     import pinocchio as pin
 

@@ -1,6 +1,4 @@
-"""Comparison of the program's poses with the numbers that were written: the judge computes the transforms
-itself.
-"""
+"""Comparison of the program's poses with the written numbers, by the judge's own transforms."""
 
 from __future__ import annotations
 
@@ -15,8 +13,9 @@ from yarclang.certify.kinematics.rotations import of_numbers
 from yarclang.robot.model import Array, Robot
 
 SAME = 1e-9
-"""Largest difference of equal transforms in each entry [m]; for a frame farther than 1 m, as a share of its
-distance.
+"""Largest difference of equal transforms in each entry [m].
+
+For a frame farther than 1 m, this is a share of its distance.
 """
 
 
@@ -146,9 +145,7 @@ def _are_one(one: Array, other: Array) -> bool:
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return for each pair of transforms (n, 4, 4) whether they are equal except for rounding; False if not
-    finite.
-    """
+    """Return whether pairs of transforms (n, 4, 4) are equal but for rounding; False if not finite."""
     allowed = SAME * np.maximum(1.0, np.abs(others[:, :3, 3]).max(axis=1))
     made: NDArray[np.bool_] = np.abs(ones - others).max(axis=(1, 2)) <= allowed
     return made

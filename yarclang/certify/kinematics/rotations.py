@@ -8,8 +8,9 @@ from yarclang.robot.model import Array
 
 
 def cross_matrix(vectors: Array) -> Array:
-    """Return the cross product matrices (..., 3, 3) of vectors (..., 3): column i is the product with unit
-    vector i.
+    """Return the cross product matrices (..., 3, 3) of vectors (..., 3).
+
+    Column i is the product with unit vector i.
     """
     return np.cross(vectors[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
@@ -43,8 +44,9 @@ def of_quaternion(quaternions: Array) -> Array:
 
 
 def of_numbers(numbers: Array) -> Array:
-    """Return the transforms (..., 4, 4) of x y z and roll pitch yaw (..., 6) [m, rad], or x y z and
-    quaternions (..., 7).
+    """Return the transforms (..., 4, 4) of written numbers.
+
+    They are x y z and roll pitch yaw (..., 6) [m, rad], or x y z and quaternions (..., 7).
     """
     made = np.zeros((*numbers.shape[:-1], 4, 4))
     angles = numbers[..., 3:]

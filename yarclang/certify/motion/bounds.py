@@ -30,8 +30,7 @@ UNIT = 2.0**-53
 
 @frozen(eq=False)
 class Fuzz:
-    """Upper bounds of the amounts by which rounding may have made the peaks of segments too small, in units
-    of `UNIT`.
+    """Upper bounds of the rounding errors of segments' peaks, in units of `UNIT`.
 
     A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers of a
     text are known to 3 M (decimal number, unit, product). The third difference has 8 such errors, plus
@@ -53,9 +52,7 @@ class Fuzz:
 
     @staticmethod
     def of(size: Array, step: Array, h: Array) -> Fuzz:
-        """Return bounds from sizes M and steps S (N, n), scaled by the unit of rounding, and durations (N,)
-        [s].
-        """
+        """Return bounds from sizes M and steps S (N, n), and durations (N,) [s]."""
         return Fuzz(UNIT * size, UNIT * step, h)
 
     def take(self, rows: NDArray[np.int64]) -> Fuzz:
@@ -75,24 +72,28 @@ class Fuzz:
 
     @property
     def acceleration(self) -> Array:
-        """Bound for the peak acceleration (N, n): at the start, plus h times that of the jerk, plus 32 S to
-        evaluate it.
+        """Bound for the peak acceleration (N, n).
+
+        It is that at the start, plus h times that of the jerk, plus 32 S for the evaluation.
         """
         found: Array = (48.0 * self.size + 416.0 * self.step) / self.h[:, None] ** 2
         return found
 
     @property
     def velocity(self) -> Array:
-        """Bound for the peak velocity (N, n): at the start, plus h times that of the acceleration and h^2 / 2
-        times that of the jerk, plus 64 S to evaluate it.
+        """Bound for the peak velocity (N, n).
+
+        It is that at the start, plus h times that of the acceleration and h^2 / 2 times that of the jerk,
+        plus 64 S for the evaluation.
         """
         found: Array = (36.0 * self.size + 352.0 * self.step) / self.h[:, None]
         return found
 
     @property
     def position(self) -> Array:
-        """Bound for the least and the greatest position (N, n), with 8 M for the evaluation and the place of
-        the extremes.
+        """Bound for the least and the greatest position (N, n).
+
+        It contains 8 M for the evaluation and the place of the extremes.
         """
         found: Array = 40.0 * self.size + 256.0 * self.step
         return found
@@ -190,8 +191,9 @@ class Cubics:
         return peak if self.fuzz is None else peak + self.fuzz.velocity
 
     def position_range(self) -> tuple[Array, Array]:
-        """Return bounds (N, n) of the least and the greatest position: at an end, or where the velocity is
-        zero.
+        """Return bounds (N, n) of the least and the greatest position.
+
+        They are at an end, or where the velocity is zero.
         """
         h = self.h[:, None]
         end = self.x + h * (self.v + h * (self.a / 2.0 + h * self.j / 6.0))
@@ -329,9 +331,7 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
 
 
 def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -> tuple[Array, ...]:
-    """Return the four Bezier points of cubics with values e and derivatives `rate` at both ends of intervals
-    of length d.
-    """
+    """Return the four Bezier points of cubics with values e and derivatives `rate` at both ends of d."""
     third = d / 3.0
     return e0, e0 + third * rate0, e1 - third * rate1, e1
 

@@ -327,9 +327,7 @@ def _bounds_of(
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:
-    """Return executed minus programmed position and rotation at the points, with time derivatives: (N, 3) and
-    (N, 9) each.
-    """
+    """Return executed minus programmed position (N, 3) and rotation (N, 9), each with its rate."""
     e = motion.p - path.p
     e_rate = motion.velocity - s_rate[:, None] * path.along
     turn = motion.rotation - path.rotation

@@ -137,8 +137,7 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
 
 
 def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> float:
-    """Return the deviation of the moving frame [m] in a joint motion with a tolerance of its own, which
-    applies to that frame.
+    """Return the deviation of the moving frame [m] in a joint motion with a tolerance of its own.
 
     Zero for other motions.
     """

@@ -23,8 +23,9 @@ Rows = list[tuple[int, Place]]
 NO_WAY = 1e-6
 """A path that is shorter than this [m], and turns by less [rad], has length zero."""
 STILL = 1e-9
-"""The origin of a frame that moves by less than this [m] stands still: the frame's speed is its angular
-speed.
+"""The origin of a frame that moves by less than this [m] stands still.
+
+The frame's speed is then its angular speed.
 """
 
 
@@ -169,8 +170,9 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 
 
 def moving_frame(motion: hir.Motion) -> Array:
-    """Return the moving frame of a motion on the flange (4, 4): by its goals, else as its line names it, else
-    the flange.
+    """Return the moving frame of a motion on the flange (4, 4).
+
+    It is that of its goals, or else the one named on its line, or else the flange itself.
     """
     if (named := motion.flange_from_moving) is not None:
         return named

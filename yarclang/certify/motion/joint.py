@@ -16,9 +16,7 @@ def joint_weights(robot: Robot, tolerance: Tolerance) -> Array:
 
 
 def by_kind(deviations: Array, robot: Robot) -> tuple[float, float]:
-    """Return the largest entry of `deviations` (n,) of the prismatic joints [m], and of the revolute joints
-    [rad].
-    """
+    """Return the largest deviation (n,) of the prismatic joints [m], and of the revolute joints [rad]."""
     prismatic = robot.chain.is_prismatic
     return float(deviations[prismatic].max(initial=0.0)), float(deviations[~prismatic].max(initial=0.0))
 
@@ -84,8 +82,7 @@ def straight_deviations(
 
 
 def _knot(s: Array, at: NDArray[np.int64]) -> Array:
-    """Return the cubic B-spline with control values `s` at its knots, each from the points `at` to `at` + 2.
-    """
+    """Return the cubic B-spline with control values `s` at knots, each from points `at` to `at` + 2."""
     value: Array = (s[at] + 4.0 * s[at + 1] + s[at + 2]) / 6.0
     return value
 

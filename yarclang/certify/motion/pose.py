@@ -23,9 +23,7 @@ def distance(poses: Array, others: Array) -> tuple[Array, Array]:
 
 
 def axis_and_angle(rotation: Array) -> tuple[Array, Array]:
-    """Return the axis (C, 3) and the angle (C,) in [0, pi] of rotations (C, 3, 3); the axis is zero without a
-    turn.
-    """
+    """Return the axes (C, 3) and angles (C,) in [0, pi] of rotations (C, 3, 3); zero axis without a turn."""
     vee = (
         np.stack(
             [

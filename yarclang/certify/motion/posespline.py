@@ -1,5 +1,6 @@
-"""Curves of the moving frame through poses: natural cubic splines of position and quaternion, with the
-quaternion normalised.
+"""Curves of the moving frame through poses.
+
+Position and quaternion are natural cubic splines; the quaternion is then normalised.
 
 R = M(Q) / |Q|^2, where M and n = |Q|^2 are polynomials of degree 6 on a span. Given bounds M_k and N_k of
 their derivatives, and n >= n_min, Leibniz' rule for R n = M bounds the derivatives of R one after the other:
@@ -127,9 +128,7 @@ class PoseSpline:
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
 
     def _lengths(self) -> tuple[Array, Array]:
-        """Return parameters s (N,) and the approximate path length of the frame's origin up to each [m]
-        (Simpson's rule).
-        """
+        """Return parameters s (N,) and the origin's approximate path length up to each [m] (Simpson)."""
         s = places_of(self.spline.s / self.total)
         way = np.zeros(len(s))
         for begin in range(0, len(s) - 1, _AT_ONCE):
@@ -173,9 +172,7 @@ class PoseSpline:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s by least squares of the differences of position and rotation matrix, each divided by its
-        tolerance.
-        """
+        """Choose s by least squares of position and rotation errors, each divided by its tolerance."""
         weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
         y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
         y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
@@ -348,9 +345,7 @@ def _derivative(power: Array, times: int) -> Array:
 
 
 def _bernstein(power: Array) -> Array:
-    """Return the Bernstein coefficients on [0, 1] of polynomials with the coefficients `power` (degree + 1,
-    ...).
-    """
+    """Return Bernstein coefficients on [0, 1] of polynomials with coefficients `power` (degree + 1, ...)."""
     degree = len(power) - 1
     matrix = np.array([[comb(i, k) / comb(degree, k) for k in range(degree + 1)] for i in range(degree + 1)])
     coefficients: Array = np.tensordot(matrix, power, 1)

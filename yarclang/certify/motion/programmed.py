@@ -1,5 +1,6 @@
-"""Programmed paths of the moving frame over a parameter s from 0 to 1, with many commands of one kind in one
-object.
+"""Programmed paths of the moving frame over a parameter s from 0 to 1.
+
+One object contains many commands of one kind.
 """
 
 from __future__ import annotations
@@ -262,9 +263,7 @@ class Arcs:
 
     @staticmethod
     def through(start: Array, via: Array, goal: Array, flange_from_moving: Array) -> Arcs:
-        """Return the arcs from the poses `start` (C, 4, 4) through the points `via` (C, 3) to the poses
-        `goal` (C, 4, 4).
-        """
+        """Return the arcs from poses `start` (C, 4, 4) through `via` (C, 3) [m] to poses `goal` (C, 4, 4)."""
         a, b = via - start[:, :3, 3], goal[:, :3, 3] - start[:, :3, 3]
         across = np.cross(a, b)
         sides = np.stack([np.linalg.norm(x, axis=1) for x in (a, b, b - a)])
@@ -308,8 +307,9 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Choose s as the mean of the values from position and turn, each weighed by its length over its
-        tolerance.
+        """Choose s as the mean of the values from position and turn.
+
+        Each is weighed by its length over its tolerance.
         """
         turns = self.turns
         square = np.einsum("ci,ci->c", self.spoke, self.spoke)
@@ -343,8 +343,9 @@ def _unwrapped(angle: Array, owner: Rows) -> Array:
 
 
 def _angle_about(rotation: Array, axis: Array) -> Array:
-    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) nearest to `rotation` (N, 3, 3) in the
-    Frobenius norm.
+    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) nearest to `rotation` (N, 3, 3).
+
+    Distances are in the Frobenius norm.
 
     The trace of R' turn(angle) is largest for tan(angle) = (axis . vee) / (trace R - axis' R axis).
     """

@@ -96,9 +96,7 @@ def _times(bands: Array, x: Array) -> Array:
 
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
-    """Return the approximate length of the curve up to each of `s` (N,), that of the polygon through these
-    points.
-    """
+    """Return the approximate length of the curve up to each of `s` (N,), by the polygon."""
     lengths, behind = np.zeros(len(s)), 0.0
     for begin in range(0, len(s) - 1, _AT_ONCE):
         go_on()

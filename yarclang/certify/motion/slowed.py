@@ -16,7 +16,9 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""Share of a programmed speed above which there is no warning: a rounded corner takes a little of the speed.
+"""Share of a programmed speed above which there is no warning.
+
+A rounded corner takes a little of the speed.
 """
 
 _USED_UP = 0.85

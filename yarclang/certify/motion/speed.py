@@ -1,5 +1,4 @@
-"""Bounds of the speed of the moving frame at every instant, compared with the programmed speed (`[V 250]`).
-"""
+"""Bounds of the speed of the moving frame at every instant, for the programmed speed (`[V 250]`)."""
 
 from __future__ import annotations
 
@@ -26,9 +25,7 @@ _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2
 ]
 _RIGHT = _LEFT[::-1, ::-1]
 _QUARTERS = np.concatenate([one @ other for other in (_LEFT, _RIGHT) for one in (_LEFT, _RIGHT)])
-"""Matrix (20, 5) from five Bernstein coefficients to those of the four quarters of the interval (de
-Casteljau).
-"""
+"""Matrix (20, 5) from five Bernstein coefficients to those of the four quarters (de Casteljau)."""
 
 
 @frozen(eq=False)
@@ -82,8 +79,7 @@ class Speeds:
 def finer_for_speed(
     pieces: Rows, h: Array, origin: Array, rotation: Array, wanted: Programmed, command: Rows
 ) -> Rows:
-    """Return more pieces for segments of commands with a programmed speed, so that the bounds of the speed
-    are sharp.
+    """Return the numbers of pieces that make the bounds of programmed speeds sharp.
 
     Args:
         pieces: (N,) pieces of each segment that the path needs.
@@ -206,8 +202,9 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
 
 
 def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the least and the largest speed of a command that has its speed on no whole piece; NaN if it
-    never has.
+    """Return the least and the largest speed of a command that has its speed on no whole piece.
+
+    Both are NaN if it never has its speed.
 
     Args:
         low: (P,) least speed on each piece outside of blends.

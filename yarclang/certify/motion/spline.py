@@ -43,9 +43,7 @@ class NaturalSpline:
 
     @staticmethod
     def over(steps: Array, y: Array) -> NaturalSpline:
-        """Return the spline through `y` (m, n) over a parameter that grows by `steps` (m - 1,) between
-        neighbours.
-        """
+        """Return the spline through `y` (m, n) over a parameter that grows by `steps` (m - 1,)."""
         s = np.concatenate([[0.0], np.cumsum(steps)])
         bend = np.zeros_like(y)
         if len(y) > 2:
@@ -252,8 +250,9 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
 
 
 def _steepest(spline: NaturalSpline, beyond: float) -> Array:
-    """Return max |y'| of each joint (n,) on the spline and up to `beyond` outside of it, by the Bezier points
-    of y'.
+    """Return max |y'| of each joint (n,) on the spline and up to `beyond` outside of it.
+
+    The Bezier points of y' bound it.
     """
     chord = np.diff(spline.s)[:, None]
     b0, b1 = spline.bend[:-1], spline.bend[1:]

@@ -21,8 +21,9 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot, Tolerance
 
 LATE = 1e-3
-"""Largest difference between the durations of the text and of the timetable [s]; all times are scaled by one
-factor.
+"""Largest difference between the durations of the text and of the timetable [s].
+
+All times are scaled by one factor.
 """
 
 HALVINGS = 8
@@ -74,8 +75,7 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
 
 
 def _velocities_of_clamped(h: Array, q: Array) -> Array:
-    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` (m + 1, n) with zero velocity at
-    both ends.
+    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` that rests at both ends.
 
     The tridiagonal system has the second derivatives as unknowns (the clamped spline); the velocities follow
     from them.
@@ -168,9 +168,7 @@ def _bezier_of(cubics: Cubics) -> Array:
 
 
 def _part(bezier: Array, begin: Array, end: Array) -> Array:
-    """Return the Bezier points (N, d + 1, n) of the parts between the shares `begin` and `end` (N,) (de
-    Casteljau).
-    """
+    """Return the Bezier points (N, d + 1, n) between two shares (N,) of each polynomial (de Casteljau)."""
     left = bezier.copy()
     u = end[:, None, None]
     for level in range(1, bezier.shape[1]):  # the part before `end`
@@ -199,8 +197,9 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 
 
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
-    """Return the tolerance of a timed motion for prismatic and for revolute joints: the larger of its
-    `within` values.
+    """Return the tolerance of a timed motion for prismatic and for revolute joints.
+
+    Each is the largest of its `within` values.
     """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance

@@ -32,8 +32,9 @@ _ASSIGNMENT = re.compile(r"([IPQM][0-9]+)={1,2}.*")
 def read_course(
     cursor: Cursor, barriers: dict[int, Barred], target: Target, system: int
 ) -> tuple[tuple[Run | Dwelt | Put | Barred | Stood, ...], tuple[Armed, ...]]:
-    """Read everything from the first TM up to CLOSE; return the course, and where the guard is armed and
-    disarmed.
+    """Read everything from the first TM up to CLOSE.
+
+    Returns the course, and the lines that arm and disarm the guard.
     """
     course, arms = _Course(), list[Armed]()
     while True:

@@ -1,4 +1,6 @@
-"""The position in a text for a Turbo PMAC, which returns single lines, and blocks of move lines as numbers.
+"""The position in a text for a Turbo PMAC.
+
+It returns single lines, and blocks of move lines as numbers.
 """
 
 from __future__ import annotations
@@ -21,9 +23,7 @@ _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
 """Number in a move line. The quantifiers are possessive: nothing is matched twice, so the time is linear."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""Move lines are cached in pieces, of at least and at most so many characters, that end at a line with these
-digits.
-"""
+"""Least and most characters of a cached piece of move lines, and the digits in its last line."""
 
 
 class Cursor(Lines):

@@ -1,5 +1,6 @@
-"""The guard of the rotary buffer: a text arms it before the first move, and disarms it only when its last
-lines are in the buffer.
+"""The guard of the rotary buffer.
+
+A text arms it before the first move, and disarms it only when its last lines are in the buffer.
 
 While the guard is armed, the controller's PLC 29 holds the motion on its path as soon as fewer than I16 lines
 are ahead: the computer that feeds the buffer has failed.
@@ -24,8 +25,9 @@ LATE = 0.1
 """Largest delay with which the guard's PLC notices that the buffer runs low [s]."""
 
 AHEAD = 2
-"""Lines that the controller takes out of the buffer before it executes them (TUM 289: a spline needs the next
-two points).
+"""Lines that the controller takes out of the buffer before it executes them.
+
+A spline needs the next two points (TUM 289).
 """
 
 _ROUNDING = 1e-9
@@ -75,8 +77,9 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
-    """Check the guard between two barriers: it must be armed during any leg that does not fit into the buffer
-    as a whole.
+    """Check the guard between two barriers.
+
+    It must be armed during any leg that does not fit into the buffer as a whole.
     """
     count = len(moves)
     if count <= marks.full + AHEAD:
@@ -106,9 +109,7 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
 
 
 def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """Yield the line numbers of the moves between two barriers, and the lines among them that arm and disarm
-    the guard.
-    """
+    """Yield for each leg between two barriers its move lines, and the lines that arm and disarm the guard."""
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
     for begin, end in pairwise((0, *barriers, sys.maxsize)):

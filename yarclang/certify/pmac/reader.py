@@ -44,8 +44,9 @@ def _guard_of(content: ControllerText) -> Guard:
 
 
 def _per_step(robot: Robot) -> Array:
-    """Return the movement of each joint per step of each motor's register (n, n) [rad or m per 1/(Ixx08 32)
-    count].
+    """Return the movement of each joint per step of each motor's register (n, n).
+
+    Its unit is rad or m per 1/(Ixx08 32) count.
     """
     steps: Array = np.abs(joints_per_count(robot)) / (32.0 * turbo_pmac(robot).ixx08)
     return steps
@@ -66,8 +67,9 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
 
 
 def _start_faults(content: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """Check that the guard of a fixed program is narrow: a start that is off by x adds an acceleration of x /
-    TM^2.
+    """Check that the guard of a fixed program is narrow.
+
+    A start that is off by x adds an acceleration of x / TM^2.
     """
     if not content.runs or content.start.printed is not None:
         return

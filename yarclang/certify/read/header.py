@@ -1,5 +1,4 @@
-"""Reading of the comments at the top of a controller text: the header, and the map of commands and barriers.
-"""
+"""Reading of the comments at the top of a controller text: header, and map of commands and barriers."""
 
 from __future__ import annotations
 
@@ -94,8 +93,7 @@ class Preamble:
 
 
 def header_of(text: str) -> Preamble | Unreadable:
-    """Read the comments at the top of a controller text, without the rest of it, and without knowing the
-    robot.
+    """Read only the comments at the top of a controller text, without knowing the robot.
 
     Args:
         text: a text written by yarcc.
@@ -238,9 +236,7 @@ def _read_barrier(lines: Lines) -> Barred:
 def _decided(
     lines: Lines, kind: str, condition: str
 ) -> tuple[Value | None, bool, RegisterValue | InputValue | None]:
-    """Return the value that a barrier depends on, whether its inputs were read before, and the register or
-    output it sets.
-    """
+    """Return a barrier's value, whether its inputs were read before, and the register or output it sets."""
     if kind == "when":
         again = condition.startswith(AGAIN)
         found = read_condition(condition.removeprefix(AGAIN))
@@ -264,8 +260,9 @@ def _decided(
 
 
 def _can_change(condition: Value, registers: Mapping[str, Register]) -> bool:
-    """Return True if a condition may change while a program waits: by an input, or by a register filled from
-    outside.
+    """Return True if a condition may change while a program waits.
+
+    An input may change it, or a register filled from outside.
     """
     return bool(inputs_of(condition)) or any(
         name in registers and registers[name].outside for name in registers_of(condition)

@@ -38,8 +38,9 @@ _BARRIERS: dict[type, str] = {
 """Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Segments that are judged in one step: enough for whole-array work, and few enough for the processor's
-cache.
+"""Segments that are judged in one step.
+
+They are enough for whole-array work, and few enough for the processor's cache.
 """
 
 
@@ -110,9 +111,7 @@ class Layout:
         return self.points_of(place.first, place.last)
 
     def points_of(self, begin: int, stop: int) -> Array:
-        """Return the control points of the segments `begin` up to `stop` (not included) of one sequence [rad
-        or m].
-        """
+        """Return the control points of segments `begin` up to `stop` (excluded) of one sequence [rad or m]."""
         return self.control[self.at[begin] : self.at[stop - 1] + 4]
 
     def cubics(self, begin: int, stop: int) -> Cubics:
@@ -166,9 +165,7 @@ def lay_out(
 def _sequences(
     text: ControllerText, runs: list[Run], start: Array, axis_units: Array
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Return the control points of all sequences (G, n) [rad or m], and the number of segments of each
-    sequence.
-    """
+    """Return the control points of all sequences (G, n) [rad or m], and each one's number of segments."""
     if not runs:
         return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
     counts = np.array([len(run.points) for run in runs], dtype=np.int64)
@@ -242,8 +239,9 @@ def _compare(
 def _spans(
     moving: list[Entry], lines: list[NDArray[np.int64]]
 ) -> dict[int, tuple[int, int]] | tuple[int, str]:
-    """Return the range of segments of each step with moves: one for each line, and two more at the end of a
-    sequence.
+    """Return the range of segments of each step with moves.
+
+    There is one segment for each line, and two more at the end of a sequence.
     """
     spans: dict[int, tuple[int, int]] = {}
     rest = iter(moving)
@@ -279,8 +277,9 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Return the first blend that does not fit into its sequence, or that covers an action at rest; None if
-    there is none.
+    """Return the first blend that its sequence has no room for, or that covers an action at rest.
+
+    None if there is no such blend.
     """
     last_lines = {int(run[-1]) for run in lines}
     before = 0

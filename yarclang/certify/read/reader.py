@@ -45,8 +45,9 @@ class Fault:
 
 @frozen(eq=False)
 class Reader:
-    """The judge's reader of the texts for a kind of controller. It shares no code with the writer of these
-    texts.
+    """The judge's reader of the texts for a kind of controller.
+
+    It shares no code with the writer of these texts.
 
     Attributes:
         read: reads a whole text; every line must have the one form that is allowed in its place.

@@ -1,5 +1,6 @@
-"""The content of a controller text, as the judge reads it: commands in the header, sequences of moves, and
-the items between them.
+"""The content of a controller text, as the judge reads it.
+
+It has commands in the header, sequences of moves, and items between them.
 """
 
 from __future__ import annotations

@@ -1,3 +1,4 @@
-"""Writer of proofs that `yarclang.verify` checks without search: `document.py` the whole proof, `shares.py`
-s(t) of each motion.
+"""Writer of proofs that `yarclang.verify` checks without search.
+
+`document.py` writes the whole proof, `shares.py` s(t) of each motion.
 """

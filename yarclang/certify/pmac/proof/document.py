@@ -1,5 +1,6 @@
-"""The proof of a certified text as JSON: the robot, the program, and the data with which its motions are
-checked without search.
+"""The proof of a certified text as JSON.
+
+It contains the robot, the program, and the data with which motions are checked without search.
 """
 
 from __future__ import annotations

@@ -67,8 +67,9 @@ class Motions:
             self.proofs[str(place.step)] = proof
 
     def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
-        """Return the data that make a motion checkable; a text with the reason if it cannot be checked; None
-        if no data are needed.
+        """Return the data that make a motion checkable; None if no data are needed.
+
+        If it cannot be checked, a text with the reason is returned.
         """
         motion, layout, robot = place.motion, self._layout, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
@@ -168,8 +169,7 @@ def _speed(speed: hir.Reading) -> list[float | None]:
 
 
 def _through(place: Place, begin: Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:
-    """Yield the way-points of a joint motion: joints [deg or mm], with the poses that they were chosen for.
-    """
+    """Yield the way-points of a joint motion [deg or mm], with the poses that they were chosen for."""
     motion = place.motion
     claimed = claims.witnesses.get(place.step)
     goals = motion.goals

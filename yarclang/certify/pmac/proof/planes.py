@@ -1,5 +1,6 @@
-"""Planes that keep bodies apart, for the small checker: the longest stretches of a text on which one plane
-per pair is enough.
+"""Planes that keep bodies apart, for the small checker.
+
+They cover the longest stretches of a text on which one plane per pair is enough.
 
 The first stretch is the whole text. If no plane keeps a pair of bodies apart on a stretch, both halves are
 examined: it is divided first between commands, then between segments, then within a segment. The bounds are
@@ -32,9 +33,7 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""Reserve of a gap above its margin [m], more than the effect of floating point and of the grid of meshes'
-corners.
-"""
+"""Reserve of a gap above its margin [m], more than the effects of rounding and of meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
 """Sizes of the integers in normals; the smallest sufficient one is used."""
 
@@ -149,9 +148,7 @@ class _Search:
         return found
 
     def _middle(self, begin: Rows, end: Rows) -> Rows:
-        """Return the places at which stretches are divided: between commands, between segments, or within a
-        segment.
-        """
+        """Return the places that divide stretches between commands, between segments, or within one."""
         middle = (begin + end) // 2
         cut = np.where(end - begin > PARTS, (middle + PARTS // 2) // PARTS * PARTS, middle)
         row = self.segments.row
@@ -229,9 +226,7 @@ class _Search:
         return settled
 
     def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
-        """Return True for pairs of a slow zone and a body that are slow enough on stretches of one sequence,
-        and store them.
-        """
+        """Return True for pairs of slow zone and body that are slow enough on stretches; store them."""
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -305,8 +300,9 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
 
 
 def _reach(robot: Robot, item: Item, far: Array) -> Array:
-    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m], as the checker
-    does.
+    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m].
+
+    The bound is that of the checker.
     """
     steps = steps_of(robot.chain)
     is_turn = axes_of(robot.chain).turn == 1.0

@@ -1,5 +1,6 @@
-"""Description of the bodies around the arm in a proof: their places, the commands during which they are
-there, and the pairs that may touch.
+"""Description of the bodies around the arm in a proof.
+
+It contains their places, the commands during which they are there, and the pairs that may touch.
 """
 
 from __future__ import annotations
@@ -199,8 +200,9 @@ def told_frame(pose: Array) -> list[float]:
 
 
 def in_units(numbers: Array) -> list[float | None]:
-    """Return numbers as robot.toml writes them, without the last digits, which conversion to SI units and
-    back has changed.
+    """Return numbers as robot.toml writes them.
+
+    The last digits, which conversion to SI units and back has changed, are left out.
     """
     return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
 
@@ -262,8 +264,7 @@ def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
 
 
 def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
-    """Return the description of a zone, and the regions that it keeps bodies out of, in the checker's order.
-    """
+    """Return the description of a zone, and the regions to stay out of, in the checker's order."""
     told: dict[str, Any] = {"name": zone.name, "rule": zone.rule, "margin": zone.margin, "region": None}
     told["watched"] = []
     if zone.speed is not None:

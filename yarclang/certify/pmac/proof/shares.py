@@ -23,8 +23,7 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
 _REMAINDER = 0.2
-"""Pieces are short enough that the bounds between their ends cost at most about this share of the tolerance.
-"""
+"""Largest share of the tolerance, approximately, that bounds between the ends of pieces may cost."""
 _MOST_PIECES = 64
 _BESIDE = 0.011
 """Least share of an arc that the checker requires between its via point and its ends, with a reserve."""
@@ -190,8 +189,9 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
 
 
 def _pieces(need: float) -> int:
-    """Return the number of pieces of a segment that makes `need` small: it falls with the fourth power of
-    this number.
+    """Return the number of pieces of a segment that makes `need` small.
+
+    It falls with the fourth power of this number.
     """
     return int(np.clip(math.ceil((need / _REMAINDER) ** 0.25), 1, _MOST_PIECES))
 

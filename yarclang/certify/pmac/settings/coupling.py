@@ -52,9 +52,7 @@ class Coupling:
 
     @cached_property
     def slack(self) -> Row:
-        """Allowed rounding error of each motor's position [counts]: a thousandth of a count, plus 1e-11 of
-        its range.
-        """
+        """Allowed rounding error of each motor [counts]: 1/1000 count, plus 1e-11 of its range."""
         return [Fraction(1, 1000) + range_ / 10**11 for range_ in self.range]
 
     @cached_property

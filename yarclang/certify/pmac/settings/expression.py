@@ -47,8 +47,9 @@ def variable(name: str) -> Affine:
 
 
 def evaluate(text: str, meaning: Callable[[str], Affine | None]) -> Affine:
-    """Evaluate an expression as the controller does: * and / before + and -, from left to right (TUM,
-    mathematical operators).
+    """Evaluate an expression as the controller does.
+
+    * and / come before + and -, from left to right (TUM, mathematical operators).
 
     Args:
         text: the expression, without spaces.

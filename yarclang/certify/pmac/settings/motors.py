@@ -71,8 +71,9 @@ def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: C
 
 
 def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
-    """Return the largest position of a motor in one direction within the limits of the joints, times `sign`
-    [counts].
+    """Return the largest position of a motor in one direction, times `sign` [counts].
+
+    The joints stay within their limits.
 
     None if it is unlimited.
     """

@@ -1,5 +1,6 @@
-"""Conversion of joint to motor positions and back: the axis definitions must be K J and a0, and PLC 0 their
-inverse.
+"""Conversion of joint to motor positions and back.
+
+The axis definitions must be K J and a0, and PLC 0 their inverse.
 """
 
 from __future__ import annotations

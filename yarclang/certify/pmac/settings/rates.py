@@ -90,16 +90,13 @@ class _Group:
     joints: list[int]
 
     def worst(self, joint: int, rates: _Rates) -> Fraction:
-        """Return the largest rate of one joint [axis units/s or axis units/s^2] for any directions of the
-        motors.
-        """
+        """Return the largest rate of one joint [axis units/s or /s^2] for any directions of the motors."""
         shares = self.coupling.inverse[joint]
         return sum((abs(shares[row] * rate) for row, rate in rates.items() if shares[row]), Fraction(0))
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
-    """Return the largest rates in proportion to the gears at which no joint and no motor exceeds its limit.
-    """
+    """Return the largest rates in proportion to the gears that exceed no limit of a joint or motor."""
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
     return (

@@ -1,5 +1,6 @@
-"""Reader of the settings text that yarc prints, and of nothing else. Every line must have the one form that
-is allowed in its place.
+"""Reader of the settings text that yarc prints, and of nothing else.
+
+Every line must have the one form that is allowed in its place.
 
 Comments (after `;`) and empty lines are allowed anywhere: they are removed before a line is sent.
 """

@@ -1,6 +1,4 @@
-"""I-variables of the coordinate system and the controller: servo clock, spline, hold, and the marks of the
-guard.
-"""
+"""I-variables of the coordinate system and the controller: servo clock, spline, hold, guard."""
 
 from __future__ import annotations
 

@@ -207,7 +207,10 @@ class _Clock:
                 pass
 
     def _since(self, depth: int) -> Lasting:
-        """Return the time since the open item at index `depth` began, or since the program's start."""
+        """Return the time since the body of the open item `depth` - 1 began.
+
+        For 0, it is the time since the program's start.
+        """
         whole = self.so_far
         for one in reversed(self.open[depth:]):
             whole = one.before.then(whole)

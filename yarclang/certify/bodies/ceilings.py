@@ -104,7 +104,10 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield each command with the ceilings of the neighbours in its chain [m/s]; infinite without one."""
+    """Yield each command with the ceilings of the neighbours that it flows out of, and into [m/s].
+
+    The value is infinite for a neighbour without a ceiling, and 0 without such a neighbour.
+    """
     moving = [place for place in layout.places if place.size]
     for row, place in enumerate(moving):
         before = _allowed(moving[row - 1]) if row and place.before is not None else 0.0

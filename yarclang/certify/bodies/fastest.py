@@ -216,6 +216,7 @@ class _Search:
         """Return True for pieces that are outside by a ball around the body, or by the joints' ranges."""
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
+            # A function exceeds its chord by at most d^2 / 8 of its second derivative.
             cubics = self.all.cubics.take(segment)
             before, after = cubics.at(begin)[0], cubics.at(end)[0]
             most = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j))
@@ -317,11 +318,13 @@ def _derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array
     first, second, third = (np.zeros(len(cubics.h)) for _ in range(3))
     for joint in range(item.joint):
         turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+        # Leibniz' rule for a step of length s along an axis that turns with W, A and J.
         if slide:
             s, v, u, p = (slide * one[:, joint] for one in (far, *peaks))
             first = first + w * s + v
             second = second + (w**2 + a) * s + 2.0 * w * v + u
             third = third + (w**3 + 3.0 * w * a + j) * s + 3.0 * (w**2 + a) * v + 3.0 * w * u + p
+        # Steps after a turning joint turn with it as well.
         w, a, j = (before + turn * one[:, joint] for before, one in zip((w, a, j), peaks, strict=True))
         first = first + lengths[joint] * w
         second = second + lengths[joint] * (w**2 + a)

@@ -49,17 +49,21 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         lengths = _lengths(chain, dynamics.center[body], body, travel)
         rates = _Rates(*(one[body] for one in (*turning, *sliding)))
         reach = lengths[0]
+        # Force, and its derivatives: mass times the second to fourth derivative of the centre of mass, which
+        # Bell polynomials bound; gravity, which is constant, adds to the force only.
         _, _, second, third, fourth = rates.grown(reach)
         force: Derivatives = (mass * (reach * second + pull), mass * reach * third, mass * reach * fourth)
         stiff = float(np.linalg.eigvalsh(dynamics.inertia[body])[-1])
         twist = _momentum_rates(stiff, rates)
         for joint in range(body + 1):
+            # The axis of a joint is turned only by the joints before it.
             before = _Rates(*(one[joint - 1] if joint else nothing for one in turning), *([nothing] * 3))
             axis = before.grown(1.0)[:3]
             if prismatic[joint]:
                 bend = _product(axis, force)
             else:
                 length = lengths[joint]
+                # The lever arm r moves with all joints up to the body.
                 arm: Derivatives = tuple(length * one for one in rates.grown(length)[:3])
                 bend = _triple(axis, arm, force) + _product(axis, twist)
             found[:, joint] += bend

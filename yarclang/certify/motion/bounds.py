@@ -134,6 +134,8 @@ class Cubics:
         fuzz = Fuzz.of(np.abs([f0, f1, f2, f3]).max(axis=0), np.abs([step0, step1, step2]).max(axis=0), time)
         first, second = step1 - step0, step2 - step1
         # Write x as f1 plus a difference, so that at rest it is exactly f1.
+        # Derivatives of the uniform cubic B-spline at the start of a segment: x = (f0 + 4 f1 + f2) / 6,
+        # v = (f2 - f0) / 2h, a = (f0 - 2 f1 + f2) / h^2, and the jerk is the third difference over h^3.
         return Cubics(
             f1 + first / 6.0, (f2 - f0) / (2.0 * h), first / h**2, (second - first) / h**3, time, fuzz
         )
@@ -217,8 +219,9 @@ class Cubics:
 def _roots(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array]:
     """Return both roots of a t^2 + b t + c, moved into [0, h].
 
-    The stable formula q = -(b + sign(b) sqrt(b^2 - 4 a c)) / 2 gives the roots q / a and c / q. The caller
-    evaluates the position at the returned times, so a wrong root does no harm.
+    With q = -(b + sign(b) sqrt(b^2 - 4 a c)) / 2, which avoids cancellation, the roots are q / a and c / q.
+    Moving a root is harmless: the caller evaluates the position there, which is within the range at any time
+    in [0, h].
     """
     q = -(b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b)) / 2.0
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -286,6 +289,7 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
     sum_w, sum_a, sum_j, before, origin = zero, zero, zero, zero, zero
     for m in range(w.shape[1]):
         if prismatic[m]:
+            # The derivative of `fourth` in the direction of this joint's velocity, acceleration and jerk.
             origin = origin + (
                 (4.0 * sum_w**3 + 12.0 * sum_w * sum_a + 4.0 * sum_j) * w[:, m]
                 + 6.0 * (sum_w**2 + sum_a) * a[:, m]
@@ -322,6 +326,7 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
         if not angular.any():
             length += float(travel[joint])
             continue
+        # The screw's linear part is the cross product of a point of the axis with the axis.
         on_axis = np.cross(angular, linear)  # the point of the axis nearest to the base's origin
         nearest = on_axis + angular * float(angular @ (point - on_axis))
         length += float(np.linalg.norm(point - nearest))

@@ -116,11 +116,13 @@ def follow(
     """
     cubics = stretch.cubics
     arm = _arm_bounds(stretch, paths, robot)
+    # The remainder falls with the fourth power of the number of pieces.
     need = HERMITE * cubics.h**4 / REMAINDER_SHARE * arm.need
     pieces = np.clip(np.ceil(need**0.25), 1, MOST_PIECES).astype(np.int64)
     pieces = finer_for_speed(pieces, cubics.h, arm.origin, arm.rotation, stretch.speed, arm.command)
     law = _Law(claims, is_way)
     found = _followed(stretch, paths, robot, arm, pieces, law)
+    # If a bound fails and the path's own part of its remainder is large, try once with more pieces.
     need_more = np.maximum(found.rest / stretch.tolerance, found.angle_rest / stretch.angle)
     beyond = (found.position > stretch.tolerance) | (found.angle > stretch.angle)
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
@@ -250,6 +252,7 @@ def _bounds(
         s, s_rate = claimed
     left, right, d = cut.left, cut.left + 1, cut.d
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
+    # Find the first and the last piece of each command; its pieces are consecutive.
     begins = np.flatnonzero(np.diff(cut.command, prepend=-1))
     ends = np.append(begins[1:], len(d)) - 1
     there = cut.command[begins]
@@ -290,6 +293,7 @@ def _bounds_of(
         behind: (P,) result of `catch_up`.
         which: the pieces to bound.
     """
+    # Only the points of these pieces.
     first = cut.left[which.start]
     left, segment, command = (x[which] for x in (cut.left, cut.segment, cut.command))
     d = cut.d[which]
@@ -318,8 +322,10 @@ def _bounds_of(
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
+    # Distance at equal s, plus the length of path by which s may lag behind a non-decreasing parameter.
     position = hull(e, e_rate, left, right, d) + rest + behind * lifted.position[:, 0]
     chord = hull(turn, turn_rate, left, right, d)
+    # The Frobenius norm of a rotation's derivative is sqrt 2 times its angular speed.
     lag = behind * lifted.rotation[:, 0] / np.sqrt(2.0)
     angle = np.minimum(angle_of_chord(chord + chord_rest) + lag, np.pi)
     angle_rest = angle_of_chord(chord + chord_rest) - angle_of_chord(chord)
@@ -338,6 +344,7 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
 
 def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]:
     """Return the remainders of position and rotation (P,) due to the curvature of the path itself."""
+    # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
     s3 = np.abs(np.diff(dds, axis=1)[:, 0]) / d
@@ -368,6 +375,7 @@ def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array,
     size = np.diff(start)
     number = np.arange(len(cut.segment)) - np.repeat(start[:-1], size)
     u = np.append(number / np.repeat(size, size), 1.0)
+    # Basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives, times 2.
     w = 1.0 - u
     f0, f1, f2, f3 = (control[k + i] for i in range(4))
     s = (

@@ -80,6 +80,7 @@ class PoseSpline:
         q = _aligned(_quaternions(poses[:, :3, :3]))
         # The angle between neighbouring quaternions is half the turn between them; tan of half that angle is
         # |a - b| / |a + b|.
+        # The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
         steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
@@ -283,6 +284,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     start = np.tile(edge[:-1], (len(widths), 1))
     width = np.full((len(widths), each), 1.0 / each)
     before, behind = _margins(spline)
+    # The cells at both ends of the curve also cover twice the margins beyond it, because of rounding.
     if first == 0:
         start[0, 0] -= 2.0 * before / widths[0]
         width[0, 0] += 2.0 * before / widths[0]
@@ -293,6 +295,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     chord = widths[:, None]
     y, b0, b1 = spline.y[first : last + 1], spline.bend[first:last], spline.bend[first + 1 : last + 1]
     slope = np.diff(y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    # Coefficients of the cubic on each span, by its values and second derivatives at both ends.
     power = np.stack([y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
     t = u0[:, :, None]
     # Taylor coefficients of the cubics at the start of each cell, over the cell scaled to [0, 1].
@@ -306,6 +309,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     ).reshape(4, -1, y.shape[1])
     size = size.reshape(-1)
     q = local[..., 3:]
+    # Polynomials of degree 6 on each cell: n = |Q|^2 and M(Q), as products of the cubic Q with itself.
     n, matrices = np.zeros((7, len(size))), np.zeros((7, len(size), 3, 3))
     for i in range(4):
         for k in range(4):
@@ -315,6 +319,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
     m = matrices.reshape(7, -1, 9)
     m_top = [np.linalg.norm(_bernstein(_derivative(m, k)), axis=2).max(axis=0) for k in range(5)]
+    # Leibniz' rule for R n = M, solved for the k-th derivative of R. R itself has the Frobenius norm sqrt 3.
     bound = [np.full(len(size), np.sqrt(3.0))]
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(1, 5):
@@ -323,6 +328,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     p = local[..., :3]
     cells = np.zeros((len(size), 4, 2))
     for k in range(1, 5):
+        # The fourth derivative of the position is zero. Scale from the cell's share back to u.
         if k < 4:
             top = np.linalg.norm(_bernstein(_derivative(p, k)), axis=2).max(axis=0)
             cells[:, k - 1, 0] = top / size**k

@@ -128,7 +128,9 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
     degree 4: its five Bernstein coefficients bound it.
     """
     v0, v1 = rate[left], rate[left + 1]
+    # Bezier points v0, middle, v1 of the Hermite cubic's velocity, whose mean is the difference quotient.
     middle = 3.0 * (x[left + 1] - x[left]) / d[:, None] - v0 - v1
+    # Bernstein coefficients of the square of a quadratic Bezier curve (product of two Bernstein polynomials).
     squares = np.stack(
         [
             _dot(v0, v0),

@@ -116,7 +116,7 @@ def spline_deviation(
     """Bound the deviation from the natural spline through way-points.
 
     The error of each joint is e(t) = q(t) - y(s(t)), with s(t) piecewise cubic. As q'''' = 0 and y'''' = 0,
-    |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y'' |. Where s passes a way-point, e'''
+    |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|. Where s passes a way-point, e'''
     jumps by s'^3 times the jump of y'''. The Hermite remainder (bounds.py) follows from both.
 
     Args:
@@ -174,6 +174,7 @@ def _bound(
     law: Array | None,
     free: tuple[bool, bool],
 ) -> SplineBound:
+    # Joint positions and velocities at the ends of all pieces.
     count = len(cubics.h) * pieces
     segment = np.arange(count) // pieces
     d = cubics.h[segment] / pieces
@@ -192,6 +193,7 @@ def _bound(
 
     go_on()
     y, slope = spline.at(s)
+    # Error and its rate at the ends of pieces: the Hermite cubic of the error, and of s.
     e, e_rate = q - y, rate - slope * s_rate[:, None]
     hull = np.stack(hermite_bezier(e[:-1], e_rate[:-1], e[1:], e_rate[1:], d[:, None]))
     bezier_s = np.stack(hermite_bezier(s[:-1], s_rate[:-1], s[1:], s_rate[1:], d), axis=1)
@@ -199,6 +201,7 @@ def _bound(
     covered = np.where(free, np.clip([s[0] / end, s[-1] / end], 0.0, 1.0), [0.0, 1.0])
     behind = catch_up(bezier_s, np.zeros(count, dtype=np.int64), end, covered[None])
     reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - end, 0.0)))
+    # Largest Bezier point, plus the remainder, plus the path's slope times the lag of s (see `catch_up`).
     deviation = np.abs(hull).max(axis=0) + rest + behind[:, None] * reach
     return SplineBound(deviation.max(axis=0), rest.max(axis=0), covered)
 
@@ -215,6 +218,7 @@ def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
     k = np.minimum(np.arange(count) // pieces, len(control) - 4)
     u = np.arange(count) / pieces - k
     w = 1.0 - u
+    # Basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives, times 2.
     f0, f1, f2, f3 = (control[k + i] for i in range(4))
     s = (
         w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
@@ -225,10 +229,12 @@ def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
 
 def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
     """Bound the distance of e(t) from its Hermite cubic on each piece (P, n)."""
+    # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
     s3 = (np.abs(np.diff(dds, axis=1)[:, 0]) / d)[:, None]
     s1, s2 = np.abs(ds).max(axis=1)[:, None], np.abs(dds).max(axis=1)[:, None]
+    # y'' is linear and y''' constant on a span: ends of the piece and way-points inside it bound both.
     lower, upper = bezier_s.min(axis=1), bezier_s.max(axis=1)
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     low, high = spline.span(lower), spline.span(upper)

@@ -58,11 +58,14 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
     else:
         v = np.vstack((rest, table.velocities[rows]))
     if table.accelerations is None:
+        # A cubic's second Bezier point is a third of the interval along the tangent; likewise at the end.
         of_cubic = (q[:-1], q[:-1] + v[:-1] * h / 3.0, q[1:] - v[1:] * h / 3.0, q[1:])
         return Way(times, np.stack(of_cubic, axis=1))
     first = table.accelerations[:1] if table.begins else rest
     a = np.vstack((first, table.accelerations[rows]))
     left, right = v[:-1] * h / 5.0, v[1:] * h / 5.0
+    # A quintic's first three Bezier points follow from position, velocity and acceleration at the start,
+    # where the k-th derivative is 5! / (5 - k)! / h^k times their k-th difference. Likewise at the end.
     of_quintic = (
         q[:-1],
         q[:-1] + left,
@@ -82,6 +85,8 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
     """
     from scipy.linalg import solve_banded
 
+    # The second derivatives M satisfy h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope). At both ends, the
+    # row contains only one interval, and the outer slope is the given velocity, zero.
     slope = np.diff(q, axis=0) / h[:, None]
     right = 6.0 * np.diff(np.vstack((np.zeros((1, q.shape[1])), slope, np.zeros((1, q.shape[1])))), axis=0)
     band = np.zeros((3, len(q)))
@@ -90,6 +95,7 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
     band[1, 1:] += 2.0 * h
     bend = solve_banded((1, 1), band, right, check_finite=False)
     v = np.zeros_like(q)
+    # The velocity at the end of an interval with the slope s: s + h (M + 2 M') / 6.
     v[1:] = slope + h[:, None] * (bend[:-1] + 2.0 * bend[1:]) / 6.0
     v[-1] = 0.0
     return v
@@ -118,6 +124,7 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     executed = _part(_bezier_of(cubics)[segment], *_shares(knots, segment, begin, end))
     asked = _part(way.bezier[piece], *_shares(rows, piece, begin, end))
     go_on()
+    # Raise the executed cubics to the degree of the timetable, so that their Bezier points can be subtracted.
     while executed.shape[1] < asked.shape[1]:
         executed = _elevated(executed)
     off = executed - asked

@@ -111,7 +111,7 @@ class Layout:
         return self.points_of(place.first, place.last)
 
     def points_of(self, begin: int, stop: int) -> Array:
-        """Return the control points of segments `begin` up to `stop` (excluded) of one sequence [rad or m]."""
+        """Return the control points of segments `begin` up to `stop` (excluded) of a sequence [rad or m]."""
         return self.control[self.at[begin] : self.at[stop - 1] + 4]
 
     def cubics(self, begin: int, stop: int) -> Cubics:

@@ -104,6 +104,7 @@ def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]
     ball = in_si(told["blend"] + told["tolerance"][0], 1, False)
     turned = in_si(told["tolerance"][1], 1, True)
     columns, origin = first.goal
+    # The parts of both paths that are not followed: an arc of at most half a turn is farthest at its end.
     for path, share, corner in ((first, first.shares[1], ONE), (second, second.shares[0], 0)):
         missing = abs(corner - share)
         need(missing * path.sweep >> BITS <= PI, f"{title}: more than half a turn isn't followed")
@@ -117,6 +118,7 @@ def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]
         then = motion.arm.frame(*motion.at(end), tool)
         d = above((end - begin) * row.seconds)
         rest = times(d, d, d, d)
+        # On each piece: largest Bezier point of the difference from the corner, plus the Hermite remainder.
         bends = motion.arm.bends(reach, *motion.bounds(int(begin)))
         ends, chords = list[list[int]](), list[list[int]]()
         for frame in (here, then):

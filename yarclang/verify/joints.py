@@ -30,6 +30,7 @@ def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]
     start = control[0]
     scaled = [fixed(one * PRINTED) for one in goal]
     way = [g - (a << BITS) for g, a in zip(scaled, start, strict=True)]
+    # Least squares with each joint in units of its tolerance: s = (way . offset) / (way . way).
     pull = [w // (t * t) for w, t in zip(way, tolerances, strict=True)]
     norm = sum(p * w >> BITS for p, w in zip(pull, way, strict=True))
     most, s = [0] * len(start), 0
@@ -118,6 +119,7 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
     here = motion.at(motion.begin)
     need("from" not in proof and (proof["s"][0], proof["s"][-1]) == (0, SHARE), "s doesn't lead from 0 to 1")
     for piece in pieces_of(motion, proof):
+        # Scale s and its bounds from shares to the spline's parameter.
         then = motion.at(piece.end)
         d = above(piece.d)
         s = [one * whole >> BITS for one in piece.s]
@@ -130,11 +132,13 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
                 times(d, d, d, d, path_bend([second, third, 0], (w, a, j))) // 384
                 + times(d, d, d, w, w, w, jump) // 192
             )
+            # Errors and their rates at both ends of the piece.
             e, f = (at[0][joint] - end[0][joint] for at, end in zip((here, then), ends, strict=True))
             v, u = (
                 at[1][joint] - (rate * end[1][joint] >> BITS)
                 for at, end, rate in zip((here, then), ends, rates, strict=True)
             )
+            # Largest of the four Bezier points of the error's Hermite cubic.
             third_d = d // 3
             hull = max(abs(e), abs(e + (third_d * v >> BITS)), abs(f - (third_d * u >> BITS)), abs(f))
             most[joint] = max(most[joint], hull + rest + SLACK)

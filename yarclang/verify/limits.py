@@ -54,6 +54,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
     for joint, name in enumerate(robot["joints"]):
         c = [point[joint] for point in control]
         _check_travel(c, robot["lower"][joint], robot["upper"][joint], f"{row.entry.title}: {name}")
+        # D1 to D3 of every segment, their differences, and the differences of these.
         steps = [b - a for a, b in pairwise(c)]
         bends = [b - a for a, b in pairwise(steps)]
         jerks = [bends[k - row.first + 1] - bends[k - row.first] for k in judged]
@@ -65,6 +66,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
         for what, peak in most.items():
             _hold(what, peak / robot[what][joint], f"{row.entry.title}: {name}", shares)
     for motor, counts in zip(robot["motors"], robot["counts"], strict=True):
+        # Motor positions are linear in the joints, so they are B-splines with transformed control points.
         turned = [sum(a * b for a, b in zip(counts, point, strict=True)) for point in control]
         fastest = _fastest([b - a for a, b in pairwise(turned)]) / time / PRINTED
         limit = robot["motor_velocity"][robot["motors"].index(motor)]
@@ -101,6 +103,7 @@ def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | No
     if inside(c):
         return
     for a, b, e, f in zip(c, c[1:], c[2:], c[3:], strict=False):
+        # Bezier points of the segment's cubic.
         pieces: list[tuple[Fraction, ...]] = [
             (
                 Fraction(a + 4 * b + e, 6),

@@ -79,6 +79,8 @@ class Motion:
         """Return joint positions and velocities at a place."""
         segment = min(int(place), len(self.row.control) - 4)
         i, k = (place - segment).as_integer_ratio()
+        # At the share u = i / k of a segment: basis functions of the uniform cubic B-spline times 6 k^3, then
+        # those of its derivative times 2 k^2, all exact integers.
         a, b, c, e = self.row.control[segment : segment + 4]
         w = k - i
         shares = (
@@ -103,6 +105,7 @@ class Motion:
         time = self.row.seconds
         w, bend, jerk = [], [], []
         for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
+            # Bezier points of the velocity, both ends of the acceleration, and the jerk (see limits.py).
             one, two, three = f1 - f0, f2 - f1, f3 - f2
             w.append(_si_above(max(abs(one + two), 2 * abs(two), abs(two + three)), time, 2, turns))
             bend.append(_si_above(max(abs(two - one), abs(three - two)), time**2, 1, turns))
@@ -134,6 +137,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
     need(shares[0] >= 0 and shares[-1] <= SHARE, "s leads beyond an end of the path")
     for k, (begin, end) in enumerate(pairwise(places)):
         d = motion.row.seconds * (end - begin)
+        # Bezier points of s on the piece: s never decreases if they do not.
         points = [
             Fraction(shares[k]),
             shares[k] + rates[k] * d / 3,
@@ -142,6 +146,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
         ]
         steps = [b - a for a, b in pairwise(points)]
         need(min(steps) >= 0, f"s goes back on piece {k}")
+        # Bezier points of s' and s'' are scaled differences of those of s; s''' is constant.
         s1 = max(steps) * 3 / d
         bends = [(b - a) * 6 / d**2 for a, b in pairwise(steps)]
         s3 = abs(bends[1] - bends[0]) / d

@@ -80,6 +80,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     corner = balls.corner[ball]
     rest = HERMITE * cut.d**4
     left, right = cut.left, cut.left + 1
+    # Bezier hull of the distance and of the rotation difference, each with the Hermite remainder.
     position = hull(motion.p - corner[:, :3, 3], motion.velocity, left, right, cut.d)
     spin = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     turn = (motion.rotation - corner[:, :3, :3]).reshape(-1, 9)

@@ -109,6 +109,7 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
     end: _End | None = None
     ahead: tuple[int, Place] | None = None
     for row, place in enumerate(layout.places):
+        # A motion that flows on from another one, or does not move, begins at the last exact programmed end.
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
             if end.q is None and not place.motion.leads_frame:

@@ -130,11 +130,13 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
     for corner in corners:
         first, second, half = corner.first, corner.second, corner.segments // 2
+        # In a blend with a ball, half of its segments belong to either motion, and follow neither path.
         if corner.rounded:
             follow[first, 1] -= half
             follow[second, 0] += half
             free[first, 1] = free[second, 0] = True
             continue
+        # Without a ball, the segment in which the corner is passed belongs to both motions, up to that time.
         segment, time = passed[corner]
         earliest = int(follow[first, 0])
         if segment < earliest:

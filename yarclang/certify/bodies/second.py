@@ -124,6 +124,7 @@ class _Second:
         """Return the pairs on pieces that are not settled."""
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
+        # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.
         gone = [course.gone(time) for time in (begin, half, end)]
         moves = np.maximum(gone[1] - gone[0], gone[2] - gone[1])
         way = np.einsum("rn,rn->r", self.reach[pair], moves[at])
@@ -134,6 +135,7 @@ class _Second:
             turn, shift = middle[item.joint, :, :3], middle[item.joint, :, 3]
             centers[body], bound[body] = np.tensordot(turn, item.middle, axes=(1, 0)) + shift, item.bound
         first, second = self.first[pair], self.second[pair]
+        # First bound: spheres around both bodies.
         apart = np.sqrt(((centers[second, :, at] - centers[first, :, at]) ** 2).sum(axis=1))
         least = self.reported[motion[at], pair]
         # A comparison with NaN is false: such a piece is never settled by it.
@@ -143,6 +145,7 @@ class _Second:
         close, place_of = np.unique(at[near], return_inverse=True)
         place_at = np.zeros(len(begin), dtype=np.int64)
         place_at[at[near]] = place_of
+        # Second and third bound, for the remaining pairs: planes.
         begin, half, end = begin[close], half[close], end[close]
         ends = [KINEMATICS.placements(chain, course.at(time)) for time in (begin, end)]
         middle, peaks = middle[:, :, :, close], course.peaks(begin, end)
@@ -168,6 +171,7 @@ class _Second:
         w, a, bend = (np.zeros(len(speed)) for _ in range(3))
         for joint in range(self.items[int(self.first[pair])].joint, self.items[int(self.second[pair])].joint):
             turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+            # A slide adds its Coriolis and its own acceleration; its length is part of `lengths`.
             if slide:
                 bend = bend + slide * (2.0 * w * speed[:, joint] + strength[:, joint])
             w, a = w + turn * speed[:, joint], a + turn * strength[:, joint]
@@ -182,6 +186,7 @@ class _Second:
         The bounds are infinite where they were not needed.
         """
         one, other = self.items[int(self.first[pair])], self.items[int(self.second[pair])]
+        # Try the direction between the middles first, then the direction of coal.
         toward = arms[1].point(other.middle) - one.middle[:, None]
         toward /= np.maximum(np.sqrt((toward**2).sum(axis=0)), 1e-12)
         settled = self._is_apart(one, other, arms, toward, way, sag, least)

@@ -94,6 +94,7 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
         rows = np.arange(begin, min(begin + step, count))
         part = arms.take(rows)
         for own in points:
+            # Points of the body with a ball around each are really there; other points are not examined.
             away = distances(region, part.point(own))
             if zone.rule == "allowed":
                 beyond = away + item.radius + zone.margin

@@ -122,6 +122,8 @@ def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
     moved = np.empty((4, 3, count))
     for joint in range(chain.size):
         here = frames[joint]
+        # Turn the x and y axes about z, or slide along z, then apply the constant transform to the next
+        # joint's frame.
         if turns[joint]:
             moved[0] = here[0] * cosine[joint] + here[1] * sine[joint]
             moved[1] = here[1] * cosine[joint] - here[0] * sine[joint]
@@ -172,6 +174,7 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         columns = (tool @ flange.reshape(4, -1)).reshape(flange.shape)
         poses[rows, :3] = columns.transpose(2, 1, 0)
         axes = frames[:, 2]
+        # A turning joint moves the origin by axis x (origin - point on the axis).
         x, y, z = (columns[3] - frames[:, 3]).transpose(1, 0, 2)
         found = np.empty((6, *axes[:, 0].shape))
         found[0] = axes[:, 1] * z - axes[:, 2] * y

@@ -78,6 +78,7 @@ def check_limits(
         quantity: np.where(share > 0.0, np.nextafter(share, np.inf), 0.0)
         for quantity, share in shares.items()
     }
+    # A hold stops the motion on its path within the hold time: it adds |v| / hold time to |a|.
     hold = (acceleration + speed / robot.controller.hold_time) / limits.stop_acceleration
     past = np.maximum(upper - limits.upper, limits.lower - lower) / robot.axis_units
     peaks = {quantity: segment_max(share, first) for quantity, share in shares.items()}

@@ -277,8 +277,7 @@ class Arcs:
         spoke = -middle
         side = np.cross(normal, spoke)
         to_goal = b - middle
-        # Seen along the normal, the circle passes start, via and goal in this order, so the sweep is in [0, 2
-        # pi).
+        # Seen along the normal, the circle passes start, via and goal in this order, with a sweep below 2 pi.
         sweep = np.arctan2((to_goal * side).sum(axis=1), (to_goal * spoke).sum(axis=1)) % (2.0 * np.pi)
         turns = Turns.between(start[:, :3, :3], goal[:, :3, :3])
         centre = start[:, :3, 3] + middle
@@ -312,6 +311,7 @@ class Arcs:
         Each is weighed by its length over its tolerance.
         """
         turns = self.turns
+        # Squared lengths of the arc and of the turn, each in units of its tolerance.
         square = np.einsum("ci,ci->c", self.spoke, self.spoke)
         weight = square * (self.sweep / position) ** 2
         turn_weight = (turns.theta / angle) ** 2
@@ -320,6 +320,7 @@ class Arcs:
         x = np.einsum("ni,ni->n", offset, self.spoke[owner])
         y = np.einsum("ni,ni->n", offset, self.side[owner])
         phi = _unwrapped(np.arctan2(y, x), owner)
+        # The rate of the angle about the axis: (n x offset) . v / |offset|^2.
         tangent = np.cross(self.normal[owner], offset)
         # Squared distance from the axis, in units of the radius squared.
         reach = np.maximum((x * x + y * y) / np.maximum(square[owner], 1e-300), 1e-300)

@@ -1,7 +1,8 @@
-"""Values that a program computes while it is carried out, at rest: of registers, inputs and constants.
+"""Values that a running program computes at rest from registers, inputs and constants.
 
-A value is a number; a condition is a value that is 0 or 1. Each has one canonical text, as it stands in the map of a controller text:
-every operation inside another one in brackets, registers with a `$`, inputs by their variables: `($N<3)&(M11=1)`.
+A value is a number; a condition is a value that is 0 or 1. Each value has one canonical text, which the map
+of a controller text contains: every nested operation in brackets, registers with a `$`, inputs by their
+variables, as in `($N<3)&(M11=1)`.
 """
 
 from __future__ import annotations
@@ -14,12 +15,12 @@ from dataclasses import field
 from yarclang.frozen import frozen
 
 AGAIN = "again:"
-"""Stands in the map before a condition that is decided with what was read before."""
+"""Prefix in the map for a condition that is decided with the inputs as they were read before."""
 
 CONNECTIVES = ("OR", "AND")
 COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
 ARITHMETIC = ("+", "-", "*", "DIV", "MOD")
-"""DIV is what the language writes as `FLOOR(a / b)`, MOD as `a % b`."""
+"""Arithmetic operators. The language writes DIV as `FLOOR(a / b)` and MOD as `a % b`."""
 
 SIGNS = {
     "OR": "|",
@@ -28,27 +29,27 @@ SIGNS = {
     "MOD": "%",
     **{one: one for one in (*COMPARISONS, "+", "-", "*")},
 }
-"""How canonical text writes the operators between two values."""
+"""Binary operators in canonical text."""
 
 UNARY_SIGNS = {"NOT": "!", "-": "-"}
-"""How canonical text writes the operators before a value."""
+"""Unary operators in canonical text."""
 
 DECIMALS = 9
-"""Decimals of numbers in a text."""
+"""Decimals of numbers in canonical text."""
 LARGEST = 1_000_000_000
-"""No value of a register, and no result on the way to one, lies farther from 0."""
+"""Largest absolute value of a register and of every intermediate result."""
 
 MOST_LEAVES = 24
-"""Registers, inputs and numbers in one value."""
+"""Most registers, inputs and numbers in one value."""
 
 MOST_BITS = 16
-"""Single bits in a group of inputs or outputs."""
+"""Most bits in a group of inputs or outputs."""
 
 LONGEST_NAME = 40
-"""Characters of the name of a register."""
+"""Most characters in the name of a register."""
 
 DEEPEST = 24
-"""Operations inside each other."""
+"""Most levels of nested operations in one value."""
 
 
 @frozen
@@ -60,9 +61,12 @@ class Constant:
 
 @frozen
 class InputValue:
-    """What an input reads: the controller's `variable`; the program calls it `name`.
+    """The value that an input reads.
 
-    Of a group all variables stand there, the lowest bit first: `M70,M71,M72`.
+    Attributes:
+        variable: the controller's variable. For a group, the variables of all its bits, lowest bit first:
+            `M70,M71,M72`.
+        name: the input's name in the program.
     """
 
     variable: str
@@ -71,14 +75,14 @@ class InputValue:
 
 @frozen
 class RegisterValue:
-    """What a register holds."""
+    """The value that a register holds."""
 
     name: str
 
 
 @frozen
 class Before:
-    """An operator before a value: NOT, or the minus sign."""
+    """A unary operator, NOT or the minus sign, with its operand."""
 
     operator: str
     inner: Value
@@ -86,7 +90,7 @@ class Before:
 
 @frozen
 class Between:
-    """An operator between two values."""
+    """A binary operator with its operands."""
 
     operator: str
     left: Value
@@ -98,9 +102,15 @@ Value = Constant | InputValue | RegisterValue | Before | Between
 
 @frozen
 class Register:
-    """A declared register: an integer from `low` to `high` that is `first` when a run begins, or what it was last if it is `kept`.
+    """A declared register, which holds an integer.
 
-    An `outside` one gets values from other programs while a WAIT or a HOLD takes them.
+    Attributes:
+        name: the register's name, in capitals.
+        low: smallest allowed value.
+        high: largest allowed value.
+        first: value at the start of a run.
+        kept: True if the register keeps its value from the run before instead of `first`.
+        outside: True if other programs supply values, which a WAIT or a HOLD takes over.
     """
 
     name: str
@@ -113,9 +123,12 @@ class Register:
 
 @frozen
 class Watch:
-    """An input that is looked at while the robot moves: while it is `value`, the motion is held on its path.
+    """An input that is monitored while the robot moves, and holds the motion on its path.
 
-    `variable` is the controller's, and `name` what the program calls the input.
+    Attributes:
+        variable: the controller's variable.
+        value: the input's value at which the motion is held.
+        name: the input's name in the program.
     """
 
     variable: str
@@ -124,14 +137,20 @@ class Watch:
 
 
 MOST_WATCHES = 8
-"""Inputs that a program may watch: they are part of each question how far the controller is."""
+"""Most inputs that a program may watch: each progress query to the controller contains all of them."""
 
 
 @frozen
 class Searched:
-    """A motion, of step `step`, that ends where an input is `value`: the controller's `variable`, which the program calls `name`.
+    """A motion that ends early when an input has a certain value.
 
-    Then the register `flag` becomes 1, and `depth`, if it isn't empty, how far the frame has come [0.01 mm].
+    Attributes:
+        step: index of the motion in the program's steps.
+        variable: the controller's variable of the input.
+        value: the input's value that ends the motion.
+        name: the input's name in the program.
+        flag: register that becomes 1 when the input ends the motion.
+        depth: register that then takes the distance covered by the frame [0.01 mm]; empty for none.
     """
 
     step: int
@@ -143,11 +162,11 @@ class Searched:
 
 
 class DecisionError(Exception):
-    """A value can't be computed: a division by zero, or a result that no register can hold."""
+    """A value cannot be computed: a division by zero, or a result beyond the limit of registers."""
 
 
 def is_condition(value: Value) -> bool:
-    """Return True if a value is true or false by its outermost operator."""
+    """Return True if the outermost operator of a value yields true or false."""
     match value:
         case Before(operator=operator) | Between(operator=operator):
             return operator == "NOT" or operator in CONNECTIVES or operator in COMPARISONS
@@ -158,12 +177,12 @@ def evaluated(value: Value, registers: Mapping[str, int], inputs: Mapping[str, f
     """Compute a value.
 
     Args:
-        value: what is computed.
-        registers: what each register holds, by its name.
-        inputs: what each input reads, by its variable.
+        value: the expression to compute.
+        registers: register values by name.
+        inputs: input readings by variable.
 
     Raises:
-        DecisionError: there is no such number.
+        DecisionError: a divisor is zero, or a result is larger than `LARGEST`.
     """
     match value:
         case Constant(number=number):
@@ -213,43 +232,43 @@ def _between(operator: str, one: float, other: float) -> float:
 
 
 def bits_of(variable: str) -> tuple[str, ...]:
-    """Return the variables of a group, the lowest bit first; of a single one itself."""
+    """Return the variables of a group, lowest bit first; for a single variable, only itself."""
     return tuple(variable.split(","))
 
 
 def group_of(variables: Iterable[str]) -> str:
-    """Return how a group of variables is written."""
+    """Return the text of a group of variables."""
     return ",".join(variables)
 
 
 def is_group(variable: str) -> bool:
-    """Return True if several bits are read or set as one number."""
+    """Return True if a variable is a group, whose bits are read or set as one number."""
     return "," in variable
 
 
 def shown_variable(variable: str) -> str:
-    """Return a variable as people read it; of a group the first and the last: `M70..M77`."""
+    """Return a variable as people read it; for a group, its first and last bit: `M70..M77`."""
     bits = bits_of(variable)
     return variable if len(bits) == 1 else f"{bits[0]}..{bits[-1]}"
 
 
 def largest_of(variable: str) -> int:
-    """Return the largest number that a group can be."""
+    """Return the largest number that a group can hold."""
     return (1 << len(bits_of(variable))) - 1
 
 
 def inputs_of(value: Value) -> tuple[InputValue, ...]:
-    """Return the inputs that are read for a value, each once, in the order in which they stand there."""
+    """Return the inputs that a value reads, each once, in order of appearance."""
     return tuple({one.variable: one for one in leaves(value) if isinstance(one, InputValue)}.values())
 
 
 def registers_of(value: Value) -> tuple[str, ...]:
-    """Return the registers that a value is computed from, each once."""
+    """Return the registers that a value reads, each once, in order of appearance."""
     return tuple(dict.fromkeys(one.name for one in leaves(value) if isinstance(one, RegisterValue)))
 
 
 def leaves(value: Value) -> Iterator[Value]:
-    """Yield the registers, inputs and numbers of a value, from left to right."""
+    """Yield the registers, inputs and numbers of a value from left to right."""
     match value:
         case Before(inner=inner):
             yield from leaves(inner)
@@ -264,12 +283,12 @@ _IN_BRACES = re.compile(r"\{([^{}]*)\}")
 
 
 def names_in(text: str) -> tuple[str, ...]:
-    """Return what stands in braces in a text, each in capitals: names of registers, if the text is right."""
+    """Return the contents of all braces in a text, in capitals: register names, if the text is correct."""
     return tuple(one.strip().upper() for one in _IN_BRACES.findall(text))
 
 
 def filled(text: str, registers: Mapping[str, int]) -> str:
-    """Return a text with the values of registers for their names in braces; what is no register stays as it is."""
+    """Return a text with each register name in braces replaced by its value; other braces stay unchanged."""
 
     def value(found: re.Match[str]) -> str:
         held = registers.get(found[1].strip().upper())
@@ -279,7 +298,7 @@ def filled(text: str, registers: Mapping[str, int]) -> str:
 
 
 def in_words(value: Value) -> str:
-    """Return a value as people read it, with the names of the program: `N < 3 AND DOOR = ON`."""
+    """Return a value as people read it, with the program's names: `N < 3 AND DOOR = ON`."""
     match value:
         case Constant(number=number):
             return f"{number:.15g}"
@@ -300,7 +319,7 @@ def in_words(value: Value) -> str:
 
 
 def _inside(value: Value, around: str = "") -> str:
-    """A value inside an operation: in brackets, unless a comparison stands between AND and OR."""
+    """Return an operand in words, in brackets unless it is a comparison joined by AND or OR."""
     said = in_words(value)
     is_clear = around in CONNECTIVES and isinstance(value, Between) and value.operator in COMPARISONS
     if isinstance(value, Between) and value.operator != "DIV" and not is_clear:
@@ -309,7 +328,10 @@ def _inside(value: Value, around: str = "") -> str:
 
 
 def simple(condition: Value) -> tuple[InputValue, float] | None:
-    """Return the input and the number of a condition that compares nothing else; None of any other, and of a group."""
+    """Return the input and the number of a condition `input = number`.
+
+    None for any other condition, and for a group of inputs.
+    """
     match condition:
         case Between(operator="=", left=InputValue() as one, right=Constant(number=number)):
             return None if is_group(one.variable) else (one, number)
@@ -317,16 +339,19 @@ def simple(condition: Value) -> tuple[InputValue, float] | None:
 
 
 def called(condition: Value) -> str:
-    """Return what the map of a controller text calls a condition: the name of the input, if it compares nothing else."""
+    """Return the name of a condition in the map of a controller text.
+
+    This is the name of the input for a condition `input = number`, else the condition in words.
+    """
     compared = simple(condition)
     return compared[0].name if compared is not None else in_words(condition)
 
 
 def equals(variable: str, name: str, number: float) -> Value:
-    """Return the condition that an input is a number."""
+    """Return the condition that an input equals a number."""
     return Between("=", InputValue(variable, name), Constant(round(number, DECIMALS) + 0.0))
 
 
 def is_printed(number: float) -> bool:
-    """Return True if a text has a number as it is, but for what binary fractions are off (0.1 + 0.2)."""
+    """Return True if a text prints a number exactly, apart from binary rounding (0.1 + 0.2)."""
     return abs(round(number, DECIMALS) - number) <= 1e-12 * max(1.0, abs(number))

@@ -23,10 +23,16 @@ Array = NDArray[np.float64]
 
 @frozen(eq=False)
 class FrameLink:
-    """A frame, and how it sits in the next one towards {B} or {FLANGE}.
+    """A frame with its pose in the next frame towards {B} or {FLANGE}.
 
-    `name` is without braces; `parent_from_frame` (4, 4). `parent` is None for {B} and {FLANGE} themselves, `source` and `span` for
-    frames that come from the robot.
+    Attributes:
+        name: the frame's name without braces.
+        parent_from_frame: (4, 4) transform from the frame to its parent.
+        parent: the next frame; None for {B} and {FLANGE} themselves.
+        source: file that declares the frame; None for frames of the robot.
+        span: position of the declaration in `source`; None for frames of the robot.
+        told: the numbers of `parent_from_frame` as written, in SI units: x y z and roll pitch yaw (6,), or x
+            y z and qx qy qz qw (7,). None for frames of the robot.
     """
 
     name: str
@@ -35,14 +41,16 @@ class FrameLink:
     source: SourceFile | None = None
     span: Span | None = None
     told: Array | None = field(default=None, compare=False)
-    """The numbers of `parent_from_frame` as they were written, in SI: x y z and roll pitch yaw (6,) or qx qy qz qw (7,); None for the robot's frames."""
 
 
 @frozen(eq=False)
 class Told:
-    """A pose as it was written, for readers that make the transforms themselves.
+    """A pose as it was written, for readers that compute the transforms themselves.
 
-    `numbers` are in SI: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,). `base` is the frame that they are seen from, `moving` the frame that is moved.
+    Attributes:
+        numbers: in SI units: x y z and roll pitch yaw (6,), or x y z and qx qy qz qw (7,).
+        base: the frame in which the numbers are given.
+        moving: the frame that is moved.
     """
 
     numbers: Array
@@ -52,43 +60,53 @@ class Told:
 
 @frozen
 class Origin:
-    """The command that a primitive comes from."""
+    """The command that a primitive comes from.
+
+    Spans are positions in the source, for fixes that replace or insert text there.
+
+    Attributes:
+        index: the command's index as printed, such as P0001; empty for a line without one.
+        name: the command's full name, such as MOVEJ_RPY_LSPB.
+        source: the source file.
+        span: the whole command.
+        time_span: the motion time.
+        time_unit: unit of the motion time in the source.
+        length_unit: unit of lengths in the source.
+        angle_unit: unit of angles in the source.
+        end_span: empty span at the end of the command, where a fix adds an option.
+        name_span: the command's name.
+        values_span: empty span at the start of the values, where a fix adds a way-point.
+        stretch_span: the factor of STRETCH.
+        time_given: for a motion time that is a parameter of a SUB, the argument of the call and its position.
+        place: for a command in a loop or a SUB, the calls and passes that lead to it, outermost first, and
+            the command itself: P0020(I=2)>P0010.
+        moving: the frame that is moved, if the command names one.
+        tool: the frame that zones treat as the tool: `moving` for a Cartesian goal; for a joint goal, the
+            frame named on the line or by DEFAULT.
+        base: the frame in which the values are given, if the command names one.
+    """
 
     index: str
-    """The command's index as printed: P0001 (empty for a line without one)."""
     name: str
-    """The command's name in full: MOVEJ_RPY_LSPB."""
     source: SourceFile
     span: Span
     time_span: Span | None = None
-    """Where the motion time stands in the source, for a fix that writes another one."""
     time_unit: str = "s"
-    """The unit in which it stands there."""
     length_unit: str = "mm"
     angle_unit: str = "deg"
-    """The units in which lengths and angles stand there, for a fix that writes other ones."""
     end_span: Span | None = None
-    """An empty span where the command ends, for a fix that adds an option."""
     name_span: Span | None = None
-    """Where the name stands, for a fix that writes another one."""
     values_span: Span | None = None
-    """An empty span where the values begin, for a fix that adds a way-point."""
     stretch_span: Span | None = None
-    """Where the factor of STRETCH stands, for a fix that writes another one."""
     time_given: str = ""
-    """Of a motion time that is a parameter of a SUB, what was given for it, and where."""
     place: str = ""
-    """Of a command in a loop or a SUB, what led to it, from outside in, and itself: P0020(I=2)>P0010."""
     moving: FrameLink | None = field(default=None, compare=False)
-    """The frame that is moved, where one is said."""
     tool: FrameLink | None = field(default=None, compare=False)
-    """The same, and of joint values, which it doesn't change, the frame that the line or DEFAULT names: what zones watch as the tool."""
     base: FrameLink | None = field(default=None, compare=False)
-    """The frame in which the values are given, where one is said."""
 
     @property
     def label(self) -> str:
-        """How messages call it: its place, else its index; empty where it has neither."""
+        """Name of the command in messages: its place, or else its index; empty if it has neither."""
         return self.place or self.index
 
 
@@ -101,32 +119,43 @@ class JointGoal:
 
 @frozen(eq=False)
 class JointDelta:
-    """A change of the joint position (n,), from where the robot stands."""
+    """A change of the joint position (n,), relative to the current position."""
 
     dq: Array
 
 
 @frozen(eq=False)
 class PoseGoal:
-    """The moving frame shall stand at `base_from_moving`.
+    """A pose of the moving frame: it shall be at `base_from_moving`.
 
-    Of several joint positions, the nearest to `near` (n,) is taken; to where the robot stands, where that is None.
+    Attributes:
+        base_from_moving: (4, 4) goal of the moving frame in {B}.
+        flange_from_moving: (4, 4) moving frame on {FLANGE}.
+        near: (n,) joint position; the nearest inverse solution is taken. None: the robot's current position.
+        told: the pose as it was written; None for a computed pose.
     """
 
     base_from_moving: Array
     flange_from_moving: Array
     near: Array | None = None
     told: Told | None = field(default=None, compare=False)
-    """The same as it was written; None for a pose that was computed."""
 
 
 @frozen(eq=False)
 class PoseDelta:
-    """Shift and turn the moving frame from where it stands, along given axes.
+    """A shift and a turn of the moving frame, relative to its current pose, along given axes.
 
-    From the pose p, Q to p + R d, R D R^T Q with d = `shift` [m] and D = `turn` (3, 3).
-    R is `axes` itself where they are fixed to {B}, or, with `axes_on_flange`, the
-    flange's rotation at the start times `axes` (flange_from_axes).
+    The pose (p, Q) becomes (p + R d, R D R^T Q) with d = `shift` [m] and D = `turn` (3, 3).
+    R is `axes` if the axes are fixed to {B}. With `axes_on_flange`, R is the flange's rotation at the start
+    times `axes` (flange_from_axes).
+
+    Attributes:
+        shift: (3,) translation d along the axes [m].
+        turn: (3, 3) rotation D about the axes.
+        axes: (3, 3) directions of the axes in {B} or on {FLANGE}.
+        axes_on_flange: True if `axes` is given on {FLANGE}.
+        flange_from_moving: (4, 4) moving frame on {FLANGE}.
+        told: the change as it was written; None for a computed change.
     """
 
     shift: Array
@@ -135,15 +164,18 @@ class PoseDelta:
     axes_on_flange: bool
     flange_from_moving: Array
     told: Told | None = field(default=None, compare=False)
-    """The same as it was written; None for a change that was computed."""
 
 
 @frozen
 class Reading:
-    """A number that is a distance or an angle, as the motions that it belongs to say.
+    """A number that is a distance or an angle, depending on the motion that uses it.
 
-    `length` [m] is how it reads as a distance, `angle` [rad] as an angle; None where the command has no such unit. Of a
-    speed, each is per s. `or_less` says that less will do: of a blend (`BLEND <=10`) as much as there is room for.
+    For a speed, both values are per second.
+
+    Attributes:
+        length: the number as a distance [m]; None if the command has no unit of length.
+        angle: the number as an angle [rad]; None if the command has no unit of angle.
+        or_less: True if less is acceptable: a blend `BLEND <=10` takes as much as there is room for.
     """
 
     length: float | None
@@ -153,12 +185,17 @@ class Reading:
 
 @frozen
 class Timing:
-    """How long a motion takes: `duration` [s], or the shortest that the limits allow (None).
+    """Duration of a motion, or how to choose it.
 
-    `share` is how much of the limits of velocity, acceleration and jerk the shortest may use (`[50%]`), `ramp`
-    how much of those of acceleration and jerk any motion may use (`ACC 30%`). `speed` is the cruise speed of the
-    moving frame (`[V 250]`): of its origin, or, where that stands still, its angular speed. The duration is None then.
-    `ceiling` [m/s] is what the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`), as fast as the motion could be.
+    Attributes:
+        duration: motion time [s]; None for the shortest that the limits and `speed` allow.
+        share: share of the limits of velocity, acceleration and jerk that the shortest motion may use
+            (`[50%]`).
+        ramp: share of the limits of acceleration and jerk that any motion may use (`ACC 30%`).
+        speed: cruise speed of the moving frame's origin (`[V 250]`), or its angular speed if the origin
+            stands still. `duration` is None then.
+        ceiling: speed [m/s] that the origin of the moving frame, or of the tool, never exceeds (`[V<=250]`),
+            in a motion that is otherwise as fast as possible.
     """
 
     duration: float | None
@@ -172,19 +209,26 @@ Goal = JointGoal | JointDelta | PoseGoal | PoseDelta
 
 
 class MotionHead:
-    """What can be asked of every motion, whichever kind it is.
+    """Common interface of all motions.
 
-    Besides, each has an `origin`, a `profile`, a `timing`, a `tolerance` [m] (how far the moving frame may be from the path; None: what the robot says) and a `blend`: how far from the end
-    the path may be left to flow into the next motion without a stop (None: the motion ends at rest).
+    Every motion also has the following fields.
+
+    Attributes:
+        origin: the command.
+        profile: the time profile.
+        timing: the duration, or how to choose it.
+        tolerance: largest distance of the moving frame from the path [m]; None for the robot's default.
+        blend: distance or angle from the end at which the path may be left, to flow into the next motion
+            without a stop; None if the motion ends at rest.
     """
 
     __slots__ = ()
     leads_frame: bool = False
-    """True if the path is one of the moving frame, and not of the joints."""
+    """True if the path is defined for the moving frame, not for the joints."""
 
     @property
     def goals(self) -> tuple[Goal, ...]:
-        """The goals that the command names, the end last; none of a timetable, whose rows are one array."""
+        """Goals that the command names, the end last; empty for a timetable, whose rows are one array."""
         raise NotImplementedError
 
     @property
@@ -194,21 +238,26 @@ class MotionHead:
 
     @property
     def besides(self) -> tuple[Array | None, ...]:
-        """What else decides over the path: a via point, a table."""
+        """Further arrays that determine the path, such as a via point or a table."""
         return ()
 
     @property
     def flange_from_moving(self) -> Array | None:
-        """The place of the moving frame on the flange (4, 4); None if all goals are of joints."""
+        """Pose of the moving frame on the flange (4, 4); None if all goals are joint goals."""
         poses = (one for one in self.goals if isinstance(one, PoseGoal | PoseDelta))
         return next((one.flange_from_moving for one in poses), None)
 
 
 @frozen
 class Search:
-    """What ends a motion on its way: an input that is `value`, the controller's `variable`, which the program calls `name`.
+    """The condition that ends a motion early: an input has a certain value.
 
-    The register `flag` becomes 1 then; the register `depth`, if it isn't empty, how far the frame has come [0.01 mm].
+    Attributes:
+        variable: the controller's variable of the input.
+        value: the input's value that ends the motion.
+        name: the input's name in the program.
+        flag: register that becomes 1 when the input ends the motion.
+        depth: register that then takes the distance covered by the frame [0.01 mm]; empty for none.
     """
 
     variable: str
@@ -220,7 +269,7 @@ class Search:
 
 @frozen(eq=False)
 class JointMove(MotionHead):
-    """Straight in joint space."""
+    """A motion along a straight line in joint space."""
 
     origin: Origin
     goal: JointGoal | JointDelta | PoseGoal
@@ -238,8 +287,10 @@ class JointMove(MotionHead):
 
 @frozen(eq=False)
 class AvoidMove(MotionHead):
-    """In joint space to the goal by a way that keeps clear of all that is around: straight where that is free, else a natural cubic
-    spline, as that of a SplineMove, through way-points that the planner finds.
+    """A motion in joint space to the goal that avoids all obstacles.
+
+    The path is straight if the straight line is free, else a natural cubic spline (as in SplineMove) through
+    way-points that the planner finds.
     """
 
     origin: Origin
@@ -257,7 +308,7 @@ class AvoidMove(MotionHead):
 
 @frozen(eq=False)
 class LineMove(MotionHead):
-    """The moving frame goes straight, turning about one fixed axis, the short way."""
+    """A motion of the moving frame along a straight line, turning about one fixed axis the short way."""
 
     leads_frame = True
     origin: Origin
@@ -276,8 +327,12 @@ class LineMove(MotionHead):
 
 @frozen(eq=False)
 class ArcMove(MotionHead):
-    """The moving frame's origin goes along the circle through where it stands, `via` (3,) [m, in {B}] and the goal; it
-    turns about one fixed axis, the short way, in step with the arc.
+    """A motion of the moving frame's origin along a circle through its current position and the goal.
+
+    The circle also passes `via`.
+
+    The frame turns about one fixed axis the short way, in proportion to the arc length. `via` is (3,) in {B}
+    [m].
     """
 
     leads_frame = True
@@ -302,11 +357,14 @@ class ArcMove(MotionHead):
 
 @frozen(eq=False)
 class PoseSplineMove(MotionHead):
-    """One C2 curve of the moving frame from where it stands through all way-points, which have one `flange_from_moving`.
+    """A C2 curve of the moving frame from its current pose through all way-points.
 
-    Positions and unit quaternions (each with the sign nearer to the one before) are natural cubic splines over
-    u, the quaternions normalised. u grows from way-point to way-point by the root of the squares of the distance and of
-    `TURN_CHORD` times the angle; neighbours of which it would grow by 1 um or less count once.
+    All way-points have one `flange_from_moving`. Positions and unit quaternions are natural cubic splines
+    over a parameter u; the quaternions are then normalised. The sign of each quaternion is the one nearer to
+    the quaternion before.
+
+    From one way-point to the next, u grows by sqrt(distance^2 + (`TURN_CHORD` * angle)^2). Neighbours for
+    which u would grow by 1 um or less count as one.
     """
 
     leads_frame = True
@@ -324,13 +382,14 @@ class PoseSplineMove(MotionHead):
 
 
 TURN_CHORD = 0.1
-"""How much of a spline's parameter [m] a turn of 1 rad between two way-points takes."""
+"""Growth of a spline's parameter u for a turn of 1 rad between two way-points [m]."""
 
 
 @frozen(eq=False)
 class SplineMove(MotionHead):
-    """A natural cubic spline in joint space from where the robot stands through all way-points,
-    over the chord length in joint space; equal neighbours count once.
+    """A natural cubic spline in joint space from the current position through all way-points.
+
+    The parameter is the chord length in joint space; equal neighbours count as one.
     """
 
     origin: Origin
@@ -348,16 +407,19 @@ class SplineMove(MotionHead):
 
 @frozen(eq=False)
 class Timetable:
-    """Where all joints shall be at which times, and how fast.
+    """Positions of all joints at given times, with optional velocities and accelerations.
 
-    Between two rows each joint goes along the quintic polynomial that has the positions, velocities and accelerations of both, where these are given; the cubic
-    polynomial with both velocities, where these are given alone; else all rows are joined by the one cubic spline in time with continuous acceleration and no velocity at both ends.
+    Between two rows each joint follows the quintic polynomial through the positions, velocities and
+    accelerations of both rows. If only velocities are given, it follows the cubic polynomial through
+    positions and velocities. If neither is given, one cubic spline in time joins all rows, with continuous
+    acceleration and zero velocity at both ends.
 
     Attributes:
-        times: (k,) since the start of the motion [s], strictly increasing. The first may be 0: that row says where the motion begins.
-            Otherwise it begins where the robot stands, without velocity and acceleration.
+        times: (k,) times since the start of the motion [s], strictly increasing. A first time of 0 makes the
+            first row the start of the motion. Otherwise the motion starts at the robot's current position,
+            with zero velocity and acceleration.
         positions: (k, n) [rad or m].
-        velocities: (k, n) [per s], or None for all rows. None at the last row.
+        velocities: (k, n) [per s], or None for all rows. Zero in the last row.
         accelerations: (k, n) [per s^2], or None for all rows; only with velocities.
     """
 
@@ -368,11 +430,11 @@ class Timetable:
 
     @property
     def begins(self) -> bool:
-        """True if the first row is the start, at time 0."""
+        """True if the first row is the start of the motion, at time 0."""
         return bool(self.times[0] == 0.0)
 
     def stretched(self, factor: float) -> Timetable:
-        """Return the same way with all times times a factor."""
+        """Return the timetable with all times multiplied by a factor, along the same path."""
         if factor == 1.0:
             return self
         parts = (
@@ -390,18 +452,18 @@ class Timetable:
 
 @frozen(eq=False)
 class TimedMove(MotionHead):
-    """All joints along a timetable, from where the robot stands to rest at its last row.
+    """A motion of all joints along a timetable, from the current position to rest at the last row.
 
     Attributes:
         origin: the command.
-        table: the rows as they are written.
-        within: (n,) how far each joint may be from the path of the table at the same time [rad or m].
-        stretch: all times are multiplied by it.
+        table: the rows as written.
+        within: (n,) largest deviation of each joint from the table at the same time [rad or m].
+        stretch: factor that multiplies all times.
         timing: `duration` is the last time, stretched.
-        profile: none: the table says how fast the joints go.
-        tolerance: none: `within` says it.
-        blend: none: the motion ends at rest.
-        file: the file that has the table, as the program names it; empty if the rows stand in the program.
+        profile: empty: the table defines the speeds.
+        tolerance: None: `within` replaces it.
+        blend: None: the motion ends at rest.
+        file: the file with the table, as named in the program; empty if the rows are in the program itself.
     """
 
     origin: Origin
@@ -421,7 +483,7 @@ class TimedMove(MotionHead):
 
     @property
     def goals(self) -> tuple[()]:
-        """None: the table has its positions in one array."""
+        """Empty: the table has its positions in one array."""
         return ()
 
     @property
@@ -431,27 +493,32 @@ class TimedMove(MotionHead):
 
     @property
     def besides(self) -> tuple[Array | None, ...]:
-        """The table, how near to it the joints stay, and by what its times are stretched."""
+        """The arrays of the table, the allowed deviation of the joints, and the stretch factor."""
         table = self.table
         stretch = np.array(self.stretch)
         return table.times, table.positions, table.velocities, table.accelerations, self.within, stretch
 
     @property
     def waypoints(self) -> tuple[JointGoal, ...]:
-        """The positions of all rows behind the start."""
+        """Positions of all rows after the start."""
         return tuple(JointGoal(q) for q in self.table.positions[int(self.table.begins) :])
 
 
 @frozen
 class Signal:
-    """An input or output: its name in the program, and the controller's variable; of a group the variables of its bits, the lowest first."""
+    """An input or output.
+
+    Attributes:
+        name: its name in the program.
+        variable: the controller's variable; for a group, the variables of its bits, lowest first.
+    """
 
     name: str
     variable: str
 
     @property
     def bits(self) -> tuple[Signal, ...]:
-        """The single signals: itself, or the bits of a group, which are called JOB.0, JOB.1 and so on."""
+        """The single signals: the signal itself, or the bits of a group, named JOB.0, JOB.1 and so on."""
         variables = bits_of(self.variable)
         if len(variables) == 1:
             return (self,)
@@ -460,7 +527,7 @@ class Signal:
 
 @frozen
 class Dwell:
-    """The robot stands still for `duration` [s]."""
+    """A pause of `duration` [s] at rest."""
 
     origin: Origin
     duration: float
@@ -468,7 +535,7 @@ class Dwell:
 
 @frozen
 class SetOutput:
-    """An output takes a value when the motion before has ended."""
+    """An output that takes a value after the motion before has ended."""
 
     origin: Origin
     output: Signal
@@ -477,7 +544,7 @@ class SetOutput:
 
 @frozen
 class WaitInput:
-    """The robot stands until an input has a value; an error after `timeout` [s] (None: never)."""
+    """A wait at rest until an input has a value; a fault after `timeout` [s] (None: never)."""
 
     origin: Origin
     input: Signal
@@ -487,7 +554,10 @@ class WaitInput:
 
 @frozen
 class WaitUntil:
-    """The robot stands until a condition holds whose inputs are all read once at each look; an error after `timeout` [s] (None: never)."""
+    """A wait at rest until a condition holds; a fault after `timeout` [s] (None: never).
+
+    Each evaluation reads all inputs of the condition once.
+    """
 
     origin: Origin
     condition: Value
@@ -496,7 +566,10 @@ class WaitUntil:
 
 @frozen
 class Hold:
-    """The robot stands until the operator goes on, with a number for a `register` if that isn't empty: `text` is the question."""
+    """A wait at rest until the operator continues. `text` is the question to the operator.
+
+    If `register` is not empty, the operator enters a number for this register.
+    """
 
     origin: Origin
     text: str
@@ -505,7 +578,7 @@ class Hold:
 
 @frozen
 class Say:
-    """The operator is told a text, and the program goes on; `{N}` in it stands for what the register N holds."""
+    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N."""
 
     origin: Origin
     text: str
@@ -513,10 +586,14 @@ class Say:
 
 @frozen
 class When:
-    """The steps up to the next Else or EndWhen of the same depth are done if a condition holds.
+    """The start of a branch: the steps up to the matching Else or EndWhen are done if a condition holds.
 
-    With `again` it is decided with what the WHEN has read in whose second way it stands first: a CASE reads its inputs once. With a time `within` [s] the robot stands until the
-    condition holds, or until the time is over.
+    Attributes:
+        origin: the command.
+        condition: the condition.
+        again: True if the condition is decided with the inputs read by the enclosing WHEN, in whose second
+            branch this one is the first step. A CASE thus reads its inputs only once.
+        within: time [s] for which the robot waits at rest until the condition holds; None: decide at once.
     """
 
     origin: Origin
@@ -527,21 +604,27 @@ class When:
 
 @frozen
 class Else:
-    """The steps from here on are done if the condition of the When doesn't hold."""
+    """The start of the second branch, which is done if the condition of the When does not hold."""
 
     origin: Origin
 
 
 @frozen
 class EndWhen:
-    """Both ways meet here, at the same joint positions."""
+    """The end of a WHEN. Both branches end here, at the same joint positions."""
 
     origin: Origin
 
 
 @frozen
 class Finish:
-    """The program ends here, at rest: well, or as a fault whose reason is `text` if it `fails`. No step follows in its way."""
+    """An end of the program at rest, in success or as a fault. No step follows in this branch.
+
+    Attributes:
+        origin: the command.
+        fails: True for a fault.
+        text: the reason of the fault.
+    """
 
     origin: Origin
     fails: bool = False
@@ -550,35 +633,44 @@ class Finish:
 
 @frozen
 class Loop:
-    """The steps from here to the EndLoop of the same depth are done again and again: pass after pass, each from where the first one begins."""
+    """The start of a loop: the steps up to the matching EndLoop are repeated.
+
+    Each pass begins at the joint positions at which the first pass begins.
+    """
 
     origin: Origin
 
 
 @frozen
 class NextPass:
-    """The innermost loop begins anew: the robot stands, and all is, as at its first pass. No step follows in its way."""
+    """The start of the next pass of the innermost loop, in the same state as the first pass.
+
+    No step follows in this branch.
+    """
 
     origin: Origin
 
 
 @frozen
 class Exit:
-    """The innermost loop is left: the program goes on behind it. No step follows in its way."""
+    """An exit from the innermost loop: the program continues after its EndLoop.
+
+    No step follows in this branch.
+    """
 
     origin: Origin
 
 
 @frozen
 class EndLoop:
-    """All Exits of a loop meet here, at the same joint positions."""
+    """The end of a loop. All Exits of the loop lead here, at the same joint positions."""
 
     origin: Origin
 
 
 @frozen
 class Assign:
-    """A register, or an output, takes a value that is computed when the robot stands."""
+    """A register or output that takes a value, computed while the robot stands still."""
 
     origin: Origin
     target: str | Signal
@@ -587,7 +679,13 @@ class Assign:
 
 @frozen
 class Output:
-    """A declared output, and the value that it takes at any stop, hold or fault (None: it stays as it is). `step` is what one step of an analogue one is; values are in steps."""
+    """A declared output.
+
+    Attributes:
+        signal: the output.
+        safe: value that the output takes at any stop, hold or fault; None: it keeps its value.
+        step: size of one step of an analogue output, whose values are numbers of steps; None for others.
+    """
 
     signal: Signal
     safe: float | None
@@ -603,7 +701,7 @@ class Stop:
 
 @frozen
 class Gap:
-    """A command with errors: what it does, and where the robot stands behind it, isn't known."""
+    """A command with errors: its effect, and the robot's position after it, are unknown."""
 
 
 Motion = JointMove | AvoidMove | LineMove | ArcMove | SplineMove | PoseSplineMove | TimedMove
@@ -629,12 +727,20 @@ Step = Motion | Action | Stop | Gap
 
 @frozen(eq=False)
 class Program:
-    """A checked program: where the robot stands at first, and what it does.
+    """A checked program: the initial position of the robot, and the steps.
 
-    `start` is (n,) in rad (m), within the joint limits. `cell` are the surroundings that a CELL line names. A program with
-    a Gap has errors: it is planned for the sake of further findings, and never emitted. `is_cut` is True if loops and calls were carried out in
-    part only, because there are errors or only a first look was wanted; then there is a Gap as well. `cells` are given with a part of another program: the cell as it is
-    during each motion there, by its step here. `watches` are the inputs that hold a motion.
+    Attributes:
+        source: the source file.
+        start: (n,) joint positions at the start [rad or m], within the joint limits.
+        steps: the primitives in order. A Gap marks an error: the program is still planned, to find further
+            errors, but never emitted.
+        outputs: the declared outputs.
+        cell: the surroundings that a CELL line names; None without one.
+        is_cut: True if loops and calls were only partly expanded, because of errors or because only a quick
+            look was wanted. `steps` then contains a Gap.
+        cells: for a part of another program: the cell during each motion, by the index of its step.
+        registers: the declared registers.
+        watches: the inputs that hold a motion.
     """
 
     source: SourceFile
@@ -649,7 +755,7 @@ class Program:
 
 
 def searches_of(program: Program) -> tuple[Searched, ...]:
-    """Return the motions of a program that an input ends, in order."""
+    """Return the motions of a program that an input can end, in order."""
     return tuple(
         Searched(number, one.variable, one.value, one.name, one.flag, one.depth)
         for number, step in enumerate(program.steps)

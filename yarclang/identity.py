@@ -1,4 +1,4 @@
-"""What programs and steps do, as hashes and keys: equal where they do the same, wherever they stand in a text."""
+"""Hashes and keys of programs and steps: equal for equal behaviour, wherever the commands are in the text."""
 
 from __future__ import annotations
 
@@ -32,20 +32,21 @@ from yarclang.memory import NO_MEMORY, Forgetful, Memory
 
 
 def flat(*parts: Any) -> bytes:
-    """Numbers, texts, bytes and tuples of them as one piece: hashed and compared at once, where a tuple asks each of its parts.
+    """Serialise numbers, texts, bytes and tuples of them to bytes.
 
-    Equal pieces say the same; the other way round not always (a numpy float isn't written as a float is), which costs a recollection and
-    nothing else.
+    One bytes object is hashed and compared at once, while a tuple calls each of its parts.
+    Equal bytes mean equal parts. Equal parts may give different bytes (a numpy float is written differently
+    from a float), which only costs a cache miss.
     """
     return marshal.dumps(parts, _WITHOUT_REFERENCES)
 
 
 _WITHOUT_REFERENCES = 2
-"""The version of the format that writes what parts say, not which objects they are."""
+"""Version of the marshal format that writes values only, without references to shared objects."""
 
 
 def key_of(step: Motion) -> bytes:
-    """What a motion does and what it moves, by value: all of it but where it stands in a text."""
+    """Return a key of what a motion does and which frame it moves, without its position in the text."""
     timing, speed = step.timing, step.timing.speed
     return flat(
         type(step).__name__,
@@ -57,7 +58,8 @@ def key_of(step: Motion) -> bytes:
             timing.share,
             timing.ramp,
             None if speed is None else _key_of_reading(speed),
-            # only where there is one: what was written before there were any is the same program
+            # Written only if there is a ceiling, so that keys of programs without one stay as they were
+            # before ceilings existed.
             *(() if timing.ceiling is None else (timing.ceiling,)),
         ),
         step.tolerance,
@@ -67,7 +69,7 @@ def key_of(step: Motion) -> bytes:
 
 
 def _key_of_link(link: FrameLink | None) -> Hashable:
-    """The frames from a moving one down to the flange."""
+    """Return a key of the chain of frames from a moving frame to the flange."""
     if link is None:
         return None
     return link.name, link.parent_from_frame.tobytes(), _key_of_link(link.parent)
@@ -92,9 +94,13 @@ def _key_of_goal(goal: Goal) -> Hashable:
 
 
 def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
-    """A hash of what the program does, among which obstacles and zones: layout, comments, the file's name and how a command is spelled don't enter.
+    """Compute a hash of the program's behaviour, including its obstacles and zones.
 
-    `memory` keeps what of a motion is hashed.
+    Layout, comments, the file's name and the spelling of commands do not affect the hash.
+
+    Args:
+        program: the checked program.
+        memory: cache of the hashed bytes of each motion.
 
     Returns:
         The SHA-256 as 64 hex digits.
@@ -112,7 +118,7 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
     if program.watches:
         _feed(digest.update, program.watches)
     if program.cell is not None:
-        # its names are in the steps, as far as they are used
+        # The cell's names need no hash of their own: the steps contain those that are used.
         _feed(digest.update, program.cell.obstacles)
         _feed(digest.update, program.cell.zones)
         if program.cell.parts:
@@ -125,10 +131,14 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
 
 
 def _fed(step: Motion, memory: Memory) -> bytes:
-    """What of a motion is hashed. A step that was recalled has the very parts that it had, in no loop and no SUB (semantics/recalling.py)."""
+    """Return the bytes that a motion contributes to the hash, cached by the identity of its fields.
+
+    A step recalled from an earlier run shares its field objects with the earlier step, if it is in no loop
+    and no SUB (semantics/recalling.py).
+    """
     label = step.origin.label
     _, *parts = (getattr(step, name) for name in step.__dataclass_fields__)
-    # what is kept holds the parts, so that no others can take their ids
+    # The cached value keeps the field objects alive, so that no other object can get one of their ids.
     key = ("hashed", type(step), label, *map(id, parts))
     kept: tuple[bytes, list[object]] | None = memory.get(key)
     if kept is None:
@@ -145,7 +155,7 @@ def _bytes_of(step: Step) -> bytes:
         and step.within is None
         and (compared := simple(step.condition)) is not None
     ):
-        # an input and its value, whatever a condition may be besides
+        # Write a condition that only compares an input with a value in the older form, to keep old hashes.
         one, value = compared
         step_parts = (step.origin, Signal(one.name, one.variable), value)
         fed.append(b"When(")
@@ -159,7 +169,7 @@ def _bytes_of(step: Step) -> bytes:
 
 def _feed(feed: Callable[[bytes], object], value: object) -> None:
     kind: Any = type(value)
-    if value is None or kind is float or kind is str:  # most of all
+    if value is None or kind is float or kind is str:  # by far the most frequent kinds
         feed(f"{value!r};".encode())
     elif (known := _known_fields(kind)) is not None:
         head, names = known
@@ -172,7 +182,7 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
     elif isinstance(value, Origin):
         feed(f"{value.label};".encode())
     elif isinstance(value, Path):
-        pass  # where a mesh's file stands; its bytes have a digest of their own
+        pass  # The path of a mesh file does not matter: its content has a digest of its own.
     elif isinstance(value, np.ndarray):
         feed(str(value.shape).encode() + (value + 0.0).tobytes())
     elif isinstance(value, tuple):
@@ -189,12 +199,18 @@ _LATER: dict[str, object] = {
     "step": None,
     "outside": False,
 }
-"""Fields that came after programs had been written, with the value that says nothing: such a program is what it was."""
+"""Fields added after programs had been hashed, with their default values.
+
+A default value is left out of the hash, so that the hash of an older program does not change.
+"""
 
 
 @cache
 def _known_fields(kind: type[Any]) -> tuple[bytes, tuple[str, ...]] | None:
-    """Return how a dataclass begins, and its fields; None of an Origin, which says no more than its label, and of all other values."""
+    """Return the opening bytes and the compared field names of a dataclass.
+
+    None for Origin, which contributes its label only, and for all other types.
+    """
     if issubclass(kind, Origin) or not is_dataclass(kind):
         return None
     return kind.__name__.encode() + b"(", tuple(one.name for one in fields(kind) if one.compare)

@@ -1,8 +1,10 @@
-"""How long a program takes: the seconds that are known before it runs, and the number of its waits.
+"""Duration of a program: the time that is known before it runs, and the number of its waits.
 
-Motions and dwells take a known time. A WAIT on an input and a HOLD end when somebody else decides: their time isn't known, so they are counted. The two
-ways of a WHEN may take different times: then a program takes from the shortest to the longest. How many passes a loop makes isn't known either: in the longest time each loop
-makes one, or as many as lead to its end at least, and what is said of it says so. Every room and every command takes its figures from here.
+Motions and dwells take a known time. A WAIT for an input and a HOLD end at an unknown time, so they are
+counted instead. The two branches of a WHEN may take different times; a program then has a shortest and a
+longest time. The number of passes of a loop is unknown as well: the longest time contains one pass of each
+loop, or the fewest passes that lead to its end, and the text of the duration says so. All rooms and commands
+take their times from this module.
 """
 
 from __future__ import annotations
@@ -15,21 +17,28 @@ from yarclang.frozen import frozen
 
 Mark = Literal["wait", "hold", "ask", "when", "else", "end", "finish", "loop", "next", "exit", "endloop"]
 Part = float | Mark
-"""What a program does, in order: a known time [s], or something whose time isn't known; and where its ways part (`ask`: behind a wait) and meet."""
+"""Part of a program: a known time [s], or a mark.
+
+Marks stand for waits, branches and loops; `ask` is a wait followed by a branch.
+"""
 
 ONCE = "each loop once"
-"""Stands behind times of which nobody knows how often loops are gone through."""
+"""Text after times that count every loop once."""
 
 _PRINTED = 5e-4
-"""Times that differ by less are printed as one [s]."""
+"""Times that differ by less than this are printed as one [s]."""
 
 
 @frozen
 class Lasting:
-    """The time that something takes.
+    """Duration of a program or of a part of it.
 
-    `least` and `most` [s] are the known times of motions and dwells along the shortest and the longest ways; `fewest` and `waits` count what waits for an
-    input or the operator, along the ways with the fewest and the most of them. `loops`: they count each loop once.
+    Attributes:
+        least: known time of motions and dwells along the shortest branches [s].
+        most: known time of motions and dwells along the longest branches [s].
+        fewest: fewest waits for an input or the operator along any branches.
+        waits: most waits for an input or the operator along any branches.
+        loops: True if these values count each loop once.
     """
 
     least: float = 0.0
@@ -39,7 +48,7 @@ class Lasting:
     loops: bool = False
 
     def then(self, other: Lasting) -> Lasting:
-        """Return the time of this, and of another thing after it."""
+        """Return the duration of this part followed by another part."""
         return Lasting(
             self.least + other.least,
             self.most + other.most,
@@ -49,7 +58,7 @@ class Lasting:
         )
 
     def either(self, other: Lasting) -> Lasting:
-        """Return the time of this or of another thing: nobody knows which of both is done."""
+        """Return the duration of either this part or another part, whichever is done."""
         return Lasting(
             min(self.least, other.least),
             max(self.most, other.most),
@@ -59,28 +68,31 @@ class Lasting:
         )
 
     def times(self, count: int) -> Lasting:
-        """Return the time of doing this `count` times."""
+        """Return the duration of doing this part `count` times."""
         return Lasting(
             count * self.least, count * self.most, count * self.fewest, count * self.waits, self.loops
         )
 
     @property
     def varies(self) -> bool:
-        """True if the ways take different times, as they are printed."""
+        """True if the shortest and the longest time differ in print."""
         return self.most - self.least > _PRINTED
 
     def text(self, seconds: Callable[[float], str] | None = None) -> str:
-        """Return the time in words: `7.953 s`, `140.000 s and 40 waits`, `5.000 to 7.953 s and 1 to 2 waits`, `0.000 to 7.953 s, each loop once`.
+        """Return the duration in words.
+
+        Examples: `7.953 s`, `140.000 s and 40 waits`, `5.000 to 7.953 s and 1 to 2 waits`, `0.000 to 7.953 s,
+        each loop once`.
 
         Args:
-            seconds: writes a time, with its unit; None: in s with three decimals.
+            seconds: formats a time with its unit; None for seconds with three decimals.
         """
         write = seconds or _seconds
         least, most = write(self.least), write(self.most)
         if not self.varies or least == most:
             known = most
         else:
-            # of two numbers with one unit, the second has it
+            # Two numbers with one unit: only the second number gets the unit.
             (number, *unit), (_, *other) = least.split(), most.split()
             known = f"{number if len(unit) == 1 and unit == other else least} to {most}"
         once = f", {ONCE}" if self.loops else ""
@@ -90,7 +102,7 @@ class Lasting:
         return f"{known} and {count} wait{'s' * (self.waits != 1)}{once}"
 
     def to_json(self) -> dict[str, float | int | bool]:
-        """Return plain data, the unit in each name."""
+        """Return plain data for JSON, with the unit in each name."""
         return {
             "duration_s": self.most,
             "duration_at_least_s": self.least,
@@ -104,19 +116,20 @@ NO_TIME = Lasting()
 
 
 def known(seconds: float) -> Lasting:
-    """Return a time without waits [s]."""
+    """Return a duration without waits, of a known time [s]."""
     return Lasting(seconds, seconds)
 
 
 @frozen
 class Schedule:
-    """When each part of a program begins.
+    """Start times of the parts of a program.
 
     Attributes:
-        lasting: the time of all of it.
-        places: of each part, and of the end, the time [s] with the ways of a WHEN one after the other, as they are drawn: each place of the program has its own.
-        clocks: of each part, and of the end, the latest known time [s] at which the program gets there: both ways of a WHEN begin at once, and what
-            comes after them begins after the longer way.
+        lasting: the duration of the whole program.
+        places: start of each part, and the end of the program [s], with the branches of a WHEN one after the
+            other, as a chart draws them. Each place in the program has a time of its own.
+        clocks: latest known time at which the program reaches each part and its end [s]. Both branches of a
+            WHEN begin at one time, and the part after them begins after the longer one.
     """
 
     lasting: Lasting
@@ -126,10 +139,16 @@ class Schedule:
 
 @frozen
 class _Open:
-    """A WHEN or a loop that isn't ended: what the program took up to there, and the clock there.
+    """A WHEN or a loop that has not ended yet.
 
-    `other` is the time of the first way of a WHEN, or that up to the EXITs of a loop (None: there is none yet), `end` the clock at its end, and `ends` is True if the program
-    doesn't come to the end of the first way. `whole` is the time of the passes that lead to another one.
+    Attributes:
+        before: duration of the program up to it, since the enclosing WHEN or loop.
+        clock: the clock at its start [s].
+        is_loop: True for a loop.
+        other: duration of the first branch of a WHEN, or of a loop up to its EXITs (None: none yet).
+        end: the clock at the end of `other` [s].
+        ends: True if the program does not reach the end of the first branch.
+        whole: duration of the passes that lead to another pass; None: none yet.
     """
 
     before: Lasting
@@ -143,17 +162,24 @@ class _Open:
 
 @dataclass(slots=True)
 class _Clock:
-    """What was gone through: `so_far` since the innermost thing that is open, and the latest clock here. `ends`: no way leads here."""
+    """Running duration while the parts of a program are visited in order.
+
+    Attributes:
+        so_far: duration since the start of the innermost open WHEN or loop.
+        clock: latest known time here [s].
+        ends: True if this place cannot be reached.
+        open: the open WHENs and loops, outermost first.
+        endings: durations of the branches in which the program ends, or repeats for ever.
+    """
 
     so_far: Lasting = NO_TIME
     clock: float = 0.0
     ends: bool = False
     open: list[_Open] = field(default_factory=list)
     endings: list[Lasting] = field(default_factory=list)
-    """The times of the ways in which the program ends, or goes on for ever."""
 
     def take(self, mark: Mark) -> None:
-        """Go through what takes no known time."""
+        """Visit a part without a known time."""
         match mark:
             case "wait" | "hold":
                 self.so_far = self.so_far.then(Lasting(fewest=1, waits=1))
@@ -181,7 +207,10 @@ class _Clock:
                 pass
 
     def _since(self, depth: int) -> Lasting:
-        """Return the time since what is open so deep, or since the program's start."""
+        """Return the time since the body of the open item `depth` - 1 began.
+
+        For 0, it is the time since the program's start.
+        """
         whole = self.so_far
         for one in reversed(self.open[depth:]):
             whole = one.before.then(whole)
@@ -200,7 +229,7 @@ class _Clock:
             self.open[at] = replace(loop, other=other, end=max(loop.end, self.clock))
 
     def _met(self, when: _Open) -> None:
-        """Go on where two ways meet. One in which the program ends doesn't get there."""
+        """Merge the two branches of a WHEN. A branch in which the program ends is left out."""
         other, end = (NO_TIME, when.clock) if when.other is None else (when.other, when.end)
         if when.ends:
             self.so_far = when.before.then(self.so_far)
@@ -210,12 +239,12 @@ class _Clock:
             self.so_far, self.clock = when.before.then(self.so_far.either(other)), max(self.clock, end)
 
     def _left(self, loop: _Open) -> None:
-        """Go on behind a loop, which takes a pass and more, or just the way to where it is left."""
+        """Continue after a loop, which takes one pass and more, or only the way to its exit."""
         took = None if self.ends else self.so_far
         if loop.other is not None:
             took = loop.other if took is None else took.either(loop.other)
             self.clock = loop.end if self.ends else max(self.clock, loop.end)
-        if took is None:  # it goes on for ever, or the program ends in it
+        if took is None:  # the loop never ends, or the program ends in it
             if loop.whole is not None:
                 self.so_far = loop.before.then(loop.whole)
                 self.endings.append(self._since(0))
@@ -228,12 +257,15 @@ class _Clock:
 
 
 def schedule_of(parts: Iterable[Part]) -> Schedule:
-    """Compute when each part of a program begins, and how long all of it takes. A way without an end, of a program with errors, ends with the program."""
+    """Compute when each part of a program begins, and the duration of the whole program.
+
+    A WHEN or a loop without an end, in a program with errors, ends with the program.
+    """
     now, place = _Clock(), 0.0
     places, clocks = [], []
     for part in parts:
         places.append(place)
-        # a second way begins with the clock of the first one
+        # A second branch begins at the clock of the first one.
         clocks.append(now.open[-1].clock if part == "else" and now.open else now.clock)
         if isinstance(part, float):
             now.so_far, place, now.clock = now.so_far.then(known(part)), place + part, now.clock + part
@@ -246,7 +278,7 @@ def schedule_of(parts: Iterable[Part]) -> Schedule:
             now.take("end")
         now.ends = False
     so_far, endings = now.so_far, now.endings
-    if now.ends and endings:  # the program ends in all its ways
+    if now.ends and endings:  # the program ends in all branches
         so_far = endings.pop()
     for one in endings:
         so_far = so_far.either(one)

@@ -1,4 +1,4 @@
-"""A state that is followed through a program whose ways part, meet, end and come again."""
+"""A state that is followed through a program with branches, loops and early ends."""
 
 from __future__ import annotations
 
@@ -12,15 +12,19 @@ from yarclang.hir import Else, EndLoop, EndWhen, Exit, Finish, Loop, NextPass, S
 T = TypeVar("T")
 
 Turn = When | Else | EndWhen | Finish | Loop | NextPass | Exit | EndLoop
-"""Steps at which a program doesn't simply go on to the next one."""
+"""Steps after which a program does not always continue with the next step."""
 
 
 @frozen(eq=False)
 class Open(Generic[T]):
-    """A WHEN or a loop that isn't ended.
+    """A WHEN or a loop that has not ended yet.
 
-    `before` is the state in front of it. `other` is, of a WHEN, that at the end of its first way (None in front of its second), and of a loop that at its EXITs (None: there was none yet).
-    `ends` says that the program doesn't come to the end of the first way.
+    Attributes:
+        step: the When or Loop that opened it.
+        before: the state before the step.
+        other: for a WHEN, the state at the end of its first branch (None while still in it). For a loop, the
+            merged state of its EXITs so far (None: no EXIT yet).
+        ends: True if the first branch never reaches its end.
     """
 
     step: When | Loop
@@ -31,19 +35,27 @@ class Open(Generic[T]):
 
 @frozen(eq=False)
 class Ways(Generic[T]):
-    """The state between two steps, and what is open around it. `ends`: no way leads here."""
+    """The state between two steps, with the open WHENs and loops around it.
+
+    Attributes:
+        state: the state that is followed.
+        ends: True if this place cannot be reached.
+        open: the open WHENs and loops, outermost first.
+    """
 
     state: T
     ends: bool = False
     open: tuple[Open[T], ...] = ()
 
     def turned(self, step: Turn, meet: Callable[[T, T, Turn], T]) -> Ways[T]:
-        """Return what is known behind a step.
+        """Return the state after a step.
 
         Args:
-            step: where ways part, meet, end or come again. One that doesn't belong to what is open changes nothing.
-            meet: makes one state of two that meet: that of the way that comes first in the program, that of the other one, and the step that began both, or the
-                step at which a loop begins anew. Two states that can't be one are its business.
+            step: the step at which branches split, merge or end, or a loop begins or repeats. A step without
+                a matching open WHEN or loop changes nothing.
+            meet: merges two states. Its arguments are the state of the branch that comes first in the
+                program, the state of the other branch, and the step that began both (or the NextPass that
+                repeats a loop). `meet` itself handles states that cannot be merged.
         """
         top = self.open[-1] if self.open else None
         match step:
@@ -78,7 +90,7 @@ class Ways(Generic[T]):
         return Ways(other if self.ends else meet(other, self.state, top.step), False, outer)
 
     def _loop(self) -> int | None:
-        """Return the place of the innermost loop among what is open."""
+        """Return the index of the innermost loop in `open`; None if there is none."""
         return next(
             (at for at in range(len(self.open) - 1, -1, -1) if isinstance(self.open[at].step, Loop)), None
         )
@@ -93,9 +105,10 @@ class Ways(Generic[T]):
 
 
 def line_to(steps: Iterable[Step]) -> list[Step]:
-    """Return steps that lead to the last of them in one line, without those at which ways part or meet.
+    """Return one straight sequence of steps that leads to the last step, without the Turn steps.
 
-    Of the ways of a WHEN it is the first by which the program goes on; of one that is open, its last; of a loop one pass up to where it is left.
+    The sequence takes the first branch of an ended WHEN that continues, the current branch of an open WHEN,
+    and one pass of a loop up to its first EXIT.
     """
     line: list[Step] = []
     walked = Ways[tuple[Step, ...]](())

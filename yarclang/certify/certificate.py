@@ -1,4 +1,4 @@
-"""What was proved: the table behind every program that yarcc writes."""
+"""The certificate: the proved properties of a controller text, for each command and for the whole program."""
 
 from __future__ import annotations
 
@@ -20,17 +20,20 @@ Quantity = Literal["position", "velocity", "acceleration", "jerk", "motor_veloci
 
 @frozen
 class Load:
-    """The joint (or motor) that is used most, and its share of its limit; 1.0 is the limit itself.
+    """The most used joint or motor, and its share of its limit (1.0 is the limit).
 
-    For positions the share is |q - middle| / (half of the range). No name where there is no motion or no
-    limit.
+    For positions the share is |q - middle| / (half of the range).
+
+    Attributes:
+        name: name of the joint or motor; empty if there is no motion or no limit.
+        share: share of the limit.
     """
 
     name: str
     share: float
 
     def to_json(self) -> dict[str, Any]:
-        """Name and share."""
+        """Return the name and the share."""
         return {"name": self.name, "share": _number(self.share)}
 
 
@@ -41,9 +44,14 @@ QUANTITIES: tuple[Quantity, ...] = ("position", "velocity", "acceleration", "jer
 
 @frozen(eq=False)
 class Peaks:
-    """The largest loads of N commands, as arrays: a long text has many.
+    """The largest loads of N commands, stored as flat arrays, since a long text has many commands.
 
-    Of each command and each of `QUANTITIES`, `joints` is the joint or motor that is used most, one of the quantity's `names`, and `shares` the share of its limit.
+    Entry `row` * len(QUANTITIES) + k of `joints` and `shares` is that of command `row` and quantity k.
+
+    Attributes:
+        names: for each quantity, the names of all joints or motors.
+        joints: index of the most used joint or motor in `names` of its quantity.
+        shares: share of its limit.
     """
 
     names: tuple[tuple[str, ...], ...]
@@ -53,7 +61,12 @@ class Peaks:
 
 @frozen(eq=False)
 class Loads:
-    """The loads of one command: number `row` of `peaks`; all idle without."""
+    """The loads of one command.
+
+    Attributes:
+        peaks: the loads of many commands; None: all idle.
+        row: the number of the command in `peaks`.
+    """
 
     peaks: Peaks | None
     row: int
@@ -75,7 +88,7 @@ class Loads:
         return share if share > 0.0 else 0.0
 
     def __eq__(self, other: object) -> bool:
-        """Return True for the same loads."""
+        """Return True for equal loads."""
         return isinstance(other, Loads) and self._all == other._all
 
     def __hash__(self) -> int:
@@ -83,7 +96,7 @@ class Loads:
         return hash(self._all)
 
     def __repr__(self) -> str:
-        """Return this command's loads, without those of the others."""
+        """Return a text with this command's loads only."""
         return f"Loads{self._all}"
 
     @property
@@ -96,13 +109,20 @@ _NUMBERS = {quantity: number for number, quantity in enumerate(QUANTITIES)}
 
 @frozen
 class Deviation:
-    """How far the executed path is from the programmed one, at most: `position` [m] and `angle` [rad].
+    """Upper bounds of the distance between the executed path and the programmed one.
 
-    Of lines, arcs and splines of poses: the moving frame's. Of joint motions: each prismatic or revolute joint's, and the moving
-    frame's at a pose that is programmed as a goal. `remainder_position` and `remainder_angle` are
-    what of it comes from bounding between the places that were calculated. `end_position` and `end_angle`
-    are the distance of the end from the goal; zero where the motion flows into the next one, and ends nowhere. Between two
-    blends, only what lies between them counts. Infinite where nothing could be proved.
+    For lines, arcs and splines of poses, this is the distance of the moving frame. For joint motions, it is
+    the distance of each prismatic or revolute joint, and that of the moving frame from a pose that is
+    programmed as a goal. Next to blends, only the part of the path outside of the blends counts. A bound is
+    infinite if nothing could be proved.
+
+    Attributes:
+        position: distance [m].
+        angle: angle [rad].
+        end_position: distance of the end from the goal [m]; zero if the motion flows into the next one.
+        end_angle: angle between the end and the goal [rad]; zero if the motion flows into the next one.
+        remainder_position: part of `position` that bounds the error between the computed points [m].
+        remainder_angle: part of `angle` that bounds the error between the computed points [rad].
     """
 
     position: float
@@ -113,7 +133,7 @@ class Deviation:
     remainder_angle: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
-        """In mm and deg."""
+        """Return plain data in mm and deg."""
         return {
             "position_mm": _number(most(self.position, MM)),
             "angle_deg": _number(most(self.angle, DEG)),
@@ -126,11 +146,19 @@ class Deviation:
 
 @frozen
 class Blended:
-    """What was proved where a motion flows into the next one, over `segments` segments, half of them its own.
+    """Proved bounds of a blend, in which one motion flows into the next.
 
-    The moving frame is within `position` [m] of the programmed corner and turned by `angle` [rad] at most, where `radius` and `turn`
-    are allowed; between two joint motions the joints are, prismatic by `position` and revolute by `angle`. So is what of
-    both paths isn't followed. With a radius of 0 both paths are followed up to the corner.
+    The bounds also cover the parts of both paths that are not followed.
+
+    Attributes:
+        segments: number of segments of the blend, half of them the first motion's.
+        radius: allowed distance from the programmed corner [m]. If it is 0, both paths are followed up to the
+            corner.
+        turn: allowed angle from the programmed corner [rad].
+        position: largest distance of the moving frame from the corner [m]; between two joint motions, of the
+            prismatic joints.
+        angle: largest angle of the moving frame from the corner [rad]; between two joint motions, of the
+            revolute joints.
     """
 
     segments: int
@@ -140,7 +168,7 @@ class Blended:
     angle: float
 
     def to_json(self) -> dict[str, Any]:
-        """In mm and deg."""
+        """Return plain data in mm and deg."""
         return {
             "segments": self.segments,
             "radius_mm": _number(self.radius / MM),
@@ -152,11 +180,19 @@ class Blended:
 
 @frozen
 class ToolSpeed:
-    """How fast the moving frame goes: its origin [m/s], or, where its path only turns (`turns`), its angular speed [rad/s].
+    """Proved bounds of the speed of the moving frame.
 
-    All are proved bounds, not samples: `largest` of the whole command; of a `programmed` speed (NaN: none) also `least` and `most`
-    from where it is first reached up to where it is last left, outside of blends (NaN: it never is). `beyond` is the largest
-    speed as a share of what is allowed.
+    The speed is that of the frame's origin [m/s], or, with `turns`, the angular speed [rad/s]. `least` and
+    `most` cover the time from when the programmed speed is first reached to when it is last left, without
+    blends; they are NaN if it is never reached.
+
+    Attributes:
+        turns: True if the path only turns the frame.
+        largest: largest speed during the whole command.
+        programmed: the programmed speed; NaN without one.
+        least: least speed while the programmed speed is held.
+        most: largest speed while the programmed speed is held.
+        beyond: largest ratio of the speed to the allowed speed.
     """
 
     turns: bool
@@ -167,7 +203,7 @@ class ToolSpeed:
     beyond: float
 
     def to_json(self) -> dict[str, Any]:
-        """In mm/s or deg/s."""
+        """Return plain data in mm/s or deg/s."""
         unit, name = (DEG, "deg_s") if self.turns else (MM, "mm_s")
         values = {"largest": most(self.largest, unit)}
         if not math.isnan(self.programmed):
@@ -178,9 +214,13 @@ class ToolSpeed:
 
 @frozen
 class Clearance:
-    """How far apart the bodies of two kinds stay at least [m], and the two that come nearest.
+    """Proved lower bound of the distance between two groups of bodies.
 
-    Without names, all of them stay farther apart than that. `at` is when, after the command's start, they were seen nearest [s]; None where that isn't told.
+    Attributes:
+        distance: lower bound of the distance [m].
+        first: name of one of the two nearest bodies; empty if only the bound is known.
+        second: name of the other body.
+        at: time after the command's start at which they were seen nearest [s]; None if unknown.
     """
 
     distance: float
@@ -189,7 +229,7 @@ class Clearance:
     at: float | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """In mm."""
+        """Return plain data in mm."""
         return {
             "at_least_mm": _number(least(self.distance, MM)),
             "bodies": [self.first, self.second] if self.first else None,
@@ -199,9 +239,14 @@ class Clearance:
 
 @frozen
 class ZoneSpeed:
-    """How fast something goes at most while it is in a slow zone [m/s], a proved bound: `part` in `zone`, where `limit` is allowed.
+    """Proved upper bound of the speed of a body in a slow zone, or of a motion with a speed limit of its own.
 
-    With `of_motion` it is no zone's speed but that which the motion says of itself (`[V<=250]`); `zone` is empty.
+    Attributes:
+        largest: upper bound of the speed [m/s].
+        limit: allowed speed [m/s].
+        part: name of the body.
+        zone: name of the zone; empty with `of_motion`.
+        of_motion: True if the limit is the motion's own (`[V<=250]`).
     """
 
     largest: float
@@ -212,11 +257,11 @@ class ZoneSpeed:
 
     @property
     def share(self) -> float:
-        """How much of what is allowed."""
+        """Ratio of the speed to the allowed speed."""
         return self.largest / self.limit
 
     def to_json(self) -> dict[str, Any]:
-        """In mm/s."""
+        """Return plain data in mm/s."""
         return {
             "largest_mm_s": _number(most(self.largest, MM)),
             "limit_mm_s": _number(self.limit / MM),
@@ -227,18 +272,35 @@ class ZoneSpeed:
 
 @frozen
 class CommandCertificate:
-    """What was proved for one motion command.
+    """Proved properties of one motion command.
 
-    `step` is its number in the program; `lines` are its first and last move line in the controller's text
-    (None where it has none). Times are in s; `programmed_duration` is None for the shortest that the
-    limits allow. `hold`
-    is the most that a hold in the worst moment asks of a joint, |a| + |v| / hold time, against the
-    acceleration of an emergency stop: stated, not judged. `tool_speed` is that of Cartesian motions; `blended` is the blend behind
-    the command. The jerk of a motion whose profile lets the acceleration jump, of blends with one, and of a timetable is stated as well, and not judged: `jerk_judged`.
-    `clearance` is how near the robot and what it carries come to the cell, `own_clearance` how near they come to themselves, `zone_clearance` how near what zones
-    watch comes to borders that it must not cross (its bodies are what is watched, and the zone), `zone_speed` how fast it is in slow zones, where that is nearest to
-    what is allowed; None where there is nothing. `torque` is the largest share of a motor's effort, None of a robot whose masses or efforts aren't known. `module` is the module that `source_line` is in; empty for the program's own lines.
-    `carries` are the parts that grippers hold meanwhile; `tolerance` is the command's own, None where that of all counts.
+    Attributes:
+        step: index of the step in the program.
+        index: the command's label.
+        name: the command's name.
+        kind: kind of motion.
+        source_line: line in the source.
+        lines: first and last move line in the controller's text; None without moves.
+        segments: number of segments.
+        segment_time: duration of each segment [s].
+        duration: duration of the motion [s].
+        programmed_duration: programmed duration [s]; None for the shortest that the limits allow.
+        loads: the loads of joints and motors. The load `hold` is that of a hold at the worst moment, |a| +
+            |v| / hold time, relative to the acceleration of an emergency stop. It is stated, not judged.
+        deviation: distance from the programmed path.
+        tool_speed: speed of the moving frame; Cartesian motions only.
+        blended: the blend after the command.
+        jerk_judged: False if the jerk is stated, not judged: in a timetable, in a motion whose profile lets
+            the acceleration jump, and in blends with such a motion.
+        clearance: distance of the robot and its load from the cell.
+        own_clearance: distance of the robot and its load from themselves.
+        zone_clearance: distance of the watched bodies from borders that they must not cross. Its bodies are
+            the watched body and the zone.
+        zone_speed: speed in slow zones, where it is nearest to the allowed speed.
+        torque: largest load of a motor's effort; None if the robot's masses or efforts are unknown.
+        carries: parts that grippers hold during the motion.
+        module: module that contains `source_line`; empty for the program itself.
+        tolerance: the command's own tolerance; None if the general one applies.
     """
 
     step: int
@@ -267,36 +329,36 @@ class CommandCertificate:
 
     @property
     def position(self) -> Load:
-        """The load of the joint that comes nearest to an end of its range."""
+        """The load of the joint nearest to an end of its range."""
         return self.loads.of("position")
 
     @property
     def velocity(self) -> Load:
-        """The load of the joint that is the fastest for its limit."""
+        """The largest load of a joint's velocity."""
         return self.loads.of("velocity")
 
     @property
     def acceleration(self) -> Load:
-        """The load of the joint whose acceleration uses the largest share of its limit."""
+        """The largest load of a joint's acceleration."""
         return self.loads.of("acceleration")
 
     @property
     def jerk(self) -> Load:
-        """The load of the joint whose jerk uses the largest share of its limit."""
+        """The largest load of a joint's jerk."""
         return self.loads.of("jerk")
 
     @property
     def motor_velocity(self) -> Load:
-        """The load of the motor that is the fastest for its limit."""
+        """The largest load of a motor's velocity."""
         return self.loads.of("motor_velocity")
 
     @property
     def hold(self) -> Load:
-        """The load of the joint of which a hold in the worst moment asks most."""
+        """The largest load of a joint in a hold at the worst moment."""
         return self.loads.of("hold")
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, the unit in each name."""
+        """Return plain data, with the unit in each name."""
         return {
             "step": self.step,
             "index": self.index,
@@ -331,10 +393,16 @@ class CommandCertificate:
 
 @frozen
 class Certificate:
-    """What was proved for a whole program, command by command.
+    """Proved properties of a whole program, command by command.
 
-    `text` is what was judged; it has the very lines that a runtime sends. The proofs are about the motion that the controller is told to make: they can't
-    know the servo loop's following error nor the controller's own rounding.
+    The proofs are about the motion that the controller is commanded to make. They cover neither the following
+    error of the servo loop nor the controller's own rounding.
+
+    Attributes:
+        target: name of the target.
+        commands: the certificates of all motion commands.
+        tolerance: the general tolerance.
+        text: the judged text, with the very lines that a runtime sends.
     """
 
     target: str
@@ -344,26 +412,26 @@ class Certificate:
 
     @property
     def duration(self) -> float:
-        """The known time of all motions and dwells [s], along the longest ways. `lasting` counts the waits as well."""
+        """Known time of all motions and dwells along the longest branches [s], without waits."""
         return self.lasting.most
 
     @property
     def lasting(self) -> Lasting:
-        """How long the text takes, by the judge's own reading."""
+        """Duration of the text, as read by the judge."""
         return self.text.schedule.lasting
 
     @property
     def position(self) -> float:
-        """The largest deviation in position of all commands [m]."""
+        """Largest deviation in position of all commands [m]."""
         return max((command.deviation.position for command in self.commands), default=0.0)
 
     @property
     def angle(self) -> float:
-        """The largest deviation in angle of all commands [rad]."""
+        """Largest deviation in angle of all commands [rad]."""
         return max((command.deviation.angle for command in self.commands), default=0.0)
 
     def worst(self, kind: Quantity) -> Load:
-        """The largest load of a kind of all commands."""
+        """Return the largest load of a quantity among all commands."""
         if kind == "torque":
             torques = [command.torque or IDLE for command in self.commands]
             return max(torques, key=lambda load: load.share, default=IDLE)
@@ -371,11 +439,11 @@ class Certificate:
         return max(loads, key=lambda one: one.share_of(kind)).of(kind) if loads else IDLE
 
     def to_json(self) -> dict[str, Any]:
-        """Plain data, the unit in each name."""
+        """Return plain data, with the unit in each name."""
         return {**self.whole_to_json(), "commands": [command.to_json() for command in self.commands]}
 
     def whole_to_json(self) -> dict[str, Any]:
-        """Plain data of the program as a whole, without its commands."""
+        """Return plain data of the whole program, without its commands."""
         kinds: tuple[Quantity, ...] = (
             "position",
             "velocity",
@@ -401,7 +469,7 @@ class Certificate:
         }
 
     def summary(self) -> str:
-        """One line for the header of the controller's text, ASCII."""
+        """Return one line of ASCII for the header of the controller's text."""
         judged = [command.loads.share_of("jerk") for command in self.commands if command.jerk_judged]
         free = [command.loads.share_of("jerk") for command in self.commands if not command.jerk_judged]
         shares = {
@@ -430,10 +498,13 @@ class Certificate:
 
 
 def bound_text(value: float, unit: float) -> str:
-    """Return an upper bound in MM or DEG with four decimals, rounded up: what is printed is proved as well."""
+    """Return an upper bound in MM or DEG with four decimals.
+
+    It is rounded up, so that the printed number is proved too.
+    """
     return up(most(value, unit), 4)
 
 
 def _number(value: float) -> float | None:
-    """JSON has no infinity: null says that nothing was proved."""
+    """Return None for infinity, which JSON lacks: null means that nothing was proved."""
     return value if math.isfinite(value) else None

@@ -1,4 +1,4 @@
-"""Certifying: text, program and robot in; certificate and findings out."""
+"""Entry points of the judge: text, program and robot in; certificate and findings out."""
 
 from __future__ import annotations
 
@@ -43,20 +43,21 @@ def certify(
     *,
     any_line: bool = False,
 ) -> Result[Certificate]:
-    """Prove what a controller text makes the robot do, against the program that it was compiled from.
+    """Prove that a controller text makes the robot do what its program says.
 
     Args:
         text: the emitted text.
-        program: what the robot shall do.
+        program: the program that the text was compiled from.
         robot: geometry, limits, actuation and controller.
-        tolerance: how far the executed path may be from the programmed one.
-        claims: of the planner.
-        memory: keeps what move lines say, and what was proved, by the numbers in the text and what they shall be.
-        any_line: whether the map may place commands in other lines of the source: comments may have moved them.
+        tolerance: largest allowed deviation of the executed path from the programmed one.
+        claims: values from the planner that help the proofs.
+        memory: cache of parsed move lines and of proofs, keyed by the numbers in the text and in the program.
+        any_line: True if the map may place commands in other lines of the source, because comments may have
+            moved them.
 
     Returns:
-        The certificate, also if it proves violations (these are errors among the findings); None if
-        the text can't be read or its commands aren't the program's.
+        The certificate, also if violations are proved (they are errors among the findings). None if the text
+        cannot be read, or if its commands are not the program's.
     """
     content = reader_of(robot.controller).read(text, robot.controller, memory)
     if isinstance(content, Unreadable):
@@ -92,7 +93,8 @@ def certify(
     loads = {step: proof.loads for step, proof in proofs.items()}
     judge.findings.extend(slowed(layout, speeds, judged.least_of, loads))
     tell("certifying: zones", 0)
-    # how close a speed in a zone is told depends on what it is looked at with
+    # The printed bound of a speed in a zone depends on which motions are examined together, so zones are not
+    # cached.
     zones = {} if judge.breaks_limits else judge.zones(layout)
     commands = tuple(
         _row(judge, layout, place, proofs[place.step], zones.get(place.step, NO_ZONES), memory)
@@ -102,7 +104,7 @@ def certify(
 
 
 def _judge_motion(judge: Judge, content: ControllerText, layout: Layout, start: Array) -> None:
-    """Judge what is seen in a text as a whole: the start, segment times, rests."""
+    """Judge properties of the text as a whole: the start, segment times and rests."""
     judge.standing(start)
     judge.segment_times(content, layout)
     judge.rest(layout)
@@ -114,20 +116,23 @@ def _certified(
     start: Array,
     commands: tuple[CommandCertificate, ...],
 ) -> Result[Certificate]:
-    """The certificate and all findings; what the header says is compared where nothing worse was found."""
+    """Return the certificate and all findings.
+
+    The header's claims are compared only if there is no error so far.
+    """
     if not has_errors(judge.findings):
         judge.claims(content, start)
     return Result(Certificate(content.target, commands, judge.tolerance, content), tuple(judge.findings))
 
 
 def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
-    """What is proved of each step of a layout, but for zones."""
+    """Prove everything about each step of a layout, except zones."""
     judged = Judged(judge.robot, judge.tolerance, claims, judge.find)
     judge.witnessed(layout)
     tell("certifying: limits", 0)
     loads = judge.limits(layout)
     tell("certifying: paths", 0)
-    # the bounds of a motion that nobody would plan may be without end
+    # Bounds of an absurd motion, which no planner would make, may overflow to infinity.
     with np.errstate(over="ignore", invalid="ignore"):
         proofs = find_deviations(judged, layout)
         tell("certifying: blends", 0)
@@ -153,7 +158,7 @@ def _prove(judge: Judge, claims: Claims, layout: Layout) -> dict[int, Proved]:
 def _row(
     judge: Judge, layout: Layout, place: Place, proved: Proved, zones: InZones, memory: Memory
 ) -> CommandCertificate:
-    """What the table says of a command; it says the same again of one that is called so, stands there, and was proved with its neighbours before."""
+    """Build one command's row of the certificate, cached by the command's label, position and proofs."""
 
     def make() -> CommandCertificate:
         return judge.command(
@@ -179,20 +184,21 @@ def _row(
 def certify_text(
     text: str, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> Result[Certificate]:
-    """Prove what can be proved of a controller text whose program isn't known.
+    """Prove as much as possible about a controller text without its program.
 
-    That is: limits at every instant, rest, segment times, the guard, that nothing but outputs is assigned and each at rest or in the middle of
-    a blend, where each RAPID leads, that links, tools and the cell's obstacles stay apart, zones, torques. A note says what isn't judged.
+    This covers limits at every instant, rests, segment times and the guard; that only outputs are assigned,
+    each at rest or in the middle of a blend; the goal of each RAPID; distances between links, tools and the
+    cell's obstacles; zones and torques. A note lists what is not judged.
 
     Args:
         text: the emitted text.
         robot: geometry, limits, actuation and controller.
-        source: under whose name findings speak of the text.
-        cell: what is around the robot, if that is known.
+        source: the file that findings refer to.
+        cell: the robot's surroundings, if known.
 
     Returns:
-        The certificate, whose deviations are infinite: how far the path is from the programmed one isn't known. None
-        if the text can't be read.
+        The certificate, with infinite deviations, since the programmed path is unknown. None if the text
+        cannot be read.
     """
     content = reader_of(robot.controller).read(text, robot.controller, NO_MEMORY)
     if isinstance(content, Unreadable):
@@ -205,7 +211,7 @@ def certify_text(
             None, (Diagnostic("Y1194", f"{robot.name} isn't what its files describe: {error}", source),)
         )
     program = told_program(content, robot, source, cell)
-    # the source isn't there: its commands are shown by their first moves, or where the map lists them
+    # Without the source, findings about a command refer to its first move line, or to its entry in the map.
     lines = {entry.step: entry.first or entry.at for entry in content.entries}
     judge = Judge(program, robot, robot.tolerance, [], lines)
     judge.robot_named(content)

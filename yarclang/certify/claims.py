@@ -1,4 +1,7 @@
-"""What the planner claims of a text: each claim is checked, and a wrong one proves less, never more."""
+"""Claims of the planner about a text.
+
+Each claim is checked; a wrong claim weakens the proof, never the judgement.
+"""
 
 from __future__ import annotations
 
@@ -11,20 +14,22 @@ from yarclang.robot.model import Array
 
 @frozen
 class Claims:
-    """All values that cross from the planner to the judge, by the number of a motion in the program's steps.
+    """All values that the planner passes to the judge, by the index of a motion in the program's steps.
 
     Attributes:
-        witnesses: the joint positions [rad or m] that were chosen: for each SplineMove (k, n) for its k way-points, for each AvoidMove as many as
-            were found, the goal last; for a JointMove to a pose that flows into the next motion, and, where that one is in joint space, for a
-            Cartesian motion, (1, n) for its end. Checked against the way-points by forward kinematics.
-        laws: for SplineMoves and PoseSplineMoves, control values (segments + 3,) of the share of the way over time. The segments of a motion in
-            a chain reach half a blend beyond its own on either side. The deviation is measured from the path at these shares.
-        kept: the share of its programmed speed that a motion reaches, if not all of it. The text is held to that share, and the judge
-            reports it (Y0610).
-        least: the share of its programmed speed below which a motion in a chain doesn't fall, once that is reached. The speed has to be between it and
-            the whole, not always far above it; the judge reports it as well.
-        any_jerk: steps whose law has no limit of the jerk. Each must be one by the profile that the program names; the certificate reports
-            their jerk as not judged.
+        witnesses: chosen joint positions [rad or m], checked against the way-points by forward kinematics.
+            For a SplineMove (k, n) for its k way-points. For an AvoidMove (k, n) for the way-points found,
+            the goal last. For the end of some motions that flow on (1, n): a JointMove to a pose, and a
+            Cartesian motion before a motion in joint space.
+        laws: for SplineMoves and PoseSplineMoves, (segments + 3,) control values of the share of the path
+            over time, from which the deviation is measured. In a chain, the segments reach half a blend
+            beyond the motion's own segments on either side.
+        kept: ratio of the reached speed to the programmed one, if less than 1. The judge checks the text
+            against this ratio and reports it (Y0610).
+        least: in a chain, the lowest ratio of the speed to the programmed one, after that has been reached.
+            The judge checks that the speed stays between this and 1, and reports it as well.
+        any_jerk: steps whose law has no limit of the jerk. The profile that the program names must allow
+            this; the certificate lists their jerk as not judged.
     """
 
     witnesses: Mapping[int, Array] = field(default_factory=dict)

@@ -1,6 +1,9 @@
-"""What a text does between its motions: dwells, outputs, waits and ways must be the program's, each in its place and at rest.
+"""Comparison of a text's actions between its motions with those of the program.
 
-Only an output after a motion that flows into the next one is set while the robot moves: in the middle of the blend.
+Dwells, outputs, waits and branches must be the program's, in its order and at rest.
+
+The only exception from rest is an output after a motion that flows into the next one: it is set in the middle
+of the blend.
 """
 
 from __future__ import annotations
@@ -18,26 +21,27 @@ from yarclang.robot.model import Array
 from yarclang.units import MS
 
 Deed = tuple[object, ...]
+"""An action: its kind, followed by its details."""
 Fault = tuple[int | None, str]
-"""The step of the program that it is about, if one is known, and what is wrong."""
+"""The step of the program concerned, if known, and the fault in words."""
 
 SEGMENTS_OFF = 1
-"""An output in the middle of a blend is set at most this many segments before or behind it."""
+"""Most segments between the middle of a blend and an output that is set there."""
 _SAME_TIME = 1e-6
 _DECIMALS = 9
-"""Decimals of the values of inputs and outputs in a text."""
+"""Decimals of input and output values in a text."""
 _TIMES = {"dwell": (1,), "wait": (4,), "until": (3,), "when": (4,)}
-"""Which numbers of a deed are times: a dwell [ms], how long a WAIT waits [s]."""
+"""Positions of times in an action: a dwell [ms], the timeout of a wait [s]."""
 _LONGEST_NAME = 80
-"""Characters of a name or text that a map keeps."""
+"""Most characters of a name or text in a map."""
 
 
 def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
-    """Compare what the text does with what the program does, in order; the first difference is reported.
+    """Yield the first difference between the actions of the text and those of the program.
 
     Args:
-        text: what was read.
-        program: what the robot shall do.
+        text: the text that was read.
+        program: the program.
     """
     meant = {output.signal.variable: output.safe for output in program.outputs if output.safe is not None}
     if dict(text.outputs) != meant:
@@ -61,17 +65,20 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
-    """The inputs that hold a motion, in words."""
+    """Return in words the inputs that hold a motion."""
     return ", ".join(f"{one.name} ({one.variable}) for {one.value:g}" for one in watches) or "nothing"
 
 
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """Check what needs no program: outputs and barriers at rest or in the middle of a blend, slow RAPIDs to where the robot stands.
+    """Check the actions as far as possible without the program.
+
+    Outputs and barriers must be at rest or in the middle of a blend; slow RAPIDs must lead to the current
+    position.
 
     Args:
-        text: what was read.
-        start: (n,) where the text starts [deg or mm].
-        slack: (n,) how far apart the printed ends of two ways may be that meet [deg or mm].
+        text: the text that was read.
+        start: (n,) start of the text [deg or mm].
+        slack: (n,) largest distance between the printed ends of two branches that meet [deg or mm].
     """
     yield from _not_at_rest(text)
     yield from _not_in_the_middle(text)
@@ -83,19 +90,22 @@ def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fa
 
 
 def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
-    """What an input ends stands alone between two barriers: whoever ends it ends all that is streamed with it."""
+    """Check that a motion that an input ends is alone between two barriers.
+
+    The input ends all lines that are streamed together.
+    """
     ends = {entry.step: (entry.first or 0, entry.last or 0) for entry in text.entries}
     legs = list(_legs(text))
     for one in text.searches:
         first, last = ends[one.step]
-        # the lines that move, and those that set something, of the legs that have some of its lines
+        # The lines that move or set something, in those legs that contain lines of this motion.
         streamed = [leg for leg in legs if any(first <= line <= last for line in leg)]
         if len(streamed) != 1 or not all(first <= line <= last for line in streamed[0]):
             yield one.step, f"a motion that {one.name} ends is streamed together with others"
 
 
 def _legs(text: ControllerText) -> Iterator[list[int]]:
-    """The numbers of the lines between two barriers that move something or set it."""
+    """Yield the line numbers of each leg: the lines between two barriers that move or set something."""
     leg: list[int] = []
     for item in (*text.course, None):
         if item is None or isinstance(item, Barred):
@@ -108,7 +118,10 @@ def _legs(text: ControllerText) -> Iterator[list[int]]:
 
 
 def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]:
-    """What the program does, step by step; motions that don't move have no lines."""
+    """Yield the program's actions in order, with their steps.
+
+    Motions of length zero have no lines in the text.
+    """
     for number, step in enumerate(program.steps):
         if number in moving:
             yield number, ("move", number)
@@ -153,7 +166,7 @@ def _meant(program: hir.Program, moving: set[int]) -> Iterator[tuple[int, Deed]]
 
 
 def _told(text: ControllerText) -> Iterator[Deed]:
-    """What the text does, in order."""
+    """Yield the text's actions in order."""
     moving = iter([entry for entry in text.entries if entry.first is not None])
     entry = next(moving, None)
     for item in text.course:
@@ -162,7 +175,7 @@ def _told(text: ControllerText) -> Iterator[Deed]:
                 puts = list(item.puts)
                 while entry is not None and (entry.first or 0) <= int(item.lines[-1]):
                     yield ("move", entry.step)
-                    # those nearer to this command's end than to that of the next one
+                    # Outputs nearer to the end of this command than to that of the next one.
                     while puts and _behind(item, puts[0], entry) <= SEGMENTS_OFF:
                         put = puts.pop(0)
                         yield ("set", put.variable, put.value)
@@ -191,21 +204,24 @@ def _told(text: ControllerText) -> Iterator[Deed]:
 
 
 def _printable(text: str) -> str:
-    """A text as a map has it: in ASCII, on one line, without quotes."""
+    """Return a text in the form of the map: ASCII, on one line, without quotes."""
     kept = "".join(one if " " <= one <= "~" and one != '"' else "?" for one in text)
     said = " ".join(kept.split())[:_LONGEST_NAME]
     return "" if said == "-" else said
 
 
 def _behind(run: Run, put: Put, entry: Entry) -> int:
-    """How many segments behind the command's end an output is set: a move line begins the segment of its number in the sequence."""
+    """Return the number of segments from a command's end to an output; negative if the output is first.
+
+    A move line begins the segment with its number in the sequence.
+    """
     return int(
         np.searchsorted(run.lines, put.line) - np.searchsorted(run.lines, entry.last or 0, side="right")
     )
 
 
 def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:
-    """An output that is set in step with a move, elsewhere than in the middle of a blend."""
+    """Report outputs that are set during a motion, but not in the middle of a blend."""
     for run in text.runs:
         if not run.puts:
             continue
@@ -240,9 +256,11 @@ def _same(found: Deed, deed: Deed) -> bool:
 
 
 def _same_number(found: float, meant: float, *, is_time: bool) -> bool:
-    """Return True if the text has a program's number: a time within what printing costs, a value to its last printed decimal.
+    """Return True if the text has the program's number.
 
-    The value of a WAIT is compared exactly while the program runs, so that any other value is another condition.
+    A time must agree to the printed precision, a value to its last decimal.
+
+    A running program compares the value of a WAIT exactly, so any other value would be another condition.
     """
     if is_time:
         return abs(found - meant) <= _SAME_TIME * max(1.0, abs(meant))
@@ -258,7 +276,7 @@ def _words(deed: Deed | None) -> str:
 
 
 def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
-    """An output or a barrier right after moves would come before they have ended; a RAPID belongs after a barrier."""
+    """Report outputs and barriers during a motion, and RAPIDs that are not after a barrier."""
     before: object = None
     for item in text.course:
         if isinstance(item, Put | Barred) and isinstance(before, Run):
@@ -269,7 +287,7 @@ def _not_at_rest(text: ControllerText) -> Iterator[Fault]:
 
 
 def _out_of_order(text: ControllerText) -> Iterator[Fault]:
-    """Moves and barriers that aren't in the order of the map's steps."""
+    """Report moves and barriers that are not in the order of the map's steps."""
     steps = [deed[1] for deed in _told(text) if deed[0] not in ("set", "dwell")]
     for one, other in pairwise(steps):
         if not one < other:  # type: ignore[operator]  # each is the number of a step
@@ -278,7 +296,10 @@ def _out_of_order(text: ControllerText) -> Iterator[Fault]:
 
 
 def _decided_unread(text: ControllerText) -> Iterator[Fault]:
-    """A decision by what was read before belongs where the second way of the decision begins that has read it."""
+    """Report decisions by inputs that were not read before.
+
+    Such a decision belongs at the start of the second branch of the decision that reads these inputs.
+    """
     read: list[set[str]] = []
     before: Barred | None = None
     for item in text.course:
@@ -296,7 +317,10 @@ def _decided_unread(text: ControllerText) -> Iterator[Fault]:
 
 
 def _after_an_end(text: ControllerText) -> Iterator[Fault]:
-    """What stands in a way after it has ended there, the program or a pass of a loop: whoever streams never gets to it, and ways are counted as ended by their last barrier."""
+    """Report actions in a branch after the program or a pass of a loop has ended there.
+
+    They would never be streamed, and the last barrier of a branch determines whether it ends.
+    """
     ended: Barred | None = None
     for item in text.course:
         if ended is not None and not isinstance(item, Stood):
@@ -310,7 +334,11 @@ def _after_an_end(text: ControllerText) -> Iterator[Fault]:
 
 
 def _stands_elsewhere(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:
-    """A slow RAPID must lead to where the robot stands already, the ways of a WHEN and those out of a loop must meet, and a pass of a loop must end where the first one begins."""
+    """Report positions that do not fit together.
+
+    A slow RAPID must lead to the current position; the branches of a WHEN and the exits of a loop must meet;
+    a pass of a loop must end where the first pass begins.
+    """
     standing = Standing(start)
     for item in text.course:
         match item:

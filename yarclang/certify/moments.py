@@ -1,4 +1,4 @@
-"""How findings tell when something happens on a motion, and where the robot is then."""
+"""Texts in findings for the time of an event in a motion, and for the robot's position at that time."""
 
 from __future__ import annotations
 
@@ -11,13 +11,13 @@ from yarclang.units import MM
 
 
 def span_text(begin: float, end: float, duration: float) -> str:
-    """From when to when [s] of a motion, and where that is on its way."""
+    """Return in words a time span [s] of a motion and its share of the motion's duration [s]."""
     shares = (f"{100.0 * time / duration:.0f} %" for time in (begin, end))
     return f"from {begin:.3f} s to {end:.3f} s after its start ({' to '.join(shares)})"
 
 
 def pose_text(robot: Robot, origin: hir.Origin, q: Array) -> str:
-    """The joints (n,), and where the tool is."""
+    """Return in words the joint positions (n,) [rad or m] and the position of the tool."""
     joints = " ".join(f"{value:.2f}" for value in (q / robot.axis_units).round(2) + 0.0)
     units = ",".join(dict.fromkeys(robot.axis_unit_names))
     name = origin.moving.name if origin.moving else "TCP"

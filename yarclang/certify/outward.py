@@ -1,4 +1,7 @@
-"""Bounds in other units and in few digits, rounded outwards: what is printed is never nearer to the good side than what is proved."""
+"""Bounds in other units and with few digits, rounded outwards.
+
+A printed bound is never better than the proved one.
+"""
 
 from __future__ import annotations
 
@@ -8,9 +11,9 @@ from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from yarclang.units import MM
 
 _WIDE = 40
-"""Digits of intermediate values: more than a double's product by 100 and its rounding need."""
+"""Digits of intermediate values: more than the product of a double with 100 and its rounding need."""
 _DIGITS_OVER = 6
-"""Digits of a share that is slightly above 1."""
+"""Digits of a share slightly above 1."""
 _SLIGHTLY = 1.01
 
 
@@ -28,29 +31,32 @@ def _moved(value: float, unit: float, towards: float) -> float:
     if value == 0.0 or not math.isfinite(value):
         return value
     if unit == MM:
-        # one rounding, of the product: 1000 is exact
+        # MM is 1e-3. The product with 1000, which is exact, is rounded only once.
         found = value * 1000.0
         missing = _product_error(value, 1000.0, found)
         is_outside = missing <= 0.0 if towards > 0.0 else missing >= 0.0
         return found if is_outside else math.nextafter(found, towards)
-    # two roundings, of the unit and of the quotient, of half a last place each
+    # Two roundings, of the unit and of the quotient, by at most half a unit in the last place each.
     return math.nextafter(math.nextafter(value / unit, towards), towards)
 
 
 def _product_error(one: float, small: float, product: float) -> float:
-    """Return one * small - product exactly (Veltkamp, Dekker); `small` is an integer of at most 26 bits."""
+    """Return one * small - product exactly; `small` is an integer of at most 26 bits.
+
+    Veltkamp's splitting of `one` (the constant is 2^27 + 1), then Dekker's product.
+    """
     split = 134217729.0 * one
     high = split - (split - one)
     return (high * small - product) + (one - high) * small
 
 
 def up(value: float, decimals: int) -> str:
-    """Return an upper bound with so many decimals."""
+    """Return an upper bound with the given number of decimals."""
     return _decimals(value, decimals, ROUND_CEILING)
 
 
 def down(value: float, decimals: int) -> str:
-    """Return a lower bound with so many decimals."""
+    """Return a lower bound with the given number of decimals."""
     return _decimals(value, decimals, ROUND_FLOOR)
 
 
@@ -65,12 +71,12 @@ def _decimals(value: float, decimals: int, rounding: str) -> str:
 
 
 def up_to(value: float, digits: int) -> str:
-    """Return an upper bound with so many digits, without trailing zeros, as the format `g` has them."""
+    """Return an upper bound with the given number of digits, without trailing zeros, like the format `g`."""
     return _digits(value, digits, ROUND_CEILING)
 
 
 def down_to(value: float, digits: int) -> str:
-    """Return a lower bound with so many digits, as `up_to`."""
+    """Return a lower bound with the given number of digits, like `up_to`."""
     return _digits(value, digits, ROUND_FLOOR)
 
 
@@ -81,7 +87,10 @@ def _digits(value: float, digits: int, rounding: str) -> str:
 
 
 def percent(share: float, decimals: int = 0) -> str:
-    """Return a share of a limit in percent, rounded up, without the sign; what is slightly above the limit itself has more digits: 100.001."""
+    """Return a share of a limit in percent, rounded up, without the sign.
+
+    A share slightly above the limit gets more digits, such as 100.001.
+    """
     if not math.isfinite(share):
         return "unproved"
     exact = Context(prec=_WIDE, rounding=ROUND_CEILING).multiply(Decimal(share), Decimal(100))

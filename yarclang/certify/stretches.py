@@ -1,6 +1,8 @@
-"""Stretches of a text from rest to rest: what is proved of one depends on its own numbers and commands alone, wherever it stands in the text.
+"""Division of a text into stretches from rest to rest, whose proofs are independent and can be cached.
 
-What is proved of a motion in a long stretch depends on a few motions around it alone: such a stretch is cut into windows.
+The proof of a stretch depends on its own numbers and commands only, not on its place in the text. Within a
+long stretch, the proof of a motion depends only on a few motions around it, so a long stretch is cut into
+windows.
 """
 
 from __future__ import annotations
@@ -27,7 +29,16 @@ from yarclang.robot.model import Array
 
 @frozen(eq=False)
 class Proved:
-    """All that was proved of one motion by itself."""
+    """Everything proved about one motion by itself.
+
+    Attributes:
+        loads: loads of joints and motors.
+        deviation: distance from the programmed path.
+        speed: speed of the moving frame; None for motions in joint space.
+        blended: the blend after the motion, if any.
+        apart: distances between bodies.
+        torque: largest load of a motor's effort; None if unknown.
+    """
 
     loads: Loads
     deviation: Deviation
@@ -38,16 +49,23 @@ class Proved:
 
 
 WINDOW = 128
-"""Rows that are proved at once: enough for whole-array work."""
+"""Rows proved together: enough to make whole-array work efficient."""
 AROUND = 3
-"""A motion is cut where it meets those next to it, and they where they meet the ones behind; where they begin, the one before says."""
+"""Rows on either side of a window that take part in its proofs.
+
+A motion is cut where it meets its neighbours, a neighbour where it meets the next motion, and that one begins
+where the motion before it ends.
+"""
 
 Prove = Callable[[Judge, Layout], Mapping[int, Proved]]
 
 
 @frozen
 class _Window:
-    """Rows that are proved together: `own`, and `around` them those whose ends count, too."""
+    """Rows that are proved together.
+
+    `own` are the window's rows; `around` adds the neighbours that affect them.
+    """
 
     own: range
     around: range
@@ -56,16 +74,19 @@ class _Window:
 def recalled(
     memory: Memory, judge: Judge, layout: Layout, claims: Claims, prove: Prove
 ) -> Mapping[int, Proved]:
-    """What is proved of each step: of what was proved before, what was proved then; long texts by windows, on all cores.
+    """Return the proofs of all steps, from the cache or new.
 
-    Only what has no finding is kept: with one, all is proved anew, since findings count what they have in common.
+    Long texts are proved window by window on all cores.
+
+    Only proofs without findings are cached. With any finding, the whole text is proved again at once, since
+    findings of one kind are counted together.
 
     Args:
-        memory: keeps what was proved.
-        judge: where `prove` puts its findings.
+        memory: cache of proofs.
+        judge: collects the findings of `prove`.
         layout: the whole text.
-        claims: the planner's.
-        prove: proves the motions of a layout, by their steps.
+        claims: the planner's claims.
+        prove: proves the motions of a layout and returns the proofs by step.
     """
     forgets = isinstance(memory, Forgetful)
     if forgets and len(layout.places) < 2 * WINDOW:
@@ -95,7 +116,7 @@ def recalled(
     tell("certifying", 0, len(batches))
     for number, (batch, proved) in enumerate(zip(batches, made, strict=True)):
         if proved is None:
-            # with a finding
+            # This batch has a finding.
             return prove(judge, layout)
         tell("certifying", number + 1, len(batches))
         for (key, window), one in zip(batch, proved, strict=True):
@@ -111,7 +132,7 @@ def _by_step(layout: Layout, window: _Window, proved: Sequence[Proved]) -> dict[
 def _proved(
     judge: Judge, layout: Layout, windows: Sequence[_Window], prove: Prove
 ) -> list[tuple[Proved, ...]] | None:
-    """Prove windows of a layout; None where something is found."""
+    """Prove windows of a layout; return None if there is any finding."""
     steps = [[layout.places[row].step for row in window.own] for window in windows]
     apart = judge.of_part({step for own in steps for step in own})
     with within():
@@ -122,7 +143,10 @@ def _proved(
 
 
 def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple[Hashable, _Window]]]:
-    """Yield windows that are proved at once: short ones together, as many in one text as in another."""
+    """Yield batches of windows that are proved together.
+
+    Short windows share a batch, up to `WINDOW` rows, so that a batch needs about the same time in any text.
+    """
     batch: list[tuple[Hashable, _Window]] = []
     rows = 0
     for one in missing:
@@ -136,7 +160,7 @@ def _batches(missing: Sequence[tuple[Hashable, _Window]]) -> Iterator[list[tuple
 
 
 def _windows(layout: Layout) -> Iterator[_Window]:
-    """Yield the stretches of a layout; of a long one, parts."""
+    """Yield one window for each stretch of a layout, or several for a long stretch."""
     for rows in _stretches(layout.places):
         begin = rows.start
         while rows.stop - begin >= 2 * WINDOW and (end := _end_of(layout, begin, rows.stop)):
@@ -146,11 +170,15 @@ def _windows(layout: Layout) -> Iterator[_Window]:
 
 
 def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
-    """Where a window that begins with a row may end: behind `WINDOW` rows and before twice as many, at a place that is chosen by what it is told to do."""
+    """Return the row after the window that begins at row `begin`; None without a suitable place.
+
+    The window has between `WINDOW` and 2 `WINDOW` rows. Among the possible places, a hash of the goal of a
+    nearby motion chooses one, so that an edit elsewhere in the text does not move the cuts.
+    """
     best, found = -1, None
     for row in range(begin + WINDOW, min(begin + 2 * WINDOW, stop - WINDOW + 1)):
         end = _end_by_itself(layout.places[row - AROUND].motion)
-        # where the motions before a window begin has to be known without those before them
+        # The start of the motions before a window must be known without the motions before them.
         if end is None or not all(place.size for place in layout.places[row - AROUND : row + AROUND]):
             continue
         chance = crc32(end.tobytes())
@@ -160,7 +188,7 @@ def _end_of(layout: Layout, begin: int, stop: int) -> int | None:
 
 
 def _end_by_itself(motion: hir.Motion) -> Array | None:
-    """Where a motion is told to end, if that is the same place wherever it begins."""
+    """Return a motion's programmed end, if it does not depend on where the motion begins; else None."""
     match motion:
         case hir.JointMove(goal=hir.JointGoal(q=q)):
             return q
@@ -174,7 +202,7 @@ def _end_by_itself(motion: hir.Motion) -> Array | None:
 
 
 def _stretches(places: Sequence[Place]) -> Iterator[range]:
-    """The rows of motions that depend on each other: one begins where a motion with moves begins at rest."""
+    """Yield the rows of stretches. A stretch begins with a motion with moves that begins at rest."""
     begin = 0
     for row, place in enumerate(places):
         if row > begin and place.size and place.before is None:
@@ -189,32 +217,32 @@ def _segments(layout: Layout, rows: range) -> slice:
 
 
 def _control(layout: Layout, segments: slice) -> slice:
-    """The control points of some segments."""
+    """Return the range of the control points of a range of segments."""
     if segments.start == segments.stop:
         return slice(0, 0)
     return slice(int(layout.at[segments.start]), int(layout.at[segments.stop - 1]) + 4)
 
 
 class _Said:
-    """The numbers of a layout as bytes, of which stretches are cut."""
+    """The numbers of a layout as bytes, from which keys of windows are cut."""
 
     def __init__(self, layout: Layout, claims: Claims) -> None:
         self._layout, self._claims = layout, claims
         self._control = layout.control.tobytes()
         self._row = layout.control.itemsize * layout.control.shape[1]
-        # from one segment to the next: so they are the same wherever the stretch stands
+        # Differences between neighbouring segments, which do not depend on the window's place in the text.
         self._steps = np.diff(layout.at, prepend=0).tobytes()
         self._time = layout.time.tobytes()
         self._begins, self._ends = layout.begins.tobytes(), layout.ends.tobytes()
 
     def key(self, rows: range) -> bytes:
-        """All that is proved about, by value."""
+        """Return all values that the proofs of some rows depend on."""
         places, row = self._layout.places[rows.start : rows.stop], self._row
         segments, first, last = _segments(self._layout, rows), rows.start * row, rows.stop * row
         points = _control(self._layout, segments)
         begin, end = segments.start * _NUMBER, segments.stop * _NUMBER
         return flat(
-            # a sequence that ends in the middle has more points than segments
+            # A sequence that is cut in the middle has more control points than segments.
             self._control[points.start * row : points.stop * row],
             self._steps[begin + _NUMBER : end],
             self._time[begin:end],
@@ -240,11 +268,11 @@ class _Said:
 
 
 _NUMBER = 8
-"""Bytes of a number of `Layout.at` and `Layout.time`."""
+"""Size in bytes of a number in `Layout.at` and `Layout.time`."""
 
 
 def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
-    """Some windows one behind the other, as if nothing were between."""
+    """Return a layout of several windows, one directly after the other."""
     control: list[Array] = [layout.control[:0]]
     at, time, places = [layout.at[:0]], [layout.time[:0]], list[Place]()
     points, segments = 0, 0
@@ -259,7 +287,7 @@ def _part(layout: Layout, windows: Sequence[_Window]) -> Layout:
         for row in rows:
             one = layout.places[row]
             places.append(replace(one, first=one.first + shift, last=one.last + shift))
-        # what a cut row flows out of, or into, isn't there
+        # The neighbour that a cut row flows out of, or into, is not in this layout.
         if rows.start < window.own.start:
             places[-len(rows)] = replace(places[-len(rows)], before=None)
         if rows.stop > window.own.stop:

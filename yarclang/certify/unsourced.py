@@ -1,4 +1,4 @@
-"""A controller text whose program isn't known: what its map says about the program, and what therefore can't be judged."""
+"""Judgement of a controller text without its program: what its map reveals, and what cannot be judged."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from yarclang.robot.model import Robot
 from yarclang.source import SourceFile, Span
 
 _MOST = 4
-"""Lines that a note names of one kind."""
+"""Most lines of one kind that a note lists."""
 
 
 def told_program(
     content: ControllerText, robot: Robot, source: SourceFile, cell: Cell | None = None
 ) -> hir.Program:
-    """Return the program as far as the text's map tells it: which commands there are, where ways part, and that some move.
+    """Return the program as far as the map reveals it: its commands, its branches, and what moves.
 
     Args:
-        content: what was read.
-        robot: whom the text is for.
-        source: under whose name findings speak of the text.
-        cell: what is around the robot.
+        content: the text that was read.
+        robot: the robot that the text is for.
+        source: the file that findings refer to.
+        cell: the robot's surroundings.
     """
     start = reader_of(robot.controller).start(content, robot).q
     barriers = {item.step: item for item in content.course if isinstance(item, Barred)}
@@ -34,11 +34,12 @@ def told_program(
     for entry in content.entries:
         origin = hir.Origin(entry.index, entry.name, source, Span.on_line(entry.source_line, 1, 2))
         if entry.first is None:
-            # of what has no lines only the name is known; what ends a sequence is seen in the text itself
+            # The map names commands without lines, but no details. The end of the program is seen in the text
+            # itself.
             barrier = barriers.get(entry.step)
             steps.append(_way(origin, barrier) or hir.SetOutput(origin, hir.Signal("", ""), 0.0))
             continue
-        goal = hir.JointGoal(start)  # where it goes isn't judged
+        goal = hir.JointGoal(start)  # a placeholder: the path is not judged
         blend = None if entry.blend is None else hir.Reading(math.inf, math.inf)
         steps.append(hir.JointMove(origin, goal, "", hir.Timing(None), blend=blend))
     return hir.Program(
@@ -47,7 +48,7 @@ def told_program(
 
 
 def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
-    """Where ways part and meet; None for all else."""
+    """Return the step of a barrier, such as a branch, a loop or a wait; None for other commands."""
     signal = hir.Signal("", "")
     match barrier:
         case Barred(kind="when", decided=decided, again=again, timeout=within) if decided is not None:
@@ -80,12 +81,14 @@ def _way(origin: hir.Origin, barrier: Barred | None) -> hir.Step | None:
 
 
 def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> Diagnostic:
-    """Return a note that says what can't be judged of a text without its program; a warning if that is a condition or an output.
+    """Return a note that lists what cannot be judged without the program.
+
+    It is a warning if the list contains a condition, a register or an output.
 
     Args:
-        content: what was read.
-        source: under whose name the note speaks of the text.
-        cell: what is around the robot, if that is known.
+        content: the text that was read.
+        source: the file that the note refers to.
+        cell: the robot's surroundings, if known.
     """
     missing = ["its path and times"]
     if cell is None:

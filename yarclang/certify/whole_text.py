@@ -1,4 +1,4 @@
-"""The checks of a whole text: its start, times, rest, limits and speeds; and the rows of the certificate."""
+"""Checks of a whole text (start, times, rests, limits, speeds), and the rows of the certificate."""
 
 from __future__ import annotations
 
@@ -55,29 +55,36 @@ KINDS: Mapping[type, Kind] = MappingProxyType(
 
 @frozen
 class Judge:
-    """The context of one judgement, and what it has found so far."""
+    """The context of one judgement, and its findings so far.
+
+    Attributes:
+        program: the program that the text was compiled from.
+        robot: geometry, limits, actuation and controller.
+        tolerance: the general tolerance.
+        findings: the findings so far.
+        lines: for a text judged without its source, the line shown in findings about each step.
+        only: the steps about which findings are kept; None: all.
+    """
 
     program: hir.Program
     robot: Robot
     tolerance: Tolerance
     findings: list[Diagnostic]
     lines: Mapping[int, int] = field(default_factory=dict)
-    """Of each step, the line to show of a text that is judged without its source."""
     _handled: list[Handled] = field(default_factory=list)
     only: Set[int] | None = None
-    """The steps of which something may be found; None: all."""
 
     def of_part(self, only: Set[int]) -> Judge:
-        """Return a judge of a part of the text, who finds something of some steps only."""
+        """Return a judge of a part of the text, which keeps findings about some steps only."""
         return Judge(self.program, self.robot, self.tolerance, [], self.lines, self._handled, only)
 
     @property
     def handled(self) -> Handled:
-        """The cell as it is during each motion."""
+        """The cell's state during each motion."""
         return self._handled[-1] if self._handled else Handled(self.program.cell, {}, {})
 
     def follow(self, layout: Layout) -> None:
-        """Follow the parts of the cell through the whole text."""
+        """Follow the parts of the cell, which grippers move, through the whole text."""
         handled, findings = follow(layout, self.program, self.robot)
         self._handled.append(handled)
         self.findings.extend(findings)
@@ -91,20 +98,26 @@ class Judge:
             self.findings.append(Diagnostic(code, message, self.program.source, help=help_))
             return
         command = self.program.steps[step]
-        assert not isinstance(command, hir.Gap)  # such a program is refused before
+        assert not isinstance(command, hir.Gap)  # programs with gaps are refused earlier
         origin = command.origin
         span = Span.on_line(self.lines[step], 1, 2) if step in self.lines else origin.span
         self.findings.append(Diagnostic(code, f"{_title(origin)}: {message}", origin.source, span, help_))
 
     @property
     def breaks_limits(self) -> bool:
-        """True if a limit of joints or motors is broken: what bodies do in such a motion can take long to find out, and says no more."""
+        """True if a limit of joints or motors is broken.
+
+        The movement of bodies in such a motion can take long to examine, and would add no information.
+        """
         return any(CATALOGUE[one.code].sort == "limits" for one in self.findings)
 
     # start, times, rest
 
     def start(self, content: ControllerText) -> Array:
-        """Where the text starts (n,) [rad or m]; it must be the program's start, to the printed decimals."""
+        """Return the start of the text (n,) [rad or m].
+
+        It must be the program's start, to the printed decimals.
+        """
         robot = self.robot
         start = reader_of(robot.controller).start(content, robot)
         q, allowed = start.q, start.exact
@@ -124,11 +137,11 @@ class Judge:
 
     @property
     def _first(self) -> int | None:
-        """The step of the first motion, which a start is of."""
+        """The step of the first motion, to which findings about the start refer."""
         return next((i for i, step in enumerate(self.program.steps) if isinstance(step, hir.Motion)), None)
 
     def robot_named(self, content: ControllerText) -> None:
-        """Check that the header names this very robot."""
+        """Check that the header names exactly this robot."""
         header, robot = content.header, self.robot
         if header.robot == robot.name and header.robot_fingerprint == robot.fingerprint:
             return
@@ -138,16 +151,16 @@ class Judge:
         self.find("Y1163", f"the text was made for {header.robot} as it was then: {reason}", None)
 
     def contradicted(self, error: Exception) -> None:
-        """Report that the robot isn't what its files describe."""
+        """Report that the robot differs from the description in its files."""
         self.find("Y1194", f"{self.robot.name} isn't what its files describe: {error}", None)
 
     def witnessed(self, layout: Layout) -> None:
-        """Ask Pinocchio at the skeleton of each motion."""
+        """Compare the kinematics with Pinocchio's at a few points of each motion."""
         for step, reason in disagreements(layout, self.robot):
             self.find("Y1194", reason, step)
 
     def claims(self, content: ControllerText, start: Array) -> None:
-        """Compare the header's start and duration, which people read, with what the text does."""
+        """Compare the start and the duration in the header, which people read, with those of the text."""
         header, units = content.header, self.robot.axis_units
         said = _numbers(header.start, self.robot.controller.axes)
         place = reader_of(self.robot.controller).start(content, self.robot)
@@ -162,7 +175,7 @@ class Judge:
                 None,
             )
         takes, claimed = content.schedule.lasting, header.lasting
-        # of times that are printed as one, only the longest is said
+        # If the shortest and the longest time are printed as one, the header has only the longest.
         least = takes.least if takes.varies else takes.most
         off = max(abs(least - claimed.least), abs(takes.most - claimed.most))
         waits = (takes.fewest, takes.waits, takes.loops) != (claimed.fewest, claimed.waits, claimed.loops)
@@ -174,17 +187,19 @@ class Judge:
             )
 
     def flow(self, content: ControllerText) -> None:
-        """Check what happens between the motions against the program."""
+        """Compare the actions between the motions with those of the program."""
         for step, reason in check_flow(content, self.program):
             self.find("Y1165", reason, step)
 
     def rests(self, content: ControllerText, start: Array, outputs: Set[str] | None) -> None:
-        """Check what happens between the motions as far as no program is needed: where it is done, what is assigned, and the guard.
+        """Check the actions between the motions as far as possible without the program.
+
+        This covers their places, the assignments, and the guard.
 
         Args:
-            content: what was read.
-            start: (n,) where the text starts [rad or m].
-            outputs: variables of the program's outputs; None where the program isn't known.
+            content: the text that was read.
+            start: (n,) start of the text [rad or m].
+            outputs: variables of the program's outputs; None if the program is unknown.
         """
         units = self.robot.axis_units
         slack = np.minimum(10.0**-content.decimals, 1.0 / joint_weights(self.robot, self.tolerance) / units)
@@ -194,11 +209,11 @@ class Judge:
             self.find(fault.code, fault.reason, self._first if fault.at_start else None)
 
     def any_jerk(self, content: ControllerText, free: Set[int]) -> None:
-        """Check that the map takes the limit of the jerk from no other motions than the program does.
+        """Check that the map lifts the limit of the jerk only for motions for which the program does.
 
         Args:
-            content: what was read.
-            free: the steps whose profile has no limit of the jerk.
+            content: the text that was read.
+            free: steps whose profile has no limit of the jerk.
         """
         for entry in content.entries:
             if entry.any_jerk and entry.step not in free:
@@ -209,7 +224,7 @@ class Judge:
                 )
 
     def standing(self, start: Array) -> None:
-        """Check that the start, to which a RAPID leads, is within the joints' limits."""
+        """Check that the start, to which a RAPID leads, is within the limits of the joints."""
         limits, units = self.robot.limits, self.robot.axis_units
         past = np.maximum(start - limits.upper, limits.lower - start) / units
         if past.max() > POSITION_UNITS:
@@ -222,7 +237,7 @@ class Judge:
             )
 
     def segment_times(self, content: ControllerText, layout: Layout) -> None:
-        """Each motion takes its programmed time."""
+        """Check that each motion takes its programmed time."""
         drift = 0.0
         for place in layout.places:
             if place.before is None:
@@ -237,7 +252,7 @@ class Judge:
             allowed = place.size * content.quantum / 2.0 + 1e-9
             chained = place.before is not None or place.behind is not None
             if chained and place.size:
-                # one segment time for the whole chain: its seams can't be but on whole segments
+                # One segment time for the whole chain: its seams can only be at whole segments.
                 allowed += float(layout.time[place.first]) / 2.0
             if abs(drift if chained else duration - programmed) > allowed:
                 self.find(
@@ -248,7 +263,7 @@ class Judge:
                 )
 
     def _table_time(self, place: Place, duration: float, programmed: float) -> None:
-        """Check that a motion takes the time of its table."""
+        """Check that a motion takes the time of its timetable."""
         if abs(duration - programmed) > LATE * (1.0 + 1e-6):
             self.find(
                 "Y1156",
@@ -257,7 +272,7 @@ class Judge:
             )
 
     def rest(self, layout: Layout) -> None:
-        """Each command ends at rest."""
+        """Check that each command ends at rest."""
         for place in moving_at_ends(layout):
             self.find(
                 "Y1155",
@@ -268,7 +283,7 @@ class Judge:
     # limits
 
     def limits(self, layout: Layout) -> dict[int, Loads]:
-        """The loads of every step, and a finding for each limit that one breaks."""
+        """Return the loads of every step, and report each limit that a command breaks."""
         loads = {place.step: NO_LOADS for place in layout.places}
         for places in chunks([place for place in layout.places if place.size]):
             segments = slice(places[0].first, places[-1].last)
@@ -286,7 +301,10 @@ class Judge:
         return loads
 
     def _jerk_counts(self, layout: Layout, place: Place) -> bool:
-        """True if a jerk beyond the limit lies outside of all that has no limit: the motion, or a blend with such a motion."""
+        """Return True if a jerk beyond the limit is outside of everything without this limit.
+
+        A motion may have no limit of the jerk; its blends have none then.
+        """
         if place.any_jerk:
             return False
         before, behind = _beside_any_jerk(place)
@@ -294,11 +312,13 @@ class Judge:
         return bool(peaks.max(initial=0.0) > 1.0 + RELATIVE)
 
     def speeds(self, layout: Layout, speeds: Mapping[int, ToolSpeed]) -> None:
-        """Judge that a programmed speed is kept, from when it is reached up to when it is left, and nowhere exceeded.
+        """Check that programmed speeds are held and never exceeded.
+
+        A speed must be held from when it is first reached to when it is last left.
 
         Args:
-            layout: the text's commands.
-            speeds: what was proved, by steps.
+            layout: the commands of the text.
+            speeds: proved speeds by step.
         """
         for place in layout.places:
             speed = speeds.get(place.step)
@@ -326,19 +346,19 @@ class Judge:
                 )
 
     def clearances(self, layout: Layout) -> dict[int, Apart]:
-        """Robot, cell and what the robot carries stay apart."""
+        """Check that the robot, its load and the cell stay apart."""
         apart, findings = find_clearances(layout, self.program, self.robot, self.handled)
         self.findings.extend(findings)
         return apart
 
     def zones(self, layout: Layout) -> dict[int, InZones]:
-        """What zones watch keeps to them."""
+        """Check that every watched body respects its zones."""
         told, findings = find_zones(layout, self.program, self.robot, self.handled)
         self.findings.extend(findings)
         return told
 
     def torques(self, layout: Layout) -> dict[int, Load]:
-        """No motor has to give more than it can, as far as masses and efforts are known."""
+        """Check motor torques, where masses and effort limits are known."""
         loads, findings = find_torques(layout, self.robot, self.handled)
         self.findings.extend(findings)
         return loads
@@ -346,7 +366,7 @@ class Judge:
     # the table
 
     def _own_tolerance(self, step: hir.Motion) -> Tolerance | None:
-        """Return the tolerance of a motion that has one of its own."""
+        """Return the tolerance of a motion that has its own; None otherwise."""
         if isinstance(step, hir.TimedMove):
             return timed_tolerance(step, self.robot)
         return None if step.tolerance is None else tolerance_of(step, self.tolerance)
@@ -363,7 +383,7 @@ class Judge:
         zones: InZones = NO_ZONES,
         torque: Load | None = None,
     ) -> CommandCertificate:
-        """What was proved for one command."""
+        """Build one command's row of the certificate."""
         step = place.motion
         return CommandCertificate(
             step=place.step,
@@ -397,18 +417,18 @@ def _title(origin: hir.Origin) -> str:
 
 
 def _beside_any_jerk(place: Place) -> tuple[int, int]:
-    """How many segments of a command, at its start and its end, lie in blends with motions whose jerk has no limit."""
+    """Return the numbers of segments at both ends in blends with motions without a jerk limit."""
     before, behind = place.beside_any_jerk
     return (place.before or 0) // 2 * before, (place.behind or 0) // 2 * behind
 
 
 def _numbers(line: str, axes: tuple[str, ...]) -> Array | None:
-    """The numbers of a move line (n,); None if it is none of these axes."""
+    """Return the numbers of a move line (n,); None if it is no move line of these axes."""
     form = re.compile("".join(rf"{axis}(-?[0-9]{{1,7}}(?:\.[0-9]{{1,12}})?)" for axis in axes))
     found = form.fullmatch(line)
     return None if found is None else np.array([float(number) for number in found.groups()])
 
 
 def _duration(layout: Layout, place: Place) -> float:
-    """All segments of a command have one duration [s]."""
+    """Return the duration of a command [s], whose segments all have one duration."""
     return place.size * float(layout.time[place.first]) if place.size else 0.0

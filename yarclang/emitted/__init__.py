@@ -1,1 +1,1 @@
-"""What the texts for all kinds of controllers begin with: comments that say what they were made of, and a seal."""
+"""The header of texts for all kinds of controllers: comments with their origin, and a seal."""

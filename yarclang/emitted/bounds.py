@@ -1,4 +1,4 @@
-"""Bounds of what a header may ask of whoever reads it."""
+"""Bounds of the values in a header, which keep a reader's work finite."""
 
 MOST_SEARCHES = 64
-"""No more ways round are looked for to take the quickest: whoever judges a text with its program looks for them again."""
+"""Most searches for a way round obstacles. A judge with the program repeats as many as the header names."""

@@ -1,4 +1,4 @@
-"""The comments at the top of a controller text: what it was made of, where it starts, how long it takes."""
+"""The comments at the top of a controller text: its origin, its start and its duration."""
 
 from __future__ import annotations
 
@@ -8,31 +8,34 @@ from yarclang.lasting import Lasting
 COLUMNS = "commands: step, index, name, line in the source, first and last line of the moves in this file"
 
 UNSEALED = "-"
-"""Stands in place of a certificate or a seal that isn't made yet."""
+"""Placeholder for a certificate or a seal that does not exist yet."""
 
 
 @frozen
 class Header:
-    """Facts about a controller text, for people and for whoever judges the text. Nothing in it is trusted: the judge compares or ignores it.
+    """Facts about a controller text, for people and for the judge.
+
+    The judge trusts none of them: it compares or ignores them.
 
     Attributes:
-        version: of yarcc.
-        source: the program's file name.
-        target: what the text is for, by a name that its kind of controller has.
-        loading: what a person who loads the text by hand must know.
-        robot: the robot's name.
+        version: version of yarcc.
+        source: file name of the program.
+        target: name of the target within its kind of controller.
+        loading: advice for a person who loads the text by hand.
+        robot: name of the robot.
         robot_fingerprint: SHA-256 of the robot's description, in hexadecimal.
-        program_fingerprint: SHA-256 of what the program does, in hexadecimal.
+        program_fingerprint: SHA-256 of the program's behaviour, in hexadecimal.
         made_with: the packages that took part, with their versions.
-        start: the joint positions at which the motion begins, printed as a move line.
-        units: the axis units, such as `deg, mm`.
-        lasting: the time that all motions and dwells take, and the number of waits.
-        segments: the segment times in use as printed [ms]: none, one, or the least and the largest.
-        longest: the longest segment time that was asked for (--tm) as printed [ms]; empty for the robot's own.
-        searches: how many ways round obstacles were looked for (--avoid-effort), of which the quickest was taken; 1 for the first that was found.
-        certificate: one line that sums up what was proved.
-        seal: SHA-256 of the whole text with `UNSEALED` in its place, in hexadecimal. It shows that a text was damaged or edited; it is no
-            signature, since anybody can compute it.
+        start: joint positions at the start of the motion, printed as a move line.
+        units: axis units, such as `deg, mm`.
+        lasting: known time of all motions and dwells, and the number of waits.
+        segments: segment times in use as printed [ms]: none, one, or the least and the largest.
+        longest: longest allowed segment time (--tm) as printed [ms]; empty for the robot's own.
+        searches: number of searches for a way round obstacles (--avoid-effort), of which the quickest way was
+            taken; 1 for the first way found.
+        certificate: one line that summarises the proofs.
+        seal: SHA-256 of the whole text with `UNSEALED` in its place, in hexadecimal. It reveals damage and
+            edits. It is no signature, since anybody can compute it.
     """
 
     version: str
@@ -53,7 +56,7 @@ class Header:
     seal: str = UNSEALED
 
     def lines(self) -> tuple[str, ...]:
-        """Return the header's lines without the leading `; `."""
+        """Return the lines of the header without the leading `; `."""
         segments = f", segments of {' to '.join(self.segments)} ms" if self.segments else ""
         longest = (f"longest segment asked for {self.longest} ms",) if self.longest else ()
         searches = (f"ways round: the quickest of {self.searches} searches",) if self.searches > 1 else ()

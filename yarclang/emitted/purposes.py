@@ -1,4 +1,4 @@
-"""What lines of a controller text are for: the command that they belong to, and a purpose in words."""
+"""Purposes of the lines of a controller text: the command that a line belongs to, and a purpose in words."""
 
 from __future__ import annotations
 
@@ -14,7 +14,16 @@ OTHER = "of no move"
 
 @frozen
 class Listed:
-    """A command as the header lists it; `first` and `last` are its move lines, None for one without."""
+    """A command as the header lists it.
+
+    Attributes:
+        step: index of the step in the program.
+        index: the command's index; empty without one.
+        name: the command's name.
+        source_line: line in the source.
+        first: first move line in the text; None for a command without moves.
+        last: last move line in the text; None for a command without moves.
+    """
 
     step: int
     index: str
@@ -25,13 +34,20 @@ class Listed:
 
     @property
     def title(self) -> str:
-        """`P0010 MOVEL`, or the name alone."""
+        """The index and the name, `P0010 MOVEL`, or the name alone."""
         return f"{self.index} {self.name}" if self.index else self.name
 
 
 @frozen
 class Stretch:
-    """Neighbouring lines `first` to `last` of the text with one purpose, `what`, and the command that they belong to, if any."""
+    """Neighbouring lines of the text with one purpose.
+
+    Attributes:
+        first: number of the first line.
+        last: number of the last line.
+        command: the command that the lines belong to, if any.
+        what: the purpose in words.
+    """
 
     first: int
     last: int
@@ -42,13 +58,13 @@ class Stretch:
 def moves_alone(
     lines: Sequence[str], begin: int, commands: Sequence[Listed], barriers: Mapping[int, int]
 ) -> Iterator[Stretch]:
-    """Yield the purpose of every line after the header, by what the header lists: moves, and other lines.
+    """Yield the purpose of every line after the header, as far as the header shows it.
 
     Args:
-        lines: of the whole text.
-        begin: how many of them are the header.
-        commands: as the header lists them.
-        barriers: the command's step of each line with a barrier.
+        lines: all lines of the text.
+        begin: number of lines in the header.
+        commands: the commands as the header lists them.
+        barriers: the step of the command of each line with a barrier.
     """
     moving = deque(one for one in commands if one.first is not None)
     stepping = {one.step: one for one in commands}

@@ -16,27 +16,27 @@ def sealed(text: str, certificate: str) -> str:
     """Return a judged text with the certificate's summary and the seal in its header.
 
     Args:
-        text: with `UNSEALED` in place of both.
+        text: the text, with `UNSEALED` in place of both.
         certificate: the summary, one line of ASCII.
     """
-    # only the header changes, and a long text is copied once
+    # Only the header changes, so that a long text is copied only once.
     end = max(text.find(mark) + len(mark) for mark in (_CERTIFICATE, _UNSEALED))
     header = text[:end].replace(_CERTIFICATE, f"\n; certificate {certificate}\n", 1)
     return header.replace(_UNSEALED, f"\n; sha256 {_hash(header, text[end:])}\n", 1) + text[end:]
 
 
 def is_sealed(text: str) -> bool:
-    """Return True if a text is as it was when it was sealed."""
+    """Return True if a text is unchanged since it was sealed."""
     found = _SEAL.search(text)
     return found is not None and _hash(_SEAL.sub(_UNSEALED, text, count=1)) == found[1]
 
 
 _AT_ONCE = 1 << 20
-"""Characters that are encoded at once."""
+"""Characters that are encoded in one step."""
 
 
 def _hash(*texts: str) -> str:
-    """Return the SHA-256 of texts, one after the other, as 64 hex digits."""
+    """Return the SHA-256 of the concatenated texts, as 64 hex digits."""
     digest = hashlib.sha256()
     for text in texts:
         for begin in range(0, len(text), _AT_ONCE):

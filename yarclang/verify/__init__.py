@@ -1,9 +1,9 @@
-"""A checker of controller texts that can be read in an afternoon.
+"""A checker of controller texts that is small enough to be read in an afternoon.
 
-It decides by a proof that `yarcc --proof` has written (NAME.proof.json), with a reader of its own, in
+It checks a text by a proof that `yarcc --proof` has written (NAME.proof.json), with a reader of its own, in
 integers and fractions, and imports nothing but the standard library. docs/certificate.md has the theorem.
-`verdict.py` is the whole of it; `reader.py` reads the text, `course.py` judges what stands between motions,
-`limits.py` joints and motors, `arm.py` says where the robot is, `paths.py` how far that is from the
-programmed path, `chains.py` how motions flow into each other, `room.py` which bodies there are and what zones
-watch, `apart.py` that bodies stay apart and zones are kept.
+`verdict.py` combines all checks; `reader.py` reads the text, `course.py` checks the actions between motions,
+`limits.py` joints and motors, `arm.py` computes where the robot is, `paths.py` its distance from the
+programmed path, `chains.py` checks how motions flow into each other, `room.py` defines the bodies and zones,
+`apart.py` checks that bodies stay apart and zones are respected.
 """

@@ -6,9 +6,9 @@ from pathlib import Path
 from yarclang.verify.verdict import Verdict, verify
 
 ACCEPTED, REFUSED, USAGE, UNCHECKED = 0, 1, 2, 3
-"""The exit status: all was checked; refused; wrong usage; nothing is wrong, and something wasn't checked."""
+"""Exit status: all was checked; refused; wrong usage; nothing is wrong, but something was not checked."""
 LARGEST = 1 << 30
-"""No text or proof is larger than this [bytes]."""
+"""Largest size of a text or proof [bytes]."""
 
 
 def status_of(verdict: Verdict) -> int:
@@ -17,9 +17,9 @@ def status_of(verdict: Verdict) -> int:
 
 
 def printable(text: str) -> str:
-    """Return a line with what isn't printable written as a number.
+    """Return a line with unprintable characters written as numbers.
 
-    A terminal obeys some characters, and turns others round.
+    A terminal would interpret some of them, and reverse the direction of writing at others.
     """
     return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)
 
@@ -35,7 +35,7 @@ def report(name: str, verdict: Verdict) -> str:
 
 
 def main(arguments: list[str]) -> int:
-    """Verify a text by its proof; return the exit status."""
+    """Verify a text by its proof, report the verdict, and return the exit status."""
     if len(arguments) != 2:
         sys.stderr.write("usage: python -m yarclang.verify NAME.pmc NAME.proof.json\n")
         return USAGE

@@ -1,20 +1,23 @@
-"""Bodies that stay apart, by planes: on a stretch of the text the proof names one for each pair of bodies.
+"""Check that bodies stay apart, by planes.
+
+For each stretch of the text, the proof names one plane for each pair of bodies.
 
 A body is the convex hull of a box around its middle (half edges `core`) or of `corners`, widened by a disc
-across its z axis and by a ball. Joints move it: the first `joint` of them. Of a pair, the body that fewer
-joints move stands still, and the plane with it; only the joints between both count. With the unit normal n of
-the plane from the first body to the second one, the gap is min n.b - max n.a over their points. The bodies
-are no nearer than it, whatever n is. Over a stretch, two bounds keep the gap:
+perpendicular to its z axis and by a ball. The first `joint` joints move it. Of a pair, the body that fewer
+joints move is regarded as fixed, together with the plane; only the joints between both count. With the unit
+normal n of the plane, from the first body a to the second body b, the gap is min n.b - max n.a over their
+points. The distance of the bodies is at least the gap, whatever n is. Over a stretch, two bounds keep the
+gap:
 
-- a stretch as a room: joints stay in the hull of their control points. From the middle of the room, no point
-  moves by more than the sum of reach times half a room's width, over the joints between both bodies.
-- a stretch as a curve, within one sequence: n.b has a second derivative of at most K, for each point b. So
-  the gap isn't below the lesser of those at both ends by more than K d^2 / 8, for d seconds. With the sums W
-  and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less that before), since each
-  derivative by a joint is a cross product with its axis; a joint that slides adds 2 W |q'| + |q''|.
+- A stretch as a room: joints stay in the hull of their control points. From the middle of the room, no point
+  moves by more than the sum of reach times half the room's width, over the joints between both bodies.
+- A stretch as a curve, within one sequence: for each point b, n.b has a second derivative of at most K. So
+  the gap is below the lesser of the gaps at both ends by at most K d^2 / 8, for d seconds. With the sums W
+  and A of |q'| and |q''| up to a joint, K is the sum of reach (W^2 + A, less its value before), since each
+  derivative over a joint is a cross product with its axis; a sliding joint adds 2 W |q'| + |q''|.
 
-In a slow zone, the speed of a point isn't above the larger one of those at both ends by more than d^2 / 8
-times its largest third derivative, of which the sum of reach (W^3 + 3 W A + J, less that before) is a bound.
+In a slow zone, the speed of a point exceeds the larger speed at both ends by at most d^2 / 8 times its
+largest third derivative, which is at most the sum of reach (W^3 + 3 W A + J, less its value before).
 """
 
 from bisect import bisect_right
@@ -38,9 +41,14 @@ PARTS = 64
 
 @dataclass
 class Stretch:
-    """A stretch of the text: the links in the middle of its room, and half the room's widths `w`; or, with
-    `square`, d^2 / 8, the links at both ends of a curve, and bounds `w`, `a` and `j` of |q'|, |q''| and
-    |q'''|.
+    """A stretch of the text, as a room, or as a curve.
+
+    Attributes:
+        links: the links in the middle of the room, or at both ends of the curve.
+        w: half the widths of the room, or bounds of |q'|.
+        a: bounds of |q''|; for a curve only.
+        j: bounds of |q'''|; for a curve only.
+        square: d^2 / 8; 0 for a room.
     """
 
     links: list[list[Frame]]
@@ -50,7 +58,7 @@ class Stretch:
     square: int = 0
 
     def gap(self, one: Body | Border, other: Body, normal: Sequence[Fraction], turns: Sequence[bool]) -> int:
-        """Return what keeps a pair apart on the whole stretch, along a normal in the first body's link."""
+        """Return the least gap of a pair on the whole stretch, along a normal in the first body's link."""
         gap = min(_gap(one, other, links, normal) for links in self.links)
         if self.square:
             return gap - times(self._bend(one, other, turns), self.square)
@@ -73,7 +81,7 @@ class Stretch:
         return max(other.fastest(links[other.joint]) for links in self.links) + times(bend, self.square)
 
     def _bend(self, one: Body | Border, other: Body, turns: Sequence[bool]) -> int:
-        """Return K, not too small."""
+        """Return an upper bound of K."""
         sum_w = sum_a = before = bend = 0
         for joint in range(one.joint, other.joint):
             if not turns[joint]:
@@ -87,7 +95,7 @@ class Stretch:
 
 
 class Timeline:
-    """All segments of a text, and where the arm is on them."""
+    """All segments of a text, with the arm on them."""
 
     def __init__(self, rows: Sequence[Moved], arm: Arm) -> None:
         self.arm = arm
@@ -105,12 +113,12 @@ class Timeline:
 
     @property
     def steps(self) -> list[tuple[int, int, int]]:
-        """Return each command's step, and where its stretch begins and ends."""
+        """Each command's step, with the begin and the end of its stretch."""
         ends = zip(self.rows, self.begins, self.begins[1:], strict=False)
         return [(row.entry.step, begin * PARTS, end * PARTS) for row, begin, end in ends]
 
     def _row(self, segment: int) -> tuple[Moved, int]:
-        """Return the command that has a segment, and the segment's number in it."""
+        """Return the command that contains a segment, and the segment's number in it."""
         number = bisect_right(self.begins, segment) - 1
         return self.rows[number], segment - self.begins[number]
 
@@ -122,7 +130,7 @@ class Timeline:
         return Motion(row, self.arm).bounds(row.first + own)
 
     def stretch(self, begin: int, end: int, is_curve: bool) -> Stretch:
-        """Return a stretch; as a room it is that of all segments that it touches."""
+        """Return a stretch as a curve, or as a room, which then covers all segments that it touches."""
         need(0 <= begin < end, "a stretch of nothing")
         return self._curve(begin, end) if is_curve else self._room(begin // PARTS, (end - 1) // PARTS)
 
@@ -143,7 +151,7 @@ class Timeline:
                 yield row.control[row.first + one : row.first + end + 3]
 
     def _curve(self, begin: int, end: int) -> Stretch:
-        """Return a stretch of a sequence as a curve."""
+        """Return a stretch of one sequence as a curve."""
         first, last = begin // PARTS, (end - 1) // PARTS
         row = self._row(first)[0]
         need(row.run == self._row(last)[0].run, "a curve that isn't within one sequence")
@@ -158,12 +166,12 @@ class Timeline:
 def check_apart(
     rows: Sequence[Moved], told: dict[str, Any], planes: list[Any], arm: Arm
 ) -> tuple[str, list[str]]:
-    """Check that bodies stay apart by their margins, and zones; return what was checked, and what wasn't.
+    """Check the margins of bodies, and zones; return what was checked, and what was not.
 
     Args:
         rows: all commands.
-        told: `bodies`, `exceptions` from their margins, and `zones`.
-        planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]; the
+        told: the proof's `bodies`, `exceptions` from their margins, and `zones`.
+        planes: stretches [begin, end, kind, [pair, three integers: n in the first body's link], ...]. The
             kind is 0 for a room, 1 for a curve, and 2 for a curve that is slow enough for a slow zone.
         arm: the arm.
     """
@@ -200,8 +208,8 @@ def check_apart(
 
 
 def _gap(one: Body | Border, other: Body, links: list[Frame], normal: Sequence[Fraction]) -> int:
-    """Return the gap of a pair along a normal that is told in the first body's link."""
-    if isinstance(one, Border):  # its plane is the only one
+    """Return the gap of a pair along a normal that is given in the first body's link."""
+    if isinstance(one, Border):  # only the border itself is a plane for it
         return one.offset - other.extent(links[other.joint], one.normal)
     x, y, z = (whole(number) for number in normal)
     size = isqrt((x * x + y * y + z * z) << 2 * BITS)

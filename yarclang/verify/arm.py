@@ -1,8 +1,8 @@
-"""Where the arm is, how fast its frames move, and how strongly their way can bend.
+"""The pose of the arm, the velocities of its frames, and bounds of the fourth derivatives of their paths.
 
-The proof tells the arm as steps: the first leads from the base to the first joint, each following one from a
-joint to the next, the last to the flange. A joint turns about the z axis of its frame, or slides along it.
-All in fixed-point.
+The proof gives the arm as constant transforms (steps): the first leads from the base to the first joint, each
+following one from a joint to the next, the last to the flange. A joint turns about the z axis of its frame,
+or slides along it. All numbers are fixed-point.
 """
 
 from collections.abc import Sequence
@@ -14,15 +14,18 @@ from yarclang.verify.exact import BITS, ONE, PI, above, fixed, length, need, sin
 
 Vector = list[int]
 Step = tuple[list[Vector], Vector]
-"""A frame in another one: the columns of its rotation, and its origin."""
+"""A frame relative to another one: the columns of its rotation, and its origin."""
 SQUARE_ROOT_OF_2 = above(Fraction(14143, 10000))
 _UNEVEN = ONE >> 40
-"""Rotations are as exact as this: they make vectors longer by less than 2**-30, which is added."""
+"""Precision of rotations: they lengthen vectors by less than 2**-30, which is added to bounds."""
 
 
 @dataclass
 class Frame:
-    """A frame in {B}: `origin` and its velocity `rate`; the columns `axes` of its rotation, their `spin`."""
+    """A frame in {B}.
+
+    `origin` has the velocity `rate`; the columns `axes` of its rotation have the angular velocity `spin`.
+    """
 
     origin: Vector
     axes: list[Vector]
@@ -45,7 +48,10 @@ def dot(a: Sequence[int], b: Sequence[int]) -> int:
 
 
 def placed(numbers: Sequence[Fraction]) -> Step:
-    """Read a frame, three rows of a rotation with the origin [m] at their ends; return columns and origin."""
+    """Read a frame; return the columns of its rotation, and its origin.
+
+    It is given as three rows of the rotation, each followed by a coordinate of the origin [m].
+    """
     need(len(numbers) == 12, "a frame isn't told by 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
     for i in range(3):
@@ -76,7 +82,7 @@ class Arm:
 
         Args:
             q: joint positions [rad or m].
-            rates: their velocities.
+            rates: joint velocities [rad/s or m/s].
         """
         need(all(abs(one) < 1024 * ONE for one in q), "a joint is too far")
         need(sum(map(abs, rates)) < 1024 * ONE, "a joint is too fast")
@@ -100,20 +106,20 @@ class Arm:
         return found
 
     def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
-        """Return a frame on the flange, at joint positions and their rates [rad or m, per s]."""
+        """Return a frame on the flange for joint positions [rad or m] and velocities [rad/s or m/s]."""
         return _beyond(_beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
 
     def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
-        """Return how far a body can ever be from the axis of each joint that turns it.
+        """Bound the distance of a body from the axis of each joint that turns it, over all joint positions.
 
-        From the body backwards, the point of each axis nearest to the last point: between two axes only
-        turns lie, so the ways add up; a joint that slides adds its `travel`.
+        Going from the body towards the base, take the point of each axis nearest to the point before. Only
+        turns lie between two axes, so the distances add up; a sliding joint adds its `travel`.
 
         Args:
-            size: the number of joints that move the body.
-            point: its middle, in the frame of the last of these joints.
-            travel: the largest |q| of each joint that slides.
-            way: the radius of the body around its middle.
+            size: number of joints that move the body.
+            point: the body's middle, in the frame of the last of these joints.
+            travel: largest |q| of each sliding joint.
+            way: radius of the body around its middle.
         """
         found = [0] * size
         for joint in reversed(range(size)):
@@ -127,19 +133,20 @@ class Arm:
         return found
 
     def to_flange(self, point: Vector) -> Vector:
-        """Return a point on the flange in the frame of the last joint."""
+        """Return a point, given on the flange, in the frame of the last joint."""
         return _out(*self.steps[-1], point)
 
     def bends(
         self, reach: Sequence[int], w: Sequence[int], a: Sequence[int], j: Sequence[int]
     ) -> tuple[int, int]:
-        """Return bounds of the fourth derivatives of a frame's origin and rotation matrix (Frobenius norm).
+        """Bound the fourth derivatives of a frame's origin and of its rotation matrix (Frobenius norm).
 
-        Each joint has a constant jerk, and |q'|, |q''|, |q'''| of at most w, a, j. By Faa di Bruno, with the
-        sums W, A, J of these up to a joint, B = W^4 + 6 W^2 A + 3 A^2 + 4 W J counts chains of cross products
-        with axes, none longer than the reach of the joint nearest to the frame: the sum of reach (B - B
-        before). A joint that slides is innermost, and once: the derivative of B in its direction. A product
-        of [axis]x has the Frobenius norm sqrt 2 at most.
+        Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most w, a, j. By Faa di Bruno's
+        formula, with the sums W, A, J of these up to a joint, B = W^4 + 6 W^2 A + 3 A^2 + 4 W J counts chains
+        of cross products with axes. No chain is longer than the reach of the joint nearest to the frame,
+        which gives the sum of reach (B - B before). A sliding joint is innermost in a chain, and appears
+        once: the derivative of B in its direction. The Frobenius norm of a product of [axis]x is at most sqrt
+        2.
         """
         sum_w = sum_a = sum_j = before = origin = 0
         for joint, turns in enumerate(self.turns):
@@ -175,13 +182,13 @@ def _beyond(here: Frame, step: Step) -> Frame:
 
 
 def _out(columns: list[Vector], offset: Vector, point: Vector) -> Vector:
-    """Return a point, told in a frame, as seen from the frame before."""
+    """Return a point, given in a frame, in the frame before it."""
     x, y, z = columns
     rows = zip(x, y, z, offset, strict=True)
     return [((a * point[0] + b * point[1] + c * point[2]) >> BITS) + o for a, b, c, o in rows]
 
 
 def in_si(printed: int | Fraction, scale: int, turns: bool) -> int:
-    """Return a number of 1 / scale deg or mm, or such a rate, in rad or m."""
+    """Return a number in units of 1 / scale deg or mm, or such a rate, in rad or m."""
     degrees = (printed.numerator << BITS) // (printed.denominator * scale)
     return degrees * PI // (180 << BITS) if turns else degrees // 1000

@@ -1,11 +1,11 @@
-"""Motions that flow into each other: lines and arcs of one frame, with a corner between each two.
+"""Check motions that flow into each other: lines and arcs of one frame, with a corner between neighbours.
 
-A motion of a chain begins at the told goal of the one before. It follows its path from a place of the text to
-another one, which the proof gives, as a motion from rest to rest does. If the next motion goes on there, at
-the end of the one path and the start of the other, nothing else is to be shown. Else the corner has a ball:
-told are its radius, and both tolerances. Up to where the next path is joined, the frame stays in the ball,
-and so does what isn't followed of both paths; the frame is turned away from the corner by no more than these
-parts turn.
+A motion of a chain begins at the programmed goal of the motion before. It follows its path from one place of
+the text to another, which the proof names, in the same way as a motion from rest to rest. If the next motion
+continues exactly there, at the end of the first path and the start of the second, the corner needs no further
+check. Otherwise the corner has a ball; the proof gives its radius and both tolerances. Until the next path is
+joined, the frame stays in the ball, and so do the parts of both paths that are not followed. The frame is
+turned away from the corner by at most the turns of these parts.
 """
 
 from collections.abc import Iterator, Sequence
@@ -35,7 +35,7 @@ _FASTER = 1 + Fraction(1, 1000)
 
 
 def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Link]]:
-    """Yield the motions that flow into each other, with those without moves between them."""
+    """Yield the chains of motions that flow into each other, including motions without moves between them."""
     chain = list[Link]()
     for row, told in zip(rows, steps, strict=True):
         if "move" not in told or not (chain or row.entry.blend is not None):
@@ -47,7 +47,7 @@ def chains_of(rows: Sequence[Moved], steps: Sequence[Told]) -> Iterator[list[Lin
 
 
 def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
-    """Return why a chain isn't checked; nothing if it can be."""
+    """Return the reason why a chain is not checked; empty if it is."""
     for row, told in chain:
         if told["move"] not in ("line", "arc") or told.get("unchecked") or not row.control:
             return str(told.get("unchecked") or "joints, or another path than lines and arcs")
@@ -59,12 +59,12 @@ def why_not(chain: Sequence[Link], proofs: dict[str, Any]) -> str:
 
 
 def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iterator[str]:
-    """Check a chain; yield what isn't checked of it."""
+    """Check a chain; yield the parts that are not checked."""
     found, late, start = list[Followed](), Fraction(0), None
     for row, told in chain:
         title, proof = row.entry.title, proofs[str(row.entry.step)]
         segments, tolerance = row.last - row.first, told["tolerance"]
-        if "duration" in told:  # the motions of a chain meet between segments, wherever that is
+        if "duration" in told:  # its corners are between segments, so it may be longer or shorter
             late += segments * row.seconds - told["duration"]
             allowed = Fraction(segments, 2 * STEPS * 1000) + row.seconds / 2 + Fraction(1, 10**9)
             need(abs(late) <= allowed, f"{title}: it takes another time")
@@ -93,7 +93,7 @@ def check_chain(chain: Sequence[Link], proofs: dict[str, Any], arm: Arm) -> Iter
 
 
 def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]) -> list[tuple[int, int]]:
-    """Check the corner after a motion; return the speeds of the frame between both paths."""
+    """Check the corner after a motion; return bounds of the frame's speed between both paths."""
     row, title = first.motion.row, first.motion.row.entry.title
     far = Fraction(row.entry.blend or 0, 2) + 1
     inside = row.last - far <= first.end <= second.begin <= row.last + far
@@ -104,6 +104,7 @@ def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]
     ball = in_si(told["blend"] + told["tolerance"][0], 1, False)
     turned = in_si(told["tolerance"][1], 1, True)
     columns, origin = first.goal
+    # The parts of both paths that are not followed: an arc of at most half a turn is farthest at its end.
     for path, share, corner in ((first, first.shares[1], ONE), (second, second.shares[0], 0)):
         missing = abs(corner - share)
         need(missing * path.sweep >> BITS <= PI, f"{title}: more than half a turn isn't followed")
@@ -117,6 +118,7 @@ def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]
         then = motion.arm.frame(*motion.at(end), tool)
         d = above((end - begin) * row.seconds)
         rest = times(d, d, d, d)
+        # On each piece: largest Bezier point of the difference from the corner, plus the Hermite remainder.
         bends = motion.arm.bends(reach, *motion.bounds(int(begin)))
         ends, chords = list[list[int]](), list[list[int]]()
         for frame in (here, then):
@@ -138,7 +140,7 @@ def _corner(first: Followed, second: Followed, told: Told, proof: dict[str, Any]
 def _speeds(
     chain: Sequence[Link], found: Sequence[Followed], balls: Sequence[list[tuple[int, int]]]
 ) -> Iterator[str]:
-    """Check speeds and ceilings: near a corner, in the segments of its blend, the larger one counts."""
+    """Check speeds and ceilings. In the segments of a blend, the larger one of its two motions applies."""
     around = [_larger(one, other) for (_, one), (_, other) in pairwise(chain)]
     for number, ((row, told), path) in enumerate(zip(chain, found, strict=True)):
         begin, end = row.first + Fraction(row.before or 0, 2), row.last - Fraction(row.entry.blend or 0, 2)
@@ -165,7 +167,7 @@ def _speeds(
 
 
 def _is_slower(one: Told, other: Told) -> bool:
-    """Return True if a motion has a speed that the motion beside it keeps as well."""
+    """Return True if a motion has a speed, and the motion beside it keeps at least this speed."""
     own, besides = (told.get("speed", [None])[0] for told in (one, other))
     if own is None or besides is None:
         return False
@@ -173,7 +175,7 @@ def _is_slower(one: Told, other: Told) -> bool:
 
 
 def _larger(one: Told, other: Told) -> dict[str, Fraction]:
-    """Return the larger speed and ceiling of two motions, if both have one [mm/s]."""
+    """Return the larger speed and ceiling of two motions [mm/s], if both have one."""
     found = {}
     if "ceiling" in one and "ceiling" in other:
         found["ceiling"] = max(one["ceiling"], other["ceiling"])

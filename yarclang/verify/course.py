@@ -1,4 +1,4 @@
-"""What stands between the motions: rest, ways, the guard, what is assigned, and how long it takes."""
+"""Check the actions between the motions: rests, branches, the guard, assignments, and the duration."""
 
 import re
 from bisect import bisect
@@ -13,21 +13,31 @@ from yarclang.verify.reader import PRINTED, STEPS, Entry, Item, Text
 Point = tuple[int, ...]
 
 PARTING = ("when", "else", "end", "loop", "next", "exit", "endloop", "stop", "abort")
-"""Barriers at which ways part, meet, begin anew and end."""
+"""Barriers at which branches and loops begin, merge, repeat or end."""
 _OWN = re.compile(r"P81[0-9][0-9]|M8116|M[0-9]{1,2}6[0-9]")
-"""Variables that belong to guard and motors: no inputs, and no outputs."""
+"""Variables that belong to the guard and the motors, which must not be inputs or outputs."""
 _NAMED = re.compile(r"(?<![A-Z0-9_$])[MPQ][0-9]{1,4}(?![0-9])")
 _LATE, _AHEAD = Fraction(1, 10), 2
-"""How late the guard may be [s], and how many lines the controller has taken out of the buffer."""
+"""Largest delay of the guard [s], and lines that the controller has taken out of the buffer."""
 
 
 @dataclass
 class Moved:
-    """A command of the map, and the segments that it has of its sequence.
+    """A command of the map with its segments.
 
-    Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and lasts `steps` / 4096
-    ms; `first` and `last` (not included) are the command's. A command without moves has none, and stands at
-    `begin`.
+    Segment k is the uniform cubic B-spline of the points k to k + 3 of `control`, and takes `steps` / 4096
+    ms. A command without moves has no segments, and stays at `begin`.
+
+    Attributes:
+        entry: the command in the map.
+        begin: position before the command.
+        end: position after the command.
+        control: control points of its sequence.
+        steps: duration of a segment [1/4096 ms].
+        first: its first segment.
+        last: the segment after its last one.
+        before: number of segments of the blend at its start; None if it starts at rest.
+        run: number of its sequence.
     """
 
     entry: Entry
@@ -42,13 +52,16 @@ class Moved:
 
     @property
     def seconds(self) -> Fraction:
-        """The duration of a segment [s]."""
+        """Duration of a segment [s]."""
         return Fraction(self.steps, STEPS * 1000)
 
 
 @dataclass
 class _Open:
-    """A WHEN or a loop that isn't ended: where it began, and where its first way or an EXIT ended."""
+    """A WHEN or a loop that has not ended.
+
+    It has the positions at its begin, and at the end of its first branch or at an EXIT.
+    """
 
     loop: bool
     before: Point
@@ -58,14 +71,17 @@ class _Open:
 
 
 class _Standing:
-    """Where the robot stands; `over` if no way leads here. Ways that meet end at one place."""
+    """The robot's position; `over` if this place cannot be reached.
+
+    Branches that merge must end at one position.
+    """
 
     def __init__(self, at: Point, slack: int) -> None:
         self.at, self.slack, self.over = at, slack, False
         self.open: list[_Open] = []
 
     def same(self, one: Point, other: Point, line: int) -> None:
-        """Refuse two places that are farther apart than the last printed digit."""
+        """Refuse two positions that differ by more than the last printed digit."""
         apart = max(abs(a - b) for a, b in zip(one, other, strict=True))
         need(apart <= self.slack, f"line {line}: ways that meet end {apart / PRINTED:.6g} deg or mm apart")
 
@@ -74,7 +90,7 @@ class _Standing:
         return self.open[-1]
 
     def passes(self, kind: str, line: int) -> None:
-        """Go through a barrier of a kind."""
+        """Pass a barrier of a kind."""
         if kind in ("when", "loop"):
             self.open.append(_Open(kind == "loop", self.at))
         elif kind in ("stop", "abort"):
@@ -112,11 +128,11 @@ class _Standing:
 
 
 def follow(text: Text) -> tuple[list[Moved], list[str]]:
-    """Return the commands with their segments, and all that the text does, in order.
+    """Return the commands with their segments, and all actions of the text in order.
 
-    The controller begins a sequence at rest where it stands, S, and ends it at rest in its last point E: its
-    control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers come at rest, or an output in
-    a blend's middle.
+    The controller begins a sequence at rest at the current position, S, and ends it at rest in its last point
+    E: the control points are S, S, S, the points, E, E (TUM 289). Outputs and barriers must be at rest; an
+    output may also be in the middle of a blend.
     """
     moving = [entry for entry in text.entries if entry.first]
     found: list[Moved] = []
@@ -149,7 +165,7 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     need(not standing.open, "a way or a loop of the text has no end")
     by_step = {one.entry.step: one for one in found}
     at, rows = text.start, []
-    for entry in text.entries:  # a command without moves stands where the one before it ended
+    for entry in text.entries:  # a command without moves stays where the one before it ended
         one = by_step.get(entry.step) or Moved(entry, at, at)
         at = one.end
         rows.append(one)
@@ -165,7 +181,7 @@ def _sequence(
     done: list[str],
     step: int,
 ) -> int:
-    """Give the segments of a sequence to its commands; return the last command's step."""
+    """Assign the segments of a sequence to its commands; return the last command's step."""
     need(not standing.over, f"line {item.line} is never reached")
     start, points = standing.at, item.points
     control = [start, start, start, *points, points[-1], points[-1]]
@@ -205,7 +221,10 @@ def _sequence(
 
 
 def seconds_of(text: Text) -> tuple[Fraction, int] | None:
-    """Return how long moves and dwells take [s], and how often is waited; None where ways part."""
+    """Return the duration of moves and dwells [s], and the number of waits.
+
+    None if there are branches or loops.
+    """
     total, waits = Fraction(0), 0
     for item in text.course:
         if item.kind == "run":
@@ -221,7 +240,7 @@ def seconds_of(text: Text) -> tuple[Fraction, int] | None:
 
 
 def check_duration(text: Text) -> bool:
-    """Check the header's duration; return False where ways part, and it isn't checked."""
+    """Check the header's duration; return False if it cannot be checked because of branches or loops."""
     found = seconds_of(text)
     if found is None:
         return False
@@ -237,7 +256,7 @@ def check_duration(text: Text) -> bool:
 
 
 def check_guard(text: Text, robot: dict[str, Any]) -> None:
-    """Check that a host that dies leaves lines for a hold, and that no hold comes at a motion's end."""
+    """Check that the guard leaves lines for a hold if the host fails, and never holds at a motion's end."""
     low, full, words = text.marks
     runs = [item for item in text.course if item.kind == "run"]
     smallest = 3 * (robot["i8"] + 1) * Fraction(robot["i10"], 8_388_608)
@@ -267,7 +286,7 @@ def check_guard(text: Text, robot: dict[str, Any]) -> None:
 
 
 def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> None:
-    """Check that nothing but outputs is assigned, and no variable of guard or motors asked."""
+    """Check that only outputs are assigned, and that conditions read no variable of guard or motors."""
     puts = [
         what for item in text.course for _, what in (*item.puts, (0, item.what if item.kind == "put" else ""))
     ]
@@ -285,7 +304,7 @@ def check_variables(text: Text, robot: dict[str, Any], outputs: list[str]) -> No
 
 
 def check_start(text: Text, robot: dict[str, Any], start: list[Fraction]) -> None:
-    """Check the start against the program's and the header's, to the last printed digit."""
+    """Check that the start is that of the program and of the header, to the last printed digit."""
     exact = min(Fraction(1, 2 * 10**text.decimals), Fraction(1, 1000)) + Fraction(1, 10**9)
     for at, meant in zip(text.start, start, strict=True):
         need(abs(Fraction(at, PRINTED) - meant) <= exact, "the text starts elsewhere than the program")

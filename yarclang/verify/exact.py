@@ -1,12 +1,11 @@
-"""Numbers. What is read from text and proof is exact: integers and fractions. What needs roots, sines or many
-products is fixed-point: an integer x stands for x / 2**128.
+"""Numbers: exact for text and proof, fixed-point for roots, sines and long products.
 
-Each product and quotient of fixed-point numbers is off by less than one unit, a sine or cosine by less than
-2**10. A chain of at most 16 joints, with steps no longer than 64 m, turns below 1024 rad and rates below 1024
-per s (`arm.py` refuses others), multiplies errors by at most 4 a joint, adds them up over at most 32 steps,
-and multiplies them once by a length and once by a rate: 2**(10 + 32 + 5 + 6 + 10) units, and less than 2**-60
-of anything that is computed of a pose or its velocity. `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every
-bound that is compared.
+A fixed-point integer x stands for x / 2**128. Each product and quotient of fixed-point numbers is off by less
+than one unit, a sine or cosine by less than 2**10 units. Consider a chain of at most 16 joints, with steps no
+longer than 64 m, turns below 1024 rad and rates below 1024 per s (`arm.py` refuses others). It multiplies
+errors by at most 4 per joint, adds them up over at most 32 steps, and multiplies them once by a length and
+once by a rate. This gives 2**(10 + 32 + 5 + 6 + 10) units, less than 2**-60 for any computed pose or
+velocity. `SLACK`, 2**-44 or 6e-14 (m, rad), is added to every bound that is compared.
 """
 
 from fractions import Fraction
@@ -19,11 +18,11 @@ SLACK = ONE >> 44
 
 
 class RefusedError(Exception):
-    """The text or its proof isn't what it should be: what, where, and by how much."""
+    """The text or its proof is wrong; the message says what, where, and by how much."""
 
 
 def need(holds: bool, reason: str) -> None:
-    """Refuse text or proof for a reason unless something holds."""
+    """Refuse the text or the proof with a reason, unless a condition holds."""
     if not holds:
         raise RefusedError(reason)
 
@@ -35,17 +34,17 @@ def whole(number: Any, most: int = 1 << 62) -> int:
 
 
 def fixed(number: Fraction | int) -> int:
-    """Return a number in fixed-point, at most one unit too small."""
+    """Return a number in fixed-point, rounded down by less than one unit."""
     return (number.numerator << BITS) // number.denominator
 
 
 def above(number: Fraction | int) -> int:
-    """Return a number in fixed-point, not too small."""
+    """Return an upper bound of a number in fixed-point."""
     return fixed(number) + 1
 
 
 def times(*numbers: int) -> int:
-    """Return an upper bound of the product of fixed-point numbers that aren't negative."""
+    """Return an upper bound of the product of non-negative fixed-point numbers."""
     product = ONE
     for number in numbers:
         product = (product * number >> BITS) + 1
@@ -53,7 +52,7 @@ def times(*numbers: int) -> int:
 
 
 def root(square: int) -> int:
-    """Return an upper bound of the root of a fixed-point number that isn't negative."""
+    """Return an upper bound of the square root of a non-negative fixed-point number."""
     return isqrt(square << BITS) + 1
 
 
@@ -72,17 +71,17 @@ def _arctan_of_one_over(number: int, bits: int) -> int:
 
 
 PI = (16 * _arctan_of_one_over(5, 256) - 4 * _arctan_of_one_over(239, 256)) >> (256 - BITS)
-"""Pi in fixed-point: Machin's formula with 256 bits, of which rounding costs less than 16."""
+"""Pi in fixed-point, by Machin's formula with 256 bits; rounding costs less than 16 of these units."""
 
 
 def sine_and_cosine(angle: int) -> tuple[int, int]:
-    """Return sine and cosine of an angle in fixed-point radians, below 1024, all in fixed-point."""
+    """Return sine and cosine of an angle below 1024 rad, all in fixed-point."""
     quarters = (2 * angle + PI // 2) // PI
     rest = angle - quarters * PI // 2
     square = rest * rest >> BITS
     sine = cosine = 0
     even, odd = ONE, rest
-    for k in range(0, 36, 2):  # what is left out is below 0.786**36 / 36!, less than a unit
+    for k in range(0, 36, 2):  # the omitted terms are below 0.786**36 / 36!, less than one unit
         cosine, sine = cosine + even, sine + odd
         even = -(even * square >> BITS) // ((k + 1) * (k + 2))
         odd = -(odd * square >> BITS) // ((k + 2) * (k + 3))

@@ -1,4 +1,4 @@
-"""How far joints are from their way: straight lines, and natural cubic splines through way-points."""
+"""Check the distance of joints from their paths: straight lines, and natural cubic splines."""
 
 from collections.abc import Sequence
 from fractions import Fraction
@@ -12,20 +12,25 @@ from yarclang.verify.reader import PRINTED
 
 _FINE = 1 << 64
 _NEAREST = ONE >> 13
-"""Way-points of a spline nearer to each other (about 1e-4 rad or m) are refused: rounding would count."""
+"""Least distance of neighbouring way-points of a spline, about 1e-4 rad or m.
+
+With less, rounding would matter.
+"""
 _EQUAL = ONE // 10**9
 
 
 def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]) -> list[int]:
     """Return bounds of the distance of each joint from a straight line to a goal [deg or mm].
 
-    With control points S + s D + r, the motion is S + s D of the mean of their s, and the mean of their r
-    away. The s that come nearest are taken, made to grow from 0 to 1: any prove the same.
+    With control points S + s D + r, the motion at any instant is at S + s D for the mean of their s, plus the
+    mean of their r. The nearest s are taken, made to grow from 0 to 1; any other choice would be a proof as
+    well.
     """
     control = motion.row.control[motion.row.first : motion.row.last + 3]
     start = control[0]
     scaled = [fixed(one * PRINTED) for one in goal]
     way = [g - (a << BITS) for g, a in zip(scaled, start, strict=True)]
+    # Least squares with each joint in units of its tolerance: s = (way . offset) / (way . way).
     pull = [w // (t * t) for w, t in zip(way, tolerances, strict=True)]
     norm = sum(p * w >> BITS for p, w in zip(pull, way, strict=True))
     most, s = [0] * len(start), 0
@@ -42,9 +47,9 @@ def straight(motion: Motion, goal: Sequence[Fraction], tolerances: Sequence[int]
 
 
 class Spline:
-    """The natural cubic spline through way-points in joint space, over the sum of their distances; all in SI.
+    """The natural cubic spline through way-points in joint space, over the sum of their distances.
 
-    `s` are the parameters of its way-points `y`, `bend` its second derivatives there.
+    All is in SI units: `s` are the parameters of its way-points `y`, `bend` its second derivatives there.
     """
 
     def __init__(self, points: Sequence[Vector]) -> None:
@@ -61,7 +66,7 @@ class Spline:
         self.bend = [self._bends(joint) for joint in range(len(points[0]))]
 
     def _bends(self, joint: int) -> list[int]:
-        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), with M = 0 at both ends (Thomas)."""
+        """Solve h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope), M = 0 at both ends (Thomas algorithm)."""
         h = self.steps
         slope = [
             ((b[joint] - a[joint]) << BITS) // step for (a, b), step in zip(pairwise(self.y), h, strict=True)
@@ -90,11 +95,11 @@ class Spline:
         return places, slopes
 
     def span(self, s: int) -> int:
-        """Return between which way-points a parameter lies."""
+        """Return the span between way-points that contains a parameter."""
         return max((k for k, begin in enumerate(self.s[:-1]) if begin <= s), default=0)
 
     def derivatives(self, joint: int, low: int, high: int) -> tuple[int, int, int]:
-        """Return bounds of the second and third derivatives on a stretch, and by how much the third jumps."""
+        """Return bounds of the second and third derivatives on a stretch, and of the third's jumps."""
         bend, first, last = self.bend[joint], self.span(low), self.span(high)
         second = max(abs(one) for one in bend[first : last + 2])
         thirds = [((bend[k + 1] - bend[k]) << BITS) // self.steps[k] for k in range(first, last + 1)]
@@ -105,8 +110,8 @@ class Spline:
 def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]) -> list[int]:
     """Return bounds of the distance of each joint from the natural spline through way-points.
 
-    As for frames; where s passes a way-point, the third derivative of e jumps by s'^3 times that of the
-    spline, which the cubic misses by d^3 / 192 times the jump.
+    The method is that for frames (paths.py). Where s passes a way-point, the third derivative of e jumps by
+    s'^3 times that of the spline, which the Hermite cubic misses by at most d^3 / 192 times the jump.
     """
     spline = Spline(points)
     whole = spline.s[-1]
@@ -114,6 +119,7 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
     here = motion.at(motion.begin)
     need("from" not in proof and (proof["s"][0], proof["s"][-1]) == (0, SHARE), "s doesn't lead from 0 to 1")
     for piece in pieces_of(motion, proof):
+        # Scale s and its bounds from shares to the spline's parameter.
         then = motion.at(piece.end)
         d = above(piece.d)
         s = [one * whole >> BITS for one in piece.s]
@@ -126,11 +132,13 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
                 times(d, d, d, d, path_bend([second, third, 0], (w, a, j))) // 384
                 + times(d, d, d, w, w, w, jump) // 192
             )
+            # Errors and their rates at both ends of the piece.
             e, f = (at[0][joint] - end[0][joint] for at, end in zip((here, then), ends, strict=True))
             v, u = (
                 at[1][joint] - (rate * end[1][joint] >> BITS)
                 for at, end, rate in zip((here, then), ends, rates, strict=True)
             )
+            # Largest of the four Bezier points of the error's Hermite cubic.
             third_d = d // 3
             hull = max(abs(e), abs(e + (third_d * v >> BITS)), abs(f - (third_d * u >> BITS)), abs(f))
             most[joint] = max(most[joint], hull + rest + SLACK)
@@ -139,6 +147,6 @@ def along_spline(motion: Motion, points: Sequence[Vector], proof: dict[str, Any]
 
 
 def in_joints(numbers: Sequence[Fraction | int], scale: int, turns: Sequence[bool]) -> Vector:
-    """Return joint positions of 1 / scale deg or mm in SI."""
+    """Return joint positions in units of 1 / scale deg or mm, in SI units."""
     need(len(numbers) == len(turns), "a joint position has another number of joints")
     return [in_si(one, scale, turn) for one, turn in zip(numbers, turns, strict=True)]

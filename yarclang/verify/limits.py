@@ -1,10 +1,10 @@
-"""Limits of joints and motors at every instant, exactly: on a segment all of them are polynomials.
+"""Check limits of joints and motors at every instant, exactly: on a segment all quantities are polynomials.
 
-With the control points c0 to c3 of a segment of T seconds, and their differences D1, D2, D3: the jerk is (D3
-- 2 D2 + D1) / T^3; the acceleration goes straight from (D2 - D1) / T^2 to (D3 - D2) / T^2; the velocity is
-the parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T; the position the cubic with the
+Let c0 to c3 be the control points of a segment of T seconds, and D1, D2, D3 their differences. The jerk is
+(D3 - 2 D2 + D1) / T^3. The acceleration is linear from (D2 - D1) / T^2 to (D3 - D2) / T^2. The velocity is
+the parabola with the Bezier points (D1 + D2) / 2T, D2 / T, (D2 + D3) / 2T. The position is the cubic with the
 Bezier points (c0 + 4 c1 + c2) / 6, (2 c1 + c2) / 3, (c1 + 2 c2) / 3, (c1 + 4 c2 + c3) / 6. Each lies within
-its Bezier points.
+the hull of its Bezier points.
 """
 
 from collections.abc import Sequence
@@ -17,16 +17,16 @@ from yarclang.verify.exact import need
 from yarclang.verify.reader import PRINTED
 
 _ROUNDED = 1 + Fraction(1, 10**9)
-"""Numbers of a text are rounded: so much more than a limit is allowed, and 1e-9 deg or mm of travel."""
+"""Allowed excess of a limit, since numbers of a text are rounded; the travel has 1e-9 deg or mm instead."""
 _HALVINGS = 12
 
 Shares = dict[str, Fraction]
 
 
 def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
-    """Check all segments against all limits; return the largest share of each limit that was found.
+    """Check all segments against all limits; return the largest share of each limit.
 
-    Segments of a motion whose jerk is free, and of its blends, aren't held to the limit of the jerk.
+    Segments of motions without a jerk limit, and of their blends, are not checked against the jerk limit.
     """
     shares: Shares = dict.fromkeys(("velocity", "acceleration", "jerk", "motor speed"), Fraction(0))
     for number, row in enumerate(rows):
@@ -42,7 +42,7 @@ def check_limits(rows: Sequence[Moved], robot: dict[str, Any]) -> Shares:
 
 
 def _beside(rows: Sequence[Moved], number: int, way: int) -> bool:
-    """Return True if the next command that moves, on this way, has a free jerk."""
+    """Return True if the next command with moves, in this direction, has no jerk limit."""
     number += way
     while not rows[number].control:
         number += way
@@ -54,6 +54,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
     for joint, name in enumerate(robot["joints"]):
         c = [point[joint] for point in control]
         _check_travel(c, robot["lower"][joint], robot["upper"][joint], f"{row.entry.title}: {name}")
+        # D1 to D3 of every segment, their differences, and the differences of these.
         steps = [b - a for a, b in pairwise(c)]
         bends = [b - a for a, b in pairwise(steps)]
         jerks = [bends[k - row.first + 1] - bends[k - row.first] for k in judged]
@@ -65,6 +66,7 @@ def _check_row(row: Moved, judged: range, robot: dict[str, Any], shares: Shares)
         for what, peak in most.items():
             _hold(what, peak / robot[what][joint], f"{row.entry.title}: {name}", shares)
     for motor, counts in zip(robot["motors"], robot["counts"], strict=True):
+        # Motor positions are linear in the joints, so they are B-splines with transformed control points.
         turned = [sum(a * b for a, b in zip(counts, point, strict=True)) for point in control]
         fastest = _fastest([b - a for a, b in pairwise(turned)]) / time / PRINTED
         limit = robot["motor_velocity"][robot["motors"].index(motor)]
@@ -91,7 +93,7 @@ def _fastest(steps: Sequence[Any]) -> Fraction:
 
 
 def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | None, who: str) -> None:
-    """Check the range of a joint: by control points, else by Bezier points of halves of segments."""
+    """Check the range of a joint: by control points, then by Bezier points of halved segments."""
     low = None if lower is None else lower * PRINTED - PRINTED // 10**9
     high = None if upper is None else upper * PRINTED + PRINTED // 10**9
 
@@ -101,6 +103,7 @@ def _check_travel(c: Sequence[int], lower: Fraction | None, upper: Fraction | No
     if inside(c):
         return
     for a, b, e, f in zip(c, c[1:], c[2:], c[3:], strict=False):
+        # Bezier points of the segment's cubic.
         pieces: list[tuple[Fraction, ...]] = [
             (
                 Fraction(a + 4 * b + e, 6),

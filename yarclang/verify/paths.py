@@ -1,11 +1,12 @@
-"""How far a motion is from its programmed path, in order of time, and all of the path.
+"""Check the distance of a motion from its programmed path, in order of time, and over the whole path.
 
-For any s(t) that grows from 0 to 1, the distance e(t) of where the robot is from the path's place at s(t)
-bounds the distance of both ways. The proof gives s and s' at the ends of equal pieces of each segment;
-between them s is the cubic with these values, which grows if its Bezier points do. With e and e' at both ends
-of a piece of d seconds, e stays within the four Bezier points of its cubic but for d^4 / 384 times its
-largest fourth derivative: the arm's, and the path's |P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4
-|s' s'''|), with F2 to F4 its derivatives over s.
+For any s(t) that grows from 0 to 1, let e(t) be the difference between the robot's place and the path's place
+at s(t). Its length bounds the distance of both paths. The proof gives s and s' at the ends of equal pieces of
+each segment; between them s is the cubic with these values, which grows if its Bezier points do. With e and
+e' at both ends of a piece of d seconds, e stays within the hull of the four Bezier points of its Hermite
+cubic, plus d^4 / 384 times its largest fourth derivative. This is at most the arm's plus the path's
+|P(s)''''| <= F4 s'^4 + 6 F3 s'^2 |s''| + F2 (3 s''^2 + 4 |s' s'''|), with F2 to F4 bounds of the path's
+derivatives over s.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -34,18 +35,27 @@ from yarclang.verify.exact import (
 from yarclang.verify.reader import PRINTED
 
 SHARE = 10**10
-"""The proof's s and s' are integers in 1e-10, per s."""
+"""Unit of the proof's s and s': integers stand for multiples of 1e-10, and 1e-10 per s."""
 GRID = 1 << 20
-"""A place at which a path is left or joined is an integer in 1 / `GRID` of a segment."""
+"""Unit of a place at which a path is left or joined: 1 / `GRID` of a segment."""
 _SAME = ONE >> 30
-"""A turn leads to its goal but for this: 1e-9 rad."""
+"""Largest error of a turn's goal: 1e-9 rad."""
 _ROUND = ONE >> 42
-"""An arc passes its three points, and is round, but for this: 2e-13 m, less than 1e-9 m anywhere."""
+"""Largest error of an arc's points and roundness: 2e-13 m, which makes less than 1e-9 m anywhere."""
 
 
 @dataclass
 class Piece:
-    """A piece of a segment, of `d` seconds: s and s' at both ends, and bounds of |s'|, |s''|, |s'''|."""
+    """A piece of a segment, of `d` seconds.
+
+    Attributes:
+        d: duration [s].
+        s: s at both ends.
+        rates: s' at both ends.
+        bends: bounds of |s'|, |s''|, |s'''|.
+        segment: the segment.
+        end: the place at its end.
+    """
 
     d: Fraction
     s: tuple[int, int]
@@ -56,7 +66,7 @@ class Piece:
 
 
 class Motion:
-    """A motion of the text in SI: joint positions and rates at places, bounds on segments.
+    """A motion of the text in SI units: joint positions and velocities at places, and bounds on segments.
 
     A place is a number of segments since the start of the motion's sequence.
     """
@@ -66,9 +76,11 @@ class Motion:
         self.begin, self.end = Fraction(row.first), Fraction(row.last)
 
     def at(self, place: Fraction) -> tuple[list[int], list[int]]:
-        """Return joint positions and rates at a place."""
+        """Return joint positions and velocities at a place."""
         segment = min(int(place), len(self.row.control) - 4)
         i, k = (place - segment).as_integer_ratio()
+        # At the share u = i / k of a segment: basis functions of the uniform cubic B-spline times 6 k^3, then
+        # those of its derivative times 2 k^2, all exact integers.
         a, b, c, e = self.row.control[segment : segment + 4]
         w = k - i
         shares = (
@@ -93,6 +105,7 @@ class Motion:
         time = self.row.seconds
         w, bend, jerk = [], [], []
         for f0, f1, f2, f3, turns in zip(a, b, c, e, self.arm.turns, strict=True):
+            # Bezier points of the velocity, both ends of the acceleration, and the jerk (see limits.py).
             one, two, three = f1 - f0, f2 - f1, f3 - f2
             w.append(_si_above(max(abs(one + two), 2 * abs(two), abs(two + three)), time, 2, turns))
             bend.append(_si_above(max(abs(two - one), abs(three - two)), time**2, 1, turns))
@@ -105,7 +118,7 @@ def _si_above(number: int, time: Fraction, divisor: int, turns: bool) -> int:
 
 
 def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
-    """Return the ends of the pieces from one place to another: what lies in a segment is cut into so many."""
+    """Return the ends of pieces from one place to another: `pieces` in each segment."""
     need(1 <= pieces <= 64, "a segment has 1 to 64 pieces")
     if begin == end:
         return [end]
@@ -115,7 +128,7 @@ def cut(begin: Fraction, end: Fraction, pieces: int) -> list[Fraction]:
 
 
 def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
-    """Yield the pieces from the place `from` to the place `until`; s never goes back, nor beyond 0 and 1."""
+    """Yield the pieces from the place `from` to the place `until`; s never decreases, and stays in [0, 1]."""
     shares, rates = proof["s"], proof["rates"]
     places = cut(*span_of(motion, proof), whole(proof["pieces"]))
     need(
@@ -124,6 +137,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
     need(shares[0] >= 0 and shares[-1] <= SHARE, "s leads beyond an end of the path")
     for k, (begin, end) in enumerate(pairwise(places)):
         d = motion.row.seconds * (end - begin)
+        # Bezier points of s on the piece: s never decreases if they do not.
         points = [
             Fraction(shares[k]),
             shares[k] + rates[k] * d / 3,
@@ -132,6 +146,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
         ]
         steps = [b - a for a, b in pairwise(points)]
         need(min(steps) >= 0, f"s goes back on piece {k}")
+        # Bezier points of s' and s'' are scaled differences of those of s; s''' is constant.
         s1 = max(steps) * 3 / d
         bends = [(b - a) * 6 / d**2 for a, b in pairwise(steps)]
         s3 = abs(bends[1] - bends[0]) / d
@@ -142,7 +157,7 @@ def pieces_of(motion: Motion, proof: dict[str, Any]) -> Iterator[Piece]:
 
 
 def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
-    """Return from which place to which a motion follows its path; the proof may say so, in 1 / `GRID`."""
+    """Return the places between which a motion follows its path, as the proof may give them."""
     begin, end = motion.begin, motion.end
     if "from" in proof:
         begin, end = (Fraction(whole(proof[name]), GRID) for name in ("from", "until"))
@@ -151,7 +166,7 @@ def span_of(motion: Motion, proof: dict[str, Any]) -> tuple[Fraction, Fraction]:
 
 
 def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
-    """Return the bound of |P(s(t))''''| by those of the second to the fourth derivative of P over s."""
+    """Return the bound of |P(s(t))''''| from bounds of P's derivatives over s, and of |s'| to |s'''|."""
     second, third, last = derivatives
     w, a, j = bends
     square = times(w, w)
@@ -163,14 +178,14 @@ def path_bend(derivatives: Sequence[int], bends: tuple[int, int, int]) -> int:
 
 
 def farthest(e: Sequence[int], e_rate: Sequence[int], f: Sequence[int], f_rate: Sequence[int], d: int) -> int:
-    """Return the longest of the four Bezier points of the cubic with these values and rates at its ends."""
+    """Return the length of the longest Bezier point of the cubic with these values and rates at its ends."""
     inner = [x + (d * v >> BITS) // 3 for x, v in zip(e, e_rate, strict=True)]
     outer = [x - (d * v >> BITS) // 3 for x, v in zip(f, f_rate, strict=True)]
     return max(length(*e), length(*inner), length(*outer), length(*f)) + SLACK
 
 
 class Turn:
-    """A turn from one rotation to another one about a told axis by a told angle of half a turn at most."""
+    """A turn from one rotation to another about a given axis by a given angle of at most half a turn."""
 
     def __init__(
         self, start: list[Vector], goal: list[Vector], axis: Sequence[Fraction], angle: Fraction
@@ -211,17 +226,17 @@ class Turn:
 
 
 Place = Callable[[int], tuple[Vector, Vector]]
-"""A path of the origin: its place at s, and the derivative over s."""
+"""A path of the origin: a function that returns its place at s, and the derivative over s."""
 
 
 def line(start: Vector, goal: Vector) -> tuple[Place, list[int]]:
-    """Return a straight line, and its second to fourth derivatives: none."""
+    """Return a straight line, and its second to fourth derivatives, which are zero."""
     way = [b - a for a, b in zip(start, goal, strict=True)]
     return lambda s: ([a + (s * w >> BITS) for a, w in zip(start, way, strict=True)], way), [0, 0, 0]
 
 
 def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple[Place, list[int]]:
-    """Return an arc of less than a turn by its centre, spoke, side and sweep; it passes `via`."""
+    """Return an arc of less than a full turn by centre, spoke, side and sweep; check that it passes `via`."""
     centre, spoke, side = ([fixed(x) for x in told[name]] for name in ("centre", "spoke", "side"))
     sweep = fixed(told["sweep"])
     radius = length(*spoke)
@@ -246,11 +261,22 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
 
 @dataclass
 class Followed:
-    """A motion along the path of a frame, and what was found of it.
+    """A motion along the path of a frame, with the bounds found.
 
-    From the place `begin` to the place `end` the frame is within `most` of the path, and within `chord` of
-    its turn, from the share `shares[0]` of the path to `shares[1]`; `speeds` are its least and largest
-    speed on pieces, each of which lies in one of `segments`. `sweep` is the angle of an arc.
+    Attributes:
+        motion: the motion.
+        tool: the frame on the flange.
+        goal: the programmed goal.
+        place: the path of the origin.
+        turn: the turn.
+        sweep: angle of an arc; 0 for a line.
+        begin: place from which on the path is followed.
+        end: place up to which the path is followed.
+        shares: range of the path that is followed.
+        most: largest distance from the path.
+        chord: largest chord between the rotations (see `frame_path`).
+        speeds: least and largest speed on each piece.
+        segments: segment of each piece.
     """
 
     motion: Motion
@@ -269,7 +295,7 @@ class Followed:
 
 
 def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any], start: Step | None) -> Followed:
-    """Follow a line or an arc from a start, or from where the frame is.
+    """Follow a line or an arc from a given start, or from the current pose of the frame.
 
     The chord is the Frobenius norm of the difference of both rotations, 2 sqrt 2 sin(angle / 2).
     """
@@ -306,7 +332,7 @@ def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any], star
 
 
 def reach_of(motion: Motion, tool: Step) -> list[int]:
-    """Return how far a frame on the flange can be from the axes of the joints that turn."""
+    """Return bounds of the distance of a frame on the flange from the axes of the turning joints."""
     travel = [max(map(abs, column)) for column in zip(*motion.row.control, strict=True)]
     turns = motion.arm.turns
     slides = [0 if turn else in_si(x, PRINTED, turn) + 1 for x, turn in zip(travel, turns, strict=True)]
@@ -316,8 +342,8 @@ def reach_of(motion: Motion, tool: Step) -> list[int]:
 def speeds_on(begin: Frame, end: Frame, d: int, bend: int) -> tuple[int, int]:
     """Return bounds of the speed of a frame's origin on a piece, the least and the largest.
 
-    The velocity is that of the cubic with both places and velocities, a parabola with the Bezier points v, m,
-    w, but for sqrt(3) / 216 d^3 times the fourth derivative. The square of its length is within its own.
+    The velocity is that of the Hermite cubic, a parabola with the Bezier points v, m, w, with an error of at
+    most sqrt(3) / 216 d^3 times the fourth derivative. The Bezier points of its squared length bound it.
     """
     v, w = begin.rate, end.rate
     ways = zip(begin.origin, end.origin, v, w, strict=True)
@@ -333,7 +359,7 @@ def check_speeds(
     title: str,
     held: tuple[bool, bool] = (False, False),
 ) -> str:
-    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what isn't checked.
+    """Check a ceiling, and that a speed is kept within 0.1 % between its ramps; return what is not checked.
 
     A speed that is `held` at the motion's start, or end, has no ramp there.
     """
@@ -361,7 +387,7 @@ def check_speeds(
 def _error(
     frame: Frame, place: Place, turn: Turn, s: int, rate: int
 ) -> tuple[list[int], list[int], list[int], list[int]]:
-    """Return where a frame is minus where its path is at s, with the rate; the same of its rotation."""
+    """Return the pose of a frame minus that of its path at s, for origin and rotation, each with its rate."""
     p, slope = place(s)
     e = [a - b for a, b in zip(frame.origin, p, strict=True)]
     e_rate = [v - (rate * b >> BITS) for v, b in zip(frame.rate, slope, strict=True)]
@@ -374,6 +400,6 @@ def _error(
 
 
 def chord_of(angle: int) -> int:
-    """Return the chord, as of `frame_path`, of a turn by an angle, not too large: 2 sqrt 2 sin(angle / 2)."""
+    """Return a lower bound of the chord of a turn by an angle (see `frame_path`): 2 sqrt 2 sin(angle / 2)."""
     sine, _ = sine_and_cosine(min(angle, PI) // 2)
     return 2 * (sine * 14142 // 10000) - SLACK

@@ -1,4 +1,7 @@
-"""Reads a text for the rotary buffer of a Turbo PMAC. A line must have the one form allowed in its place."""
+"""Read a text for the rotary buffer of a Turbo PMAC.
+
+Every line must have the one form allowed in its place.
+"""
 
 import re
 from dataclasses import dataclass, field
@@ -7,9 +10,9 @@ from typing import NoReturn
 from yarclang.verify.exact import RefusedError
 
 PRINTED = 10**12
-"""Positions are integers in 1e-12 deg or mm: the decimals of a text, exactly."""
+"""Positions are integers in units of 1e-12 deg or mm, which represent the decimals of a text exactly."""
 STEPS = 4096
-"""The controller keeps segment times in steps of 1/4096 ms."""
+"""Steps of segment times in 1 ms, as the controller represents them."""
 
 _HASH = "([0-9a-f]{64})"
 _HEADER = (
@@ -43,7 +46,10 @@ _NUMBER = r"(-?[0-9]{1,7}(?:\.[0-9]{1,12})?)"
 
 @dataclass
 class Entry:
-    """A command of the map: its move lines (0: none), the segments of its blend, if its jerk is free."""
+    """A command of the map.
+
+    It has move lines (0: none), the number of segments of its blend, and perhaps no jerk limit.
+    """
 
     step: int
     title: str
@@ -55,11 +61,17 @@ class Entry:
 
 @dataclass
 class Item:
-    """What the text does at one place: `kind` is run, dwell, put, barrier, or stand (a slow RAPID).
+    """An action of the text.
 
-    A run has the segment time `steps` [1/4096 ms], its `points` with their `lines`, and `puts` (line, what)
-    between them. `what` of a barrier is its line of the map, of a dwell its printed time [ms], of a put
-    VARIABLE=VALUE.
+    Attributes:
+        kind: run, dwell, put, barrier, or stand (a slow RAPID).
+        line: number of the line.
+        what: for a barrier its line of the map, for a dwell its printed time [ms], for a put VARIABLE=VALUE.
+        step: for a barrier, its step.
+        steps: for a run, the segment time [1/4096 ms].
+        points: for a run, its points.
+        lines: for a run, the lines of the points.
+        puts: for a run, the outputs between the points (line, what).
     """
 
     kind: str
@@ -74,7 +86,7 @@ class Item:
 
 @dataclass
 class Text:
-    """A text as it was read: what its header says, the map, and what the controller is told to do."""
+    """A text as it was read: the header, the map, and the actions of the controller."""
 
     version: str
     robot: str
@@ -93,14 +105,14 @@ class Text:
 
 
 def exactly(printed: str, scale: int = PRINTED) -> int:
-    """Return a printed decimal number in units of 1 / scale, a power of ten that has all its decimals."""
+    """Return a printed decimal number in units of 1 / scale, a power of ten with enough digits."""
     whole, _, decimals = printed.partition(".")
     power: int = scale // 10 ** len(decimals)
     return int(whole + decimals) * power
 
 
 class _Reading:
-    """A text, and the line that comes next."""
+    """A text, and its next line."""
 
     def __init__(self, text: str, axes: list[str]) -> None:
         if re.search(r"[^\n\x20-\x7e]", text) or not text.endswith("\n"):
@@ -113,7 +125,7 @@ class _Reading:
         self.move = re.compile("".join(re.escape(axis) + _NUMBER for axis in axes))
 
     def refuse(self, reason: str) -> NoReturn:
-        """Refuse the line that was taken last."""
+        """Refuse the last line taken."""
         shown = self.lines[self.at - 1] if self.at <= len(self.lines) else "the text's end"
         raise RefusedError(f"line {self.at} of the text, {shown[:60]!r}: {reason}")
 
@@ -122,7 +134,7 @@ class _Reading:
         return self.lines[self.at] if self.at < len(self.lines) else ""
 
     def take(self) -> str:
-        """Return the next line and go over it."""
+        """Return the next line and move on."""
         line = self.peek()
         self.at += 1
         if not line or (len(line) > 254 and not line.startswith(";")):
@@ -130,20 +142,20 @@ class _Reading:
         return line
 
     def match(self, form: str) -> re.Match[str]:
-        """Take a line that has a form."""
+        """Take a line, which must have a form."""
         found = re.fullmatch(form, self.take())
         if found is None:
             self.refuse(f"another line belongs here ({form[:40]})")
         return found
 
     def expect(self, *lines: str) -> None:
-        """Take lines that are known to the last character."""
+        """Take lines, which must equal the given ones."""
         for line in lines:
             if self.take() != line:
                 self.refuse(f"{line!r} belongs here")
 
     def point(self) -> tuple[int, ...] | None:
-        """Take a move line, if the next line is one."""
+        """Take the next line and return its point; None if it is not a move line."""
         found = self.move.fullmatch(self.peek())
         if found is None:
             return None
@@ -157,9 +169,9 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
     """Read a whole text.
 
     Args:
-        text: what the controller is given.
-        axes: the letters of its axes.
-        motors: the motors that are closed before the program is loaded.
+        text: the text for the controller.
+        axes: letters of its axes.
+        motors: motors that are closed before the program is loaded.
         system: its coordinate system.
     """
     reading = _Reading(text, axes)
@@ -209,7 +221,7 @@ def read(text: str, axes: list[str], motors: list[int], system: int) -> Text:
 def _read_course(
     reading: _Reading, barriers: dict[int, tuple[str, int, str]]
 ) -> tuple[list[Item], list[tuple[int, bool]]]:
-    """Read from the first TM up to CLOSE: what is done, and where the guard is armed (True) and disarmed."""
+    """Read from the first TM up to CLOSE: the actions, and where the guard is armed (True) and disarmed."""
     course: list[Item] = []
     arms: list[tuple[int, bool]] = []
     waiting = dict(barriers)

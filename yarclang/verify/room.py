@@ -1,4 +1,4 @@
-"""Bodies and zones: what must stay apart from what, by how much, and during which commands."""
+"""Bodies and zones: the pairs that must stay apart, their margins, and the commands to which this applies."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,13 +10,13 @@ from yarclang.verify.arm import Arm, Frame, Vector, cross, dot, placed
 from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
 
 BORDER = above(Fraction(1, 100_000))
-"""What is beyond a border of a zone by less than 0.01 mm is on it."""
+"""Distance beyond a zone's border that still counts as on the border: 0.01 mm."""
 _FASTER = 1 + Fraction(1, 1000)
-"""A speed in a slow zone is kept but for 0.1 %."""
+"""Allowed excess of the speed in a slow zone: 0.1 %."""
 
 
 class Body:
-    """A body, as the program tells it; a point has no size, and is watched by zones only."""
+    """A body as the proof describes it. A point has no size, and only zones watch it."""
 
     def __init__(self, told: dict[str, Any], arm: Arm, travel: Sequence[int]) -> None:
         self.name, self.joint = str(told["name"]), int(told["joint"])
@@ -37,11 +37,11 @@ class Body:
         self.reach = arm.reaches(self.joint, self.origin, travel, far)
 
     def is_there(self, step: int) -> bool:
-        """Return True if the body is there during a command."""
+        """Return True if the body is present during a command."""
         return self.during is None or any(first <= step <= last for first, last in self.during)
 
     def fastest(self, link: Frame) -> int:
-        """Return a bound of the speeds of the body's points where a link is, with its rate and spin."""
+        """Return a bound of the speeds of the body's points, for a link with its rate and spin."""
         most = 0
         signs = product(*((-one, one) if one else (0,) for one in self.core))
         for point in product(signs, self.corners or [[0, 0, 0]]):
@@ -55,7 +55,7 @@ class Body:
         return most + times(self.disc + self.radius, length(*link.spin)) + SLACK
 
     def extent(self, link: Frame, normal: Vector) -> int:
-        """Return the largest n.p over the points p of the body, for a normal n in {B}; not too small."""
+        """Return an upper bound of n.p over the points p of the body, for a normal n in {B}."""
         seen = [dot(axis, normal) for axis in link.axes]
         own = [dot(axis, seen) for axis in self.axes]
         far = dot(link.origin, normal) + dot(self.origin, seen) + dot(self.core, list(map(abs, own)))
@@ -65,21 +65,23 @@ class Body:
 
 
 class Border:
-    """All that lies beyond a plane that stands still, as a body: the points p with n.p >= `offset`."""
+    """The half-space beyond a fixed plane, as a body: the points p with n.p >= `offset`."""
 
     def __init__(self, name: str, margin: int, normal: Vector, offset: int) -> None:
         self.name, self.joint, self.margin, self.normal, self.offset = name, 0, margin, normal, offset
         self.is_point, self.speed = False, 0
 
     def is_there(self, _: int) -> bool:
-        """Return True: a zone counts during all commands."""
+        """Return True: a zone applies to all commands."""
         return True
 
 
 @dataclass
 class Pair:
-    """Two bodies, the one that fewer joints move first, and the stretches `needs` (begin, end, margin) on
-    which they must stay apart, in order; those that planes have covered are taken away.
+    """Two bodies, of which fewer joints move the first.
+
+    `needs` are the stretches (begin, end, margin) on which they must stay apart, in order, without those that
+    planes have already covered.
     """
 
     one: int
@@ -87,7 +89,7 @@ class Pair:
     needs: list[tuple[int, int, int]]
 
     def goes_on(self, begin: int, end: int) -> int:
-        """Take away what a stretch covers; return the largest margin on it."""
+        """Remove the part of `needs` that a stretch covers; return the largest margin on the stretch."""
         over = [one for one in self.needs if begin < one[1] and one[0] < end]
         need(all(begin <= first for first, _, _ in over), "a plane leaves what comes before it uncovered")
         ends = [(end, last, margin) for _, last, margin in over if end < last]
@@ -96,13 +98,13 @@ class Pair:
 
 
 class Room:
-    """What the program tells of bodies and zones.
+    """The bodies and zones of a proof.
 
     Attributes:
-        bodies: those that joints move, and those that stand still.
-        all: the same, and after them the regions that zones keep bodies out of.
+        bodies: all bodies, moved by joints or fixed.
+        all: the bodies, followed by the regions that zones keep bodies out of.
         watched: pairs of a region and a body that its zone watches.
-        left: the zones that aren't checked.
+        left: the zones that are not checked.
     """
 
     def __init__(self, told: dict[str, Any], arm: Arm, travel: Sequence[int]) -> None:
@@ -126,7 +128,7 @@ class Room:
                 self.all.append(region)
 
     def margin(self, one: int, other: int, step: int) -> int | None:
-        """Return how far two bodies stay apart during a command; None if not both are there, or may touch."""
+        """Return the margin of two bodies during a command; None if one is absent, or they may touch."""
         first, second = self.all[one], self.bodies[other]
         if not (first.is_there(step) and second.is_there(step)):
             return None
@@ -139,10 +141,10 @@ class Room:
         return max(first.margin, second.margin)
 
     def pairs(self, steps: Sequence[tuple[int, int, int]]) -> list[Pair]:
-        """Return all pairs of bodies that joints move against each other, then those that zones watch.
+        """Return the pairs of bodies that joints move against each other, then the pairs that zones watch.
 
         Args:
-            steps: commands, and where their segments begin and end.
+            steps: commands, with the begin and the end of their segments.
         """
         found, joint = [], [body.joint for body in self.all]
         apart = [pair for pair in combinations(range(self.count), 2) if joint[pair[0]] != joint[pair[1]]]
@@ -161,10 +163,10 @@ class Room:
 
 
 def _regions(zone: dict[str, Any], arm: Arm) -> list[Body | Border]:
-    """Return what a zone keeps bodies out of; nothing if it isn't one that is checked.
+    """Return the regions that a zone keeps bodies out of; empty for a zone that is not checked.
 
-    A slow zone is kept out of, or gone through slowly. A region to stay in is a box, or the part of space on
-    the side of z of its frame: what must be kept out of lies beyond its faces.
+    Bodies stay out of a slow zone, or pass it slowly. A region to stay in is a box, or the half-space on the
+    side of its frame's z axis; bodies must stay out of the regions beyond its faces.
     """
     name, rule, region = zone["name"], zone["rule"], zone["region"]
     if region is None or rule not in ("allowed", "forbidden", "slow"):

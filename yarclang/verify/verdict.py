@@ -1,4 +1,4 @@
-"""The verdict: what a text does, by its proof, on the robot that the proof tells of."""
+"""The verdict about a text: check it by its proof, for the robot that the proof describes."""
 
 import hashlib
 import json
@@ -46,10 +46,13 @@ _MALFORMED = (
 
 @dataclass
 class Verdict:
-    """What was found. `refused` says why the text or its proof is wrong, and is empty if it isn't.
+    """The result of all checks.
 
-    `checked` and `unchecked` say what was decided and what wasn't, `told` what the proof says of robot and
-    program.
+    Attributes:
+        refused: reason why the text or its proof is wrong; empty if neither is.
+        checked: the properties that were checked.
+        unchecked: the properties that were not checked.
+        told: the proof's description of the robot and the program.
     """
 
     refused: str = ""
@@ -59,7 +62,7 @@ class Verdict:
 
 
 def verify(text: bytes, proof: bytes) -> Verdict:
-    """Decide about a text by its proof."""
+    """Check a text by its proof."""
     verdict = Verdict()
     try:
         _verify(text, _read_proof(proof), verdict)
@@ -71,7 +74,7 @@ def verify(text: bytes, proof: bytes) -> Verdict:
 
 
 def _read_proof(proof: bytes) -> dict[str, Any]:
-    """Read a proof: all its numbers are exact, no name stands twice."""
+    """Read a proof with exact numbers, and refuse duplicate names."""
 
     def number(printed: str) -> Fraction:
         found = re.fullmatch(r"-?[0-9]{1,30}(\.[0-9]{1,30})?([eE][-+]?[0-9]{1,2})?", printed)
@@ -141,7 +144,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
 
 
 def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:
-    """Check that bodies stay apart, and tell them."""
+    """Check that bodies stay apart, and list them."""
     cell = proof["cell"]
     need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell is told by other names than a cell's")
     checked, left = check_apart(rows, cell, proof["planes"], arm)
@@ -165,7 +168,7 @@ def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: V
 
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
-    """Check the form of the robot's numbers, and tell them."""
+    """Check the form of the robot's numbers, and list them."""
     need(set(robot) == _OF_ROBOT, "the robot is told by other names than a robot's")
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")
@@ -207,7 +210,7 @@ def _check_stands(start: tuple[int, ...], robot: dict[str, Any]) -> None:
 def _check_motions(
     rows: list[Moved], program: dict[str, Any], proof: dict[str, Any], arm: Arm, verdict: Verdict
 ) -> None:
-    """Check each motion against what the program tells of it."""
+    """Check each motion against its description in the proof."""
     widest: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
     alone = still = 0
     for row, told in zip(rows, program["steps"], strict=True):
@@ -267,7 +270,7 @@ def _tell(title: str, told: dict[str, Any], verdict: Verdict) -> None:
 
 
 def _check_time(row: Moved, told: dict[str, Any]) -> None:
-    """Check the programmed time: the controller's steps of it may cost each segment half a step."""
+    """Check the programmed time. The controller's resolution may change each segment by half a step."""
     if "duration" in told and row.control:
         segments = row.last - row.first
         off = abs(segments * row.seconds - told["duration"])
@@ -278,7 +281,7 @@ def _check_time(row: Moved, told: dict[str, Any]) -> None:
 def _check_path(
     row: Moved, told: dict[str, Any], proof: dict[str, Any] | None, arm: Arm, verdict: Verdict
 ) -> str:
-    """Check a motion from rest to rest; return why its path isn't checked, or nothing."""
+    """Check a motion from rest to rest; return the reason why its path is not checked, or an empty text."""
     title = row.entry.title
     kind, (position, angle) = told["move"], told["tolerance"]
     need(position > 0 and angle > 0, f"{title}: a tolerance that isn't above 0")
@@ -343,7 +346,7 @@ def _make_integers(proof: dict[str, Any]) -> None:
 
 
 def _near(arm: Arm, q: Sequence[int], told: dict[str, Any], limits: tuple[int, int], what: str) -> None:
-    """Refuse joints at which a frame isn't at its pose."""
+    """Refuse joint positions at which a frame is not at its pose."""
     columns, origin = placed(told["pose"])
     frame = arm.frame(q, [0] * len(q), placed(told["tool"]))
     off = length(*(a - b for a, b in zip(frame.origin, origin, strict=True)))

@@ -1,12 +1,14 @@
-"""What happens where one motion flows into the next: inside a ball round the programmed corner, and nowhere else.
+"""Proof that a blend stays inside a ball round the programmed corner.
 
-A blend is proved in two halves. The executed motion, between the two places at which the programmed paths are left and joined,
-stays in the ball; and so does what of both paths it doesn't follow. For the distance from the corner, e(t) = p(q(t)) - c
-is at most its largest Bezier point plus d^4/384 M4, as along a path; joints have their extremes in closed form.
+A blend is proved in two parts. Between the points at which the programmed paths are left and joined, the
+executed motion stays in the ball; and so do those parts of both paths that it does not follow. For the
+distance from the corner, e(t) = p(q(t)) - c is at most its largest Bezier point plus d^4/384 M4, as along a
+path. Joints have their extremes in closed form.
 
-The frame may turn meanwhile: away from the corner's orientation by as much as the one motion has still to turn up to the corner,
-and the other has turned behind it, together. A motion in joint space turns it by as much as its joints turn, added up: what of that
-cancels out on its own path needn't in the blend.
+The frame may turn in a blend. Its angle from the corner's orientation is at most the sum of two turns: that
+of the first motion from where its path is left to the corner, and that of the second motion from the corner
+to where its path is joined. A motion in joint space turns the frame by at most the sum of the turns of its
+joints; turns that cancel each other on the path itself need not do so in the blend.
 """
 
 from __future__ import annotations
@@ -23,15 +25,22 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 _COARSE, _FINE = 4, 32
-"""Pieces a segment: first, and where that doesn't prove enough."""
+"""Pieces of a segment: first, and again if the first bound is not sufficient."""
 _SAMPLES = 513
+"""Points of a path of the moving frame."""
 _STEPS = 16
+"""Least number of cubics into which a part of a path in joint space is cut."""
 
 
 @frozen(eq=False)
 class Balls:
-    """B balls, round the poses `corner` (B, 4, 4) of the frames at `flange_from_moving` (B, 4, 4): no more than `radius` (B,)
-    [m] away, and turned by no more than `angle` (B,) [rad].
+    """B balls round the corners of moving frames.
+
+    Attributes:
+        flange_from_moving: (B, 4, 4) frames on the flange.
+        corner: (B, 4, 4) poses of the frames in the corners.
+        radius: (B,) allowed distances [m].
+        angle: (B,) allowed turns [rad].
     """
 
     flange_from_moving: Array
@@ -41,12 +50,12 @@ class Balls:
 
 
 def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[Array, Array]:
-    """How far the moving frames go from their corners, at any instant: (B,) [m] and (B,) [rad].
+    """Bound the distances (B,) [m] and turns (B,) [rad] of moving frames from their corners, at any instant.
 
     Args:
         cubics: N segments.
-        owner: (N,) whose each is, in order; every ball has some.
-        balls: bounds that are sharp enough to be within them, where that is true, are sought.
+        owner: (N,) ball of each segment, in order; every ball has some.
+        balls: the balls. If a bound exceeds the ball, a sharper one is computed.
         robot: the arm.
     """
     position, angle = _away(cubics, owner, balls, robot, _COARSE)
@@ -62,7 +71,7 @@ def farthest(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot) -> tuple[A
 
 
 def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) -> tuple[Array, Array]:
-    """The bounds segment by segment."""
+    """Bound distances and turns segment by segment; arguments as in `farthest`."""
     count = len(cubics.h)
     origin, rotation = arm_bounds(cubics, owner, balls.flange_from_moving, robot)
     cut = Pieces.cut(cubics, np.arange(count), np.full(count, pieces))
@@ -71,6 +80,7 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
     corner = balls.corner[ball]
     rest = HERMITE * cut.d**4
     left, right = cut.left, cut.left + 1
+    # Bezier hull of the distance and of the rotation difference, each with the Hermite remainder.
     position = hull(motion.p - corner[:, :3, 3], motion.velocity, left, right, cut.d)
     spin = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     turn = (motion.rotation - corner[:, :3, :3]).reshape(-1, 9)
@@ -82,7 +92,12 @@ def _away(cubics: Cubics, owner: Rows, balls: Balls, robot: Robot, pieces: int) 
 
 @frozen(eq=False)
 class Away:
-    """How far a part of a programmed path is from the corner: at most `position` [m]; it turns by `angle` [rad] or more."""
+    """Part of a programmed path near a corner.
+
+    Attributes:
+        position: upper bound of the distance from the corner [m].
+        angle: turn from the corner's orientation [rad], at least.
+    """
 
     position: float
     angle: float
@@ -91,16 +106,17 @@ class Away:
 def away_on_path(
     paths: FramePaths, own: int, part: tuple[float, float], corner: Array, moving_from_frame: Array
 ) -> Away:
-    """The part of a path of the moving frame between two shares of it, which the executed motion doesn't follow.
+    """Bound the part of a path of the moving frame that the executed motion does not follow.
 
-    The polygon through points of the path is at most F2 step^2 / 8 from it.
+    The path is at most F2 step^2 / 8 from the polygon through some of its points, where F2 bounds its second
+    derivative.
 
     Args:
-        paths: programmed paths, of which
-        own: is the number of the one that is meant.
-        part: from where up to where.
-        corner: (4, 4) the corner's pose of the frame that is meant,
-        moving_from_frame: (4, 4) which sits there on the path's.
+        paths: programmed paths.
+        own: index of the path.
+        part: range of the path's parameter.
+        corner: (4, 4) pose of the blend's frame in the corner.
+        moving_from_frame: (4, 4) the blend's frame in the path's moving frame.
     """
     offset = moving_from_frame[:3, 3]
     far = float(np.linalg.norm(offset))
@@ -121,7 +137,7 @@ def away_on_path(
 
 
 def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
-    """A part of a path in joint space, between two shares of it, as motions with constant jerk over its parameter."""
+    """Return the part of a path in joint space between two shares as cubics over its parameter."""
     end = spline.s[-1]
     inner = spline.s[(spline.s > low * end) & (spline.s < high * end)]
     s = np.unique(np.concatenate([np.linspace(low, high, _STEPS + 1) * end, inner]))
@@ -132,8 +148,16 @@ def cubics_of(spline: NaturalSpline, low: float, high: float) -> Cubics:
 
 
 def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, robot: Robot) -> Away:
-    """The same of a path in joint space, at its start (`end` 0) or its end (1), for the frame of a single ball. It turns by as much as
-    its revolute joints do, together.
+    """Bound the part of a path in joint space that the executed motion does not follow.
+
+    The frame turns by at most the sum of the turns of the revolute joints.
+
+    Args:
+        spline: the path.
+        end: 0 for the part at its start, 1 for the part at its end.
+        share: the other end of the part, as a share of the path.
+        ball: the ball, which has one frame.
+        robot: the arm.
     """
     cubics = cubics_of(spline, *((0.0, share) if end == 0 else (share, 1.0)))
     if not len(cubics.h):
@@ -145,19 +169,19 @@ def away_in_joints(spline: NaturalSpline, end: int, share: float, ball: Balls, r
 
 
 def joint_turn(q: Array, corner: Array, robot: Robot) -> Array:
-    """By how much the revolute joints turn between `q` (N, n) and the corner (n,), added up (N,) [rad]."""
+    """Return the summed turns (N,) [rad] of the revolute joints between `q` (N, n) and the corner (n,)."""
     turned: Array = np.abs(q - corner)[:, ~robot.chain.is_prismatic].sum(axis=1)
     return turned
 
 
 def radii(blend: hir.Reading, robot: Robot) -> Array:
-    """How far each joint (n,) may be from the corner between two joint motions [rad or m]."""
+    """Return the allowed distance of each joint (n,) from the corner between two joint motions [rad or m]."""
     length, angle = blend.length or 0.0, blend.angle or 0.0
     return np.where(robot.chain.is_prismatic, length, angle)
 
 
 def joint_distances(cubics: Cubics, corner: Array) -> Array:
-    """The most that each joint (n,) is away from the corner (n,) [rad or m], at any instant."""
+    """Bound the distance of each joint (n,) from the corner (n,) [rad or m], at any instant."""
     if not len(cubics.h):
         return np.zeros_like(corner)
     lower, upper = cubics.position_range()

@@ -1,4 +1,4 @@
-"""The judgement of each place at which one motion flows into the next."""
+"""Judgement of each blend, in which one motion flows into the next."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ NOTHING = Away(0.0, 0.0)
 
 
 def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Blended]:
-    """What was proved of each blend, by the step of the motion that is blended; a finding where a ball is left."""
+    """Prove each blend, by the step of the motion before it; report those that leave their balls."""
     found: dict[int, Blended] = {}
     rounded: list[Corner] = []
     for corner in proofs.flows.corners:
@@ -53,7 +53,7 @@ def judge_blends(judged: Judged, layout: Layout, proofs: Proofs) -> dict[int, Bl
 
 
 def _chunks(corners: list[Corner]) -> Iterator[list[Corner]]:
-    """Corners together, up to about `CHUNK` segments."""
+    """Yield groups of corners with up to about a quarter of `CHUNK` segments together."""
     chunk: list[Corner] = []
     size = 0
     for corner in corners:
@@ -67,19 +67,19 @@ def _chunks(corners: list[Corner]) -> Iterator[list[Corner]]:
 
 
 def _overlap(layout: Layout, corner: Corner) -> slice:
-    """The segments of a blend."""
+    """Return the range of the segments of a blend."""
     middle = layout.places[corner.first].last
     return slice(middle - corner.segments // 2, middle + corner.segments // 2)
 
 
 def _blend_of(layout: Layout, corner: Corner) -> hir.Reading:
     blend = layout.places[corner.first].motion.blend
-    assert blend is not None  # as the map and the program agree
+    assert blend is not None  # the map agrees with the program
     return blend
 
 
 def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> Blended:
-    """Between two motions in joint space: each joint stays near the corner by itself."""
+    """Judge a blend between two motions in joint space: each joint stays near the corner by itself."""
     robot = judged.robot
     rows = _overlap(layout, corner)
     middle = proofs.starts.q[corner.second]
@@ -105,15 +105,22 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
 
 
 def _how(away: float, left: float, joined: float) -> str:
-    """What is so far from the corner."""
-    # the ends of the blend are on the paths, and their bounds differ in the last digits
+    """Return in words the part of the blend that is farthest from the corner."""
+    # At the ends of the blend, `away` and the other two bound the same points, and differ in the last digits.
     if away > 1.001 * max(left, joined):
         return "on the way between both paths"
     return "where the path is left" if left >= joined else "where the next path is joined"
 
 
 def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
-    """How far each joint (n,) is from the corner on what isn't followed of a path in joint space, at its start (0) or end (1)."""
+    """Bound the distance (n,) of the joints from the corner on the part of a path that is not followed.
+
+    Args:
+        proofs: the proofs so far.
+        row: the motion's row in the layout.
+        end: 0 for the part at the path's start, 1 for the part at its end.
+        corner: (n,) joint positions of the corner [rad or m].
+    """
     spline = proofs.curves.get(row)
     if spline is None or len(spline.y) == 1:
         return np.zeros_like(corner)
@@ -123,7 +130,15 @@ def _apart(proofs: Proofs, row: int, end: int, corner: Array) -> Array:
 
 @frozen(eq=False)
 class _Ball:
-    """The ball of one moving frame at one corner, and what of both paths isn't followed there."""
+    """The ball of a moving frame at a corner, with the parts of both paths that are not followed.
+
+    Attributes:
+        corner: the corner.
+        flange_from_moving: (4, 4) frame on the flange.
+        pose: (4, 4) pose of the frame in the corner.
+        left: the end of the first path.
+        joined: the start of the second path.
+    """
 
     corner: Corner
     flange_from_moving: Array
@@ -135,7 +150,10 @@ class _Ball:
 def _of_frames(
     judged: Judged, layout: Layout, proofs: Proofs, corners: list[Corner]
 ) -> Iterator[tuple[int, Blended]]:
-    """Blends in which the moving frame stays near the corner: that of the motion behind which they are, if it is Cartesian."""
+    """Judge blends in which a moving frame stays near the corner.
+
+    It is the frame of the first motion, or of the second if the first is in joint space.
+    """
     balls = [_ball(judged, layout, proofs, corner) for corner in corners]
     rows = [np.arange(*_overlap(layout, ball.corner).indices(len(layout.time))[:2]) for ball in balls]
     owner = np.repeat(np.arange(len(balls)), [len(row) for row in rows])
@@ -174,7 +192,7 @@ def _of_frames(
 
 def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ball:
     frame = frame_of(layout.places[corner.first].motion, layout.places[corner.second].motion)
-    assert frame is not None  # else it is a blend of joints
+    assert frame is not None  # otherwise it is a blend of joints
     pose = proofs.starts.flange[corner.second] @ frame
     radius = _blend_of(layout, corner).length or 0.0
     left, joined = (
@@ -183,7 +201,8 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
     )
     other = frame_of(layout.places[corner.second].motion)
     if other is not None and not np.array_equal(frame, other):
-        # another frame goes on: what both turn is that of the joints, as of a motion in joint space
+        # The second motion moves another frame: bound the turns by those of the joints, as for motions in
+        # joint space.
         rows = _overlap(layout, corner)
         knots = layout.cubics(rows.start, rows.stop).x
         turned = joint_turn(knots[[0, -1]], knots[corner.segments // 2], judged.robot)
@@ -197,7 +216,17 @@ def _ball(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -> _Ba
 def _not_followed(
     judged: Judged, proofs: Proofs, row: int, end: int, frame: Array, pose: Array, radius: float
 ) -> Away:
-    """How far from the corner a frame is on what isn't followed of a path, at its start (0) or end (1)."""
+    """Bound the part of a path that is not followed, at its start (`end` 0) or end (1).
+
+    Args:
+        judged: the context of the judgement.
+        proofs: the proofs so far.
+        row: the motion's row in the layout.
+        end: 0 for the part at the path's start, 1 for the part at its end.
+        frame: (4, 4) the blend's frame on the flange.
+        pose: (4, 4) its pose in the corner.
+        radius: allowed distance [m].
+    """
     share = float(proofs.covered[row, end])
     if row in proofs.frames:
         low, high = (0.0, share) if end == 0 else (share, 1.0)

@@ -1,4 +1,7 @@
-"""Where each motion's programmed path begins: where the robot stands, or at the programmed end of the motion that flows into it."""
+"""Start of each motion's programmed path.
+
+This is the current position, or the programmed end of the motion that flows into it.
+"""
 
 from __future__ import annotations
 
@@ -19,20 +22,31 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.units import DEG, MM
 
 SAME_JOINTS = 1e-9
-"""A claimed joint position is that of a joint goal but for this [rad or m]."""
+"""Largest difference between a claimed joint position and the joint goal [rad or m]."""
 _ROUNDS = 20
+"""Most iterations of Newton's method."""
 NEARLY_KEPT = 5e-4
-"""A claim to miss a programmed speed by no more than this share isn't needed: the motion is held to the whole speed."""
+"""Largest relative loss of a programmed speed for which a claim is ignored.
+
+The motion must then reach the whole speed.
+"""
 
 
 def tolerance_of(motion: hir.Motion, tolerance: Tolerance) -> Tolerance:
-    """Return the tolerance of a motion where `tolerance` counts for those that say nothing."""
+    """Return the tolerance of a motion: its own, or else the general `tolerance`."""
     return tolerance.of_motion(motion.tolerance, leads_frame=motion.leads_frame)
 
 
 @frozen
 class Judged:
-    """What the paths are judged by. `find` takes a code, a message and the number of a step."""
+    """Context in which paths are judged.
+
+    Attributes:
+        robot: the robot.
+        tolerance: the general tolerance.
+        claims: the planner's claims.
+        find: reports a finding by its code, its message and the step concerned.
+    """
 
     robot: Robot
     tolerance: Tolerance
@@ -40,15 +54,18 @@ class Judged:
     find: Callable[[str, str, int | None], None]
 
     def tolerance_of(self, motion: hir.Motion) -> Tolerance:
-        """The motion's own tolerance where it has one."""
+        """Return the tolerance of a motion: its own, or else the general one."""
         return tolerance_of(motion, self.tolerance)
 
     def share_of(self, step: int) -> float:
-        """Return the share of its programmed speed to which a motion is held: 1, or what the planner claims to reach."""
+        """Return the share of its programmed speed that a motion must reach: 1, or the planner's claim."""
         return _share(self.claims.kept.get(step, 1.0))
 
     def least_of(self, step: int) -> float:
-        """Return the share of its programmed speed below which a motion may not fall: that of `share_of`, or what the planner claims."""
+        """Return the share of its programmed speed below which a motion must not fall.
+
+        This is `share_of`, or the planner's claim if less.
+        """
         return min(self.share_of(step), _share(self.claims.least.get(step, 1.0)))
 
 
@@ -58,7 +75,12 @@ def _share(claimed: float) -> float:
 
 @frozen(eq=False)
 class Starts:
-    """Where the programmed path of each of P motions begins: joints `q` (P, n) [rad or m], and `flange` (P, 4, 4) in {B}."""
+    """Starts of the programmed paths of P motions.
+
+    Attributes:
+        q: (P, n) joint positions [rad or m].
+        flange: (P, 4, 4) flange in {B}.
+    """
 
     q: Array
     flange: Array
@@ -66,24 +88,28 @@ class Starts:
 
 @frozen(eq=False)
 class _End:
-    """The programmed end of a motion; of a Cartesian one, the joints are worked out when they are asked for."""
+    """The programmed end of a motion: flange and joints.
+
+    The joints of a Cartesian motion are None until they are needed.
+    """
 
     flange: Array
     q: Array | None
 
 
 def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
-    """Where every motion's path begins.
+    """Find the start of every motion's path.
 
     Args:
-        judged: robot, claims.
-        layout: the text's commands.
-        flanges: (P, 4, 4) where the flange is when the robot is at `layout.begins`.
+        judged: the context of the judgement.
+        layout: the commands of the text.
+        flanges: (P, 4, 4) flange when the robot is at `layout.begins`.
     """
     q, flange = layout.begins.copy(), flanges.copy()
     end: _End | None = None
     ahead: tuple[int, Place] | None = None
     for row, place in enumerate(layout.places):
+        # A motion that flows on from another one, or does not move, begins at the last exact programmed end.
         if end is not None and (place.before is not None or place.size == 0):
             flange[row] = end.flange
             if end.q is None and not place.motion.leads_frame:
@@ -99,7 +125,14 @@ def find_starts(judged: Judged, layout: Layout, flanges: Array) -> Starts:
 
 
 def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _End:
-    """Where the motion of a place ends, exactly as programmed."""
+    """Return the exact programmed end of a motion.
+
+    Args:
+        judged: the context of the judgement.
+        place: the motion.
+        q: (n,) joint positions at its start [rad or m].
+        flange: (4, 4) flange at its start.
+    """
     motion, chain = place.motion, judged.robot.chain
     match motion:
         case hir.JointMove(goal=hir.JointGoal(q=goal)):
@@ -127,13 +160,16 @@ def _programmed_end(judged: Judged, place: Place, q: Array, flange: Array) -> _E
 
 @lru_cache(maxsize=16)
 def _inverse(pose: bytes) -> Array:
-    """Return the inverse (4, 4) of a pose (4, 4): most motions of a program lead the same frame."""
+    """Return the inverse (4, 4) of a pose (4, 4) given as bytes.
+
+    It is cached, since most motions of a program move one frame.
+    """
     inverse: Array = np.asarray(np.linalg.inv(np.frombuffer(pose).reshape(4, 4)), dtype=np.float64)
     return inverse
 
 
 def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
-    """The joint positions (count, n) that the planner claims to have chosen, where it does so in a form that can be read."""
+    """Return the joint positions (count, n) that the planner claims; None without a well-formed claim."""
     claimed = judged.claims.witnesses.get(place.step)
     if claimed is None or claimed.shape != (count, judged.robot.size) or not np.isfinite(claimed).all():
         return None
@@ -141,7 +177,10 @@ def claimed_joints(judged: Judged, place: Place, count: int) -> Array | None:
 
 
 def claimed_way(judged: Judged, place: Place) -> Array | None:
-    """The way-points (k, n) of a motion: as many as it has, or, of one that finds its own, as many as the planner claims to have found."""
+    """Return the way-points (k, n) of a motion, as claimed by the planner.
+
+    An AvoidMove has as many as the planner claims to have found, a SplineMove as many as are programmed.
+    """
     motion = place.motion
     if isinstance(motion, hir.SplineMove):
         return claimed_joints(judged, place, len(motion.goals))
@@ -150,7 +189,10 @@ def claimed_way(judged: Judged, place: Place) -> Array | None:
 
 
 def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Array) -> Array:
-    """The joints at the end of a Cartesian motion: as claimed, or else the nearest to where the robot is in the middle of the blend."""
+    """Return the joints (n,) at the end of a Cartesian motion.
+
+    They are the claimed ones, or else those nearest to the middle of the blend.
+    """
     claimed = claimed_joints(judged, place, 1)
     if claimed is not None:
         position, angle = distance(flange_poses(judged.robot.chain, claimed)[0], flange)
@@ -167,7 +209,10 @@ def _joints(judged: Judged, layout: Layout, row: int, place: Place, flange: Arra
 
 
 def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
-    """Joints (n,) that take the flange to a pose (4, 4), by Newton's method from q; a wrong answer proves nothing."""
+    """Return joints (n,) that bring the flange to a pose (4, 4), by Newton's method from q.
+
+    A wrong result proves nothing.
+    """
     for _ in range(_ROUNDS):
         here, jacobian = poses_and_jacobians(robot.chain, q[None], np.eye(4))
         turn = here[0, :3, :3] @ flange[:3, :3].T
@@ -180,16 +225,16 @@ def _nearest(robot: Robot, q: Array, flange: Array) -> Array:
 
 
 def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
-    """How far the claimed joint positions of a motion's goals are from the programmed ones [m], [rad]; a finding where too far.
+    """Return the largest distances of claimed goals from programmed ones [m], [rad]; report excesses.
 
-    Infinite where there is no claim in the right form.
+    Both are infinite without a well-formed claim.
     """
     motion = place.motion
     assert isinstance(motion, hir.JointMove | hir.AvoidMove | hir.SplineMove)
     goals = motion.goals
     claimed = claimed_joints(judged, place, len(goals))
     if isinstance(motion, hir.AvoidMove) and (way := claimed_way(judged, place)) is not None:
-        claimed = way[-1:]  # where it leads between is its own affair
+        claimed = way[-1:]  # the way-points in between are not programmed
     if claimed is None:
         shape = (len(goals), judged.robot.size)
         judged.find("Y1161", f"no joint positions of shape {shape} were given for its way-points", place.step)
@@ -217,5 +262,5 @@ def check_claims(judged: Judged, place: Place) -> tuple[float, float]:
 
 
 def shown(position: float, angle: float) -> str:
-    """A distance [m] and an angle [rad] for a reader."""
+    """Return a distance [m] and an angle [rad] in words."""
     return f"{position / MM:.6g} mm and {angle / DEG:.6g} deg"

@@ -1,4 +1,4 @@
-"""Which motions flow into each other, and which of their segments follow their own path."""
+"""The motions that flow into each other, and the segments that follow each motion's own path."""
 
 from __future__ import annotations
 
@@ -19,20 +19,26 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 SHORTEST = 1e-6
-"""Between two corners that may not be left lies at least this [s]."""
+"""Least time between two passed corners without a blend radius [s]."""
 
 _TOGETHER = 4096
-"""Corners that are looked at together."""
+"""Corners that are computed in one step."""
 
 IN_JOINTS = (hir.JointMove, hir.AvoidMove, hir.SplineMove, hir.TimedMove)
+"""Motions in joint space."""
 
 
 @frozen
 class Corner:
-    """Motion number `first` flows into motion number `second`, over `segments` segments.
+    """A place at which one motion flows into another.
 
-    `rounded` says that a ball is allowed; without one, both paths are followed up to the corner. Between two motions in joint
-    space each joint has its own ball, else the moving frame.
+    Attributes:
+        first: row of the first motion in the layout.
+        second: row of the second motion in the layout.
+        segments: number of segments of the blend.
+        rounded: True if a ball is allowed. Otherwise both paths are followed up to the corner.
+        joints: True between two motions in joint space, where each joint has a ball of its own. Otherwise the
+            moving frame has one.
     """
 
     first: int
@@ -44,10 +50,17 @@ class Corner:
 
 @frozen(eq=False)
 class Flows:
-    """Of each of P motions: the segments `follow` (P, 2), from and up to, that go along its path, and whether the path is joined and
-    left elsewhere than at its ends, `free` (P, 2). The corners, in order. `whole` (P, 2) are all segments to look at: those of the
-    motion, or, where it may not leave its corners, from when it passes the one, `since` [s] after the start of its first, up to when it
-    passes the other, `until` after that of its last; NaN where these aren't cut.
+    """Segments and corners of P motions.
+
+    A motion without a blend radius at a corner is cut at the time at which it passes the corner.
+
+    Attributes:
+        follow: (P, 2) range of the segments that follow the motion's path.
+        free: (P, 2) True if the path is joined after its start, and if it is left before its end.
+        corners: the corners, in order.
+        whole: (P, 2) range of all segments to examine: those of the motion, or up to its cuts.
+        since: (P,) time of the first cut after the start of its segment [s]; NaN without a cut.
+        until: (P,) time of the last cut after the start of its segment [s]; NaN without a cut.
     """
 
     follow: NDArray[np.int64]
@@ -58,18 +71,25 @@ class Flows:
     until: Array
 
     def is_cut(self, row: int) -> bool:
-        """Whether a motion passes a corner that it may not leave."""
+        """Return True if a motion is cut at a corner."""
         return bool(np.isfinite(self.since[row]) or np.isfinite(self.until[row]))
 
     def cubics(self, layout: Layout, row: int) -> Cubics:
-        """The segments that go along the path of a motion, or, where it is cut, up to its corners."""
+        """Return the segments that follow the path of a motion, up to its cuts."""
         begin, stop = (int(x) for x in self.follow[row])
         return self.cut(layout.cubics(begin, stop), np.array([row]), np.array([0]), np.array([stop - begin]))
 
     def cut(
         self, cubics: Cubics, rows: NDArray[np.int64], begins: NDArray[np.int64], stops: NDArray[np.int64]
     ) -> Cubics:
-        """The same segments, those from `begins` up to `stops` (K,) of the motions `rows` (K,), without what lies beyond their corners."""
+        """Return segments without the parts beyond the cuts of their motions.
+
+        Args:
+            cubics: all segments.
+            rows: (K,) the motions.
+            begins: (K,) first segment of each motion in `cubics`.
+            stops: (K,) segment after its last one.
+        """
         starts, ends = np.zeros(len(cubics.h)), cubics.h.copy()
         since, until = np.isfinite(self.since[rows]), np.isfinite(self.until[rows])
         starts[begins[since]] = self.since[rows[since]]
@@ -79,19 +99,27 @@ class Flows:
 
 
 def covered_by_balls(free: NDArray[np.bool_]) -> Array:
-    """Return up to which share of a path (...) the ball at its start has to hold it, and from there on that at its end, if blends take all of it.
+    """Return the share of a path (...) that divides it between two balls, if blends take the whole path.
 
-    A path whose start may not be left has a ball at its end only, and the other way round.
+    The ball at the start must hold the path up to this share, the ball at the end from there on.
+
+    A path with a cut at its start has a ball at its end only, and the other way round.
 
     Args:
-        free: (..., 2) whether the path is joined, and left, elsewhere than at its ends.
+        free: (..., 2) True if the path is joined after its start, and if it is left before its end.
     """
     shares: Array = np.where(free[..., 0], np.where(free[..., 1], 0.5, 1.0), 0.0)
     return shares
 
 
 def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
-    """Where the motions of a text flow into each other."""
+    """Find where the motions of a text flow into each other.
+
+    Args:
+        judged: the context of the judgement.
+        layout: the commands of the text.
+        starts: the starts of the programmed paths.
+    """
     count = len(layout.places)
     follow = np.array([[place.first, place.last] for place in layout.places], dtype=np.int64).reshape(
         count, 2
@@ -102,15 +130,17 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
     passed = dict(_passed(judged, layout, starts, [corner for corner in corners if not corner.rounded]))
     for corner in corners:
         first, second, half = corner.first, corner.second, corner.segments // 2
+        # In a blend with a ball, half of its segments belong to either motion, and follow neither path.
         if corner.rounded:
             follow[first, 1] -= half
             follow[second, 0] += half
             free[first, 1] = free[second, 0] = True
             continue
+        # Without a ball, the segment in which the corner is passed belongs to both motions, up to that time.
         segment, time = passed[corner]
         earliest = int(follow[first, 0])
         if segment < earliest:
-            # nothing of what belongs to the corner before
+            # Leave out segments that belong to the corner before.
             segment, time = earliest, SHORTEST
         if segment == earliest and np.isfinite(since[first]):
             time = max(time, float(since[first]) + SHORTEST)
@@ -123,7 +153,7 @@ def find_flows(judged: Judged, layout: Layout, starts: Starts) -> Flows:
 
 
 def _corners(layout: Layout, robot: Robot) -> list[Corner]:
-    """All corners, in order."""
+    """Return all corners, in order."""
     found, before = [], 0
     for row, place in enumerate(layout.places):
         if place.size:
@@ -136,7 +166,7 @@ def _corners(layout: Layout, robot: Robot) -> list[Corner]:
 def _passed(
     judged: Judged, layout: Layout, starts: Starts, corners: list[Corner]
 ) -> Iterator[tuple[Corner, tuple[int, float]]]:
-    """When corners that may not be left are passed: the segment, and how long after its start [s]."""
+    """Yield for each corner without a ball its segment and the time after the segment's start [s]."""
     robot, tolerance = judged.robot, judged.tolerance
     groups: dict[bytes, tuple[Array | None, list[Corner]]] = {}
     for corner in corners:
@@ -163,13 +193,20 @@ def _passed(
 
 
 def _weights(judged: Judged, layout: Layout, corner: Corner) -> tuple[float, float]:
-    """What a distance [1/m] and an angle [1/rad] count at a corner: by the stricter tolerance of its motions."""
+    """Return the weights of distance [1/m] and angle [1/rad] at a corner.
+
+    The stricter tolerance of both motions applies.
+    """
     one, other = (judged.tolerance_of(layout.places[row].motion) for row in (corner.first, corner.second))
     return 1.0 / min(one.position, other.position), 1.0 / min(one.angle, other.angle)
 
 
 def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
-    """The segments in which a corner is looked for: those of its overlap and one more, and nothing of what belongs to the other ends of both motions."""
+    """Return the range of segments in which a corner is searched.
+
+    These are the segments of its overlap and one more on either side, without those of the corners at the
+    other ends of both motions.
+    """
     one, other = layout.places[corner.first], layout.places[corner.second]
     reach = corner.segments // 2 + 1
     begin = max(one.last - reach, one.first + (one.before or 0) // 2 - 1, 0)
@@ -177,7 +214,7 @@ def _around(layout: Layout, corner: Corner) -> tuple[int, int]:
 
 
 def frame_of(*motions: hir.Motion) -> Array | None:
-    """Where the moving frame sits on the flange: that of the first of some motions that is Cartesian."""
+    """Return the moving frame on the flange (4, 4) of the first Cartesian motion; None without one."""
     return next((motion.flange_from_moving for motion in motions if motion.leads_frame), None)
 
 
@@ -185,18 +222,21 @@ def _corner(layout: Layout, robot: Robot, first: int, second: int, segments: int
     one, other = layout.places[first].motion, layout.places[second].motion
     joints = isinstance(one, IN_JOINTS) and isinstance(other, IN_JOINTS)
     blend = one.blend
-    assert blend is not None  # as the map and the program agree
+    assert blend is not None  # the map agrees with the program
     size = float(radii(blend, robot).max()) if joints else blend.length or 0.0
     return Corner(first, second, segments, segments > 0 and size > 0.0, joints)
 
 
 @frozen(eq=False)
 class Asked:
-    """What is asked of the speed of each of P motions.
+    """Requirements on the speeds of P motions.
 
-    `top` (P, 2) are the speeds that it may reach [m/s] and [rad/s], NaN where there is none; `share` (P,) is what of them it may not fall below once that is reached.
-    `around` (P, 2) is the most that is allowed in the blends before and after it [m/s]. `held` (P, 2) says that it begins, and ends, at its speed: it flows on
-    without a blend, and what is beside it isn't slower.
+    Attributes:
+        top: (P, 2) speed limit of the frame's origin [m/s] and of its turn [rad/s]; NaN without one.
+        share: (P,) share of `top` below which the speed must not fall after it has been reached.
+        around: (P, 2) largest speed in the blend before, and in the blend after [m/s].
+        held: (P, 2) True if the motion begins, and ends, at its speed: it flows on without a ball, and its
+            neighbour is not slower.
     """
 
     top: Array
@@ -206,7 +246,7 @@ class Asked:
 
 
 def speeds_asked(judged: Judged, layout: Layout, flows: Flows) -> Asked:
-    """What is asked of the speeds of all motions of a text."""
+    """Return the requirements on the speeds of all motions of a text."""
     count = len(layout.places)
     top, share = np.full((count, 2), np.nan), np.ones(count)
     for row, place in enumerate(layout.places):

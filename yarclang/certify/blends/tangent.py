@@ -1,6 +1,7 @@
-"""Where motions go over from one path to the next in corners that they may not leave: when they pass them.
+"""Times at which motions pass corners without a blend radius, and go over from one path to the next.
 
-Any instant would be lawful: up to it the one path is proved, from it on the other. A good one proves more.
+A proof accepts any time: the first path is proved up to it, the second path from it on. A good choice gives a
+sharp bound.
 """
 
 from __future__ import annotations
@@ -16,19 +17,27 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 _LOOKS = 8
-"""So often a segment is looked at."""
+"""Points at which a segment is examined."""
 _ROUNDS = 48
+"""Most rounds of the search for a zero."""
 _FALSE_POSITIONS = 12
-"""Rounds by false positions: a rate that is nearly a straight line takes four or five. All others halve."""
+"""Rounds by false position: an almost straight function takes four or five. All later rounds bisect."""
 _CLOSE = 1e-9
-"""Shares of a segment that are one instant."""
+"""Difference of times that count as equal, as a share of a segment."""
 _LEAST = 1e-7
+"""Least distance of a passing time from both ends of its segment, as a share of the segment."""
 
 
 @frozen(eq=False)
 class Corners:
-    """K corners, as joints `q` (K, n) that count by `weights` (K, n), or, with one frame at `flange_from_moving` (4, 4), as its `poses` (K, 4, 4),
-    in which 1 / `weights` (K, 2) are a distance [m] and an angle [rad].
+    """K corners, as joint positions, or as poses of one frame.
+
+    Attributes:
+        q: (K, n) joint positions [rad or m].
+        weights: (K, n) weights of the joints [1/rad or 1/m]; for poses (K, 2), weights of a distance [1/m]
+            and an angle [1/rad].
+        flange_from_moving: (4, 4) frame on the flange; None for joint positions.
+        poses: (K, 4, 4) poses of the frame; None for joint positions.
     """
 
     q: Array
@@ -37,7 +46,7 @@ class Corners:
     poses: Array | None = None
 
     def away(self, chain: Chain, own: Rows, x: Array) -> Array:
-        """Return the square of how far joints `x` (N, n) are from the corners `own` (N,)."""
+        """Return the squared weighted distance (N,) of joints `x` (N, n) from the corners `own` (N,)."""
         if self.flange_from_moving is None or self.poses is None:
             square: Array = (((x - self.q[own]) * self.weights[own]) ** 2).sum(axis=1)
             return square
@@ -48,7 +57,7 @@ class Corners:
         return found
 
     def closing(self, chain: Chain, own: Rows, x: Array, v: Array) -> Array:
-        """Return half of how fast that square grows (N,) with velocities `v` (N, n)."""
+        """Return half the rate of the squared distance (N,) for joints `x` and velocities `v` (N, n)."""
         if self.flange_from_moving is None or self.poses is None:
             rate: Array = ((x - self.q[own]) * self.weights[own] ** 2 * v).sum(axis=1)
             return rate
@@ -63,22 +72,22 @@ class Corners:
 
 
 def _sum(values: Array) -> Array:
-    """Return sums (N, ...) over three rows (N, 3, ...), to the same last bit however many there are."""
+    """Return sums (N, ...) over three rows (N, 3, ...), with a last bit that does not depend on N."""
     found: Array = values[:, 0] + values[:, 1] + values[:, 2]
     return found
 
 
 def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tuple[Rows, Array]:
-    """When corners are passed.
+    """Find the times at which corners are passed.
 
     Args:
-        cubics: the segments that are looked at.
-        owner: (N,) whose each is, in order; each corner has some, one after the other.
-        corners: K of them.
+        cubics: the segments to search.
+        owner: (N,) corner of each segment, in order; each corner has some.
+        corners: the K corners.
         chain: the arm.
 
     Returns:
-        The segments (K,), of all, and how long after the start of each [s] (K,).
+        The segment (K,) in which each corner is passed, and the time after its start [s] (K,).
     """
     begins = np.flatnonzero(np.diff(owner, prepend=-1))
     sizes = np.diff(np.append(begins, len(owner)))
@@ -87,37 +96,45 @@ def passing(cubics: Cubics, owner: Rows, corners: Corners, chain: Chain) -> tupl
     far = corners.away(chain, owner[segment], _at(cubics, segment, share)[0])
     first = begins * _LOOKS
     nearest = _first_least(far, first)
-    # the square of the distance falls before the corner and grows behind it
+    # The squared distance falls before the corner and grows after it.
     low, high = np.maximum(nearest - 1, first), np.minimum(nearest + 1, first + sizes * _LOOKS - 1)
     last, own = sizes - 1, np.arange(len(begins))
 
     def rate(rows: Rows, place: Array) -> Array:
-        """Return how fast the distance from corners `rows` (K,) grows at places (K,): segments behind the corner's first, and shares of them."""
+        """Return half the rate of the squared distance from corners.
+
+        Args:
+            rows: (K,) the corners.
+            place: (K,) segments after the corner's first one, and shares of them.
+        """
         behind = np.minimum(place.astype(np.int64), last[rows])
         return corners.closing(chain, rows, *_at(cubics, begins[rows] + behind, place - behind))
 
-    # counted from each corner's own first segment: what is found doesn't depend on where that stands
+    # Count places from each corner's own first segment, so that the result does not depend on its place in
+    # the text.
     edges = (segment[edge] - begins + share[edge] for edge in (low, high))
     place = _crossing(rate, own, *edges)
     found = np.minimum(place.astype(np.int64), last)
-    # a part of a segment has a duration
+    # Both parts of the segment must have a duration.
     part = np.clip(place - found, _LEAST, 1.0 - _LEAST)
     return begins + found, part * cubics.h[begins + found]
 
 
 def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high: Array) -> Array:
-    """Return where a rate becomes positive in each row (K,), by the rule of false position (the Illinois way), and by halving where that takes long.
+    """Find where a rate becomes positive in each row (K,).
+
+    The method is false position with the Illinois rule, and bisection if this takes long.
 
     Args:
-        rate: gives the rates of rows (M,) at places (M,).
-        rows: (K,).
-        low: (K,) where the search begins.
-        high: (K,) where it ends.
+        rate: returns the rates of rows (M,) at places (M,).
+        rows: (K,) the rows.
+        low: (K,) start of the search.
+        high: (K,) end of the search.
     """
     found = low.copy()
     before, behind = rate(rows, low), rate(rows, high)
     falls = before <= 0.0
-    # it falls up to the end
+    # The distance falls up to the end of the search.
     found[falls & (behind <= 0.0)] = high[falls & (behind <= 0.0)]
     (inner,) = np.nonzero(falls & (behind > 0.0) & (high - low > _CLOSE))
     rows, fell, at = rows[inner], np.zeros(len(inner), dtype=np.int64), inner
@@ -126,12 +143,12 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
         if not len(rows):
             break
         part = before / (before - behind) if turn < _FALSE_POSITIONS else np.full(len(rows), 0.5)
-        # where it is next to an end, the other one gets there at once
+        # If the zero is close to one end, step just past it, so that the other end gets there at once.
         aside = 0.4 * _CLOSE
         middle = np.clip(low + part * (high - low), low + aside, high - aside)
         now = rate(rows, middle)
         falls = now <= 0.0
-        # an end that stays twice counts by half
+        # Illinois rule: halve the value at an end that stays for a second time.
         before = np.where(falls, now, np.where(fell < 0, 0.5 * before, before))
         behind = np.where(falls, np.where(fell > 0, 0.5 * behind, behind), now)
         low, high, fell = np.where(falls, middle, low), np.where(falls, high, middle), np.where(falls, 1, -1)
@@ -143,7 +160,7 @@ def _crossing(rate: Callable[[Rows, Array], Array], rows: Rows, low: Array, high
 
 
 def _first_least(values: Array, begins: Rows) -> Rows:
-    """The first of the least of each group, which begin at `begins` (K,)."""
+    """Return the first minimum of each group; groups begin at `begins` (K,)."""
     least = np.minimum.reduceat(values, begins)
     size = np.diff(np.append(begins, len(values)))
     hits = np.flatnonzero(values == np.repeat(least, size))

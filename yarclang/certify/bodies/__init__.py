@@ -1,6 +1,6 @@
-"""Proofs about bodies: clearances, zones, torques, parts that are carried.
+"""Proofs about bodies: clearances, zones, torques, carried parts.
 
-`sweep.py` has the motions as bodies need them: `clearance.py` proves distances, `zones.py` zones,
-`handled.py` where parts are and how they are taken. `torque.py` proves torques, with the bounds of
-`torque_bounds.py`. `remedy.py` is what findings propose.
+`sweep.py` prepares the motions for these proofs. `clearance.py` proves distances, `zones.py` zones;
+`handled.py` follows parts and checks grippers. `torque.py` proves torques, with the bounds in
+`torque_bounds.py`. `remedy.py` proposes remedies in findings.
 """

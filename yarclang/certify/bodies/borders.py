@@ -1,4 +1,4 @@
-"""Convex regions of slow zones as the judge computes them: how far they reach, and in which direction from them a point lies."""
+"""Geometry of the convex regions of slow zones: their extent, and directions from them to points."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ def extent(region: Region, directions: Array) -> Array:
         directions: (3, P) unit vectors d in {B}.
 
     Returns:
-        (P,) [m]; infinite where the region has no end.
+        (P,) [m]; infinite if the region is unbounded in this direction.
     """
     if isinstance(region, HalfSpace):
-        # all n . p >= offset: bounded in the direction -n alone
+        # The half-space n . p >= offset is bounded in the direction -n only.
         return np.where(-(region.normal @ directions) >= _ALONG, -region.offset, np.inf)
     placed, shape = region.base_from_shape, region.shape
     at_center: Array = np.asarray(placed[:3, 3] @ directions)
@@ -43,9 +43,9 @@ def extent(region: Region, directions: Array) -> Array:
 
 
 def directions_to(region: Region, points: Array) -> Array:
-    """Return unit directions from the nearest point of a region to points (3, P) in {B}, (3, P).
+    """Return unit directions (3, P) from the nearest point of a region to points (3, P) in {B}.
 
-    For a point inside, the direction is any in which the point lies from the region's axis or center.
+    For a point inside, the direction is that from the region's axis or center.
     """
     if isinstance(region, HalfSpace):
         return np.repeat(-region.normal[:, None], points.shape[1], axis=1)
@@ -62,7 +62,10 @@ def directions_to(region: Region, points: Array) -> Array:
 
 
 def _nearest(shape: Box | Sphere | Capsule | Cylinder, own: Array) -> Array:
-    """Return the points of a shape that are nearest to points (3, P) in the shape's own axes; of round shapes those of the center or the axis serve as well."""
+    """Return the points of a shape nearest to points (3, P) in the shape's own axes.
+
+    For a sphere or capsule, points of the center or the axis serve as well.
+    """
     if isinstance(shape, Box):
         half = shape.size[:, None] / 2.0
         return np.clip(own, -half, half)

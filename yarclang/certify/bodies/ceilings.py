@@ -1,4 +1,4 @@
-"""Whether motions keep to the speeds that they say they never exceed (`[V<=250]`)."""
+"""Proof that motions respect their own speed limits (`[V<=250]`)."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
 
 _EVERYWHERE = HalfSpace(np.array([0.0, 0.0, 1.0]), -1e6)
-"""All that an arm could reach."""
+"""A half-space that contains everything an arm could reach."""
 
 
 @frozen(eq=False)
 class _Stretches:
-    """Three stretches of each of P commands: the corner with the one before, what is its own, the corner with the one behind.
+    """Three stretches of each of P commands: the corner before, the command's own part, the corner after.
 
     Attributes:
-        spans: (3P, 2) their segments, first and last (not included).
-        allowed: (3P,) what the frame may have there [m/s].
+        spans: (3P, 2) range of the segments of each stretch.
+        allowed: (3P,) allowed speed of the frame [m/s].
     """
 
     spans: NDArray[np.int64]
@@ -42,14 +42,15 @@ class _Stretches:
 def find_ceilings(
     layout: Layout, robot: Robot, moved: dict[int, Moving]
 ) -> tuple[dict[int, ZoneSpeed], list[Diagnostic]]:
-    """Return how fast the frame of every command with a ceiling is, by its step, and a finding where it is faster.
+    """Return the frame's speed of every command with a ceiling, by step, and findings where it is too fast.
 
-    In a corner through which two motions flow the larger of both ceilings counts; there is none if one of them has none.
+    In a corner between two motions, the larger of both ceilings applies; if one motion has no ceiling, the
+    corner has none.
 
     Args:
-        layout: the text's segments.
+        layout: the segments of the text.
         robot: its links and kinematics.
-        moved: the frame that the motion of each step moves, or that is its tool.
+        moved: for each step, the frame that the motion moves, or its tool.
     """
     told: dict[int, ZoneSpeed] = {}
     findings: list[Diagnostic] = []
@@ -82,7 +83,7 @@ def find_ceilings(
 
 
 def _runs(layout: Layout, moved: dict[int, Moving]) -> Iterator[list[Place]]:
-    """Yield commands with ceilings that follow each other and move the same frame."""
+    """Yield runs of consecutive commands with ceilings that move one frame."""
     run: list[Place] = []
     for place in layout.places:
         if not place.size:
@@ -103,7 +104,10 @@ def _is_same(one: Moving, other: Moving) -> bool:
 
 
 def _with_neighbours(layout: Layout) -> Iterator[tuple[Place, tuple[float, float]]]:
-    """Yield the commands with what their neighbours allow that they flow out of, and into [m/s]: infinite where that is anything."""
+    """Yield each command with the ceilings of the neighbours that it flows out of, and into [m/s].
+
+    The value is infinite for a neighbour without a ceiling, and 0 without such a neighbour.
+    """
     moving = [place for place in layout.places if place.size]
     for row, place in enumerate(moving):
         before = _allowed(moving[row - 1]) if row and place.before is not None else 0.0
@@ -121,7 +125,7 @@ def _stretches(places: list[Place], neighbours: dict[int, tuple[float, float]]) 
     allowed = np.empty(3 * len(places))
     for row, place in enumerate(places):
         own = _allowed(place)
-        # a corner without an overlap is passed about where the map says
+        # A corner without a ball is passed only approximately where the map says.
         head = min(place.size, 0 if place.before is None else place.before // 2 + 1)
         tail = min(place.size - head, 0 if place.behind is None else place.behind // 2 + 1)
         edges = place.first, place.first + head, place.last - tail, place.last

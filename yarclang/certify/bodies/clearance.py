@@ -1,4 +1,4 @@
-"""Whether the bodies of robot and cell stay apart while the text is executed, and how near they come."""
+"""Proof that the bodies of robot and cell stay apart while the text runs, with the least distances."""
 
 from __future__ import annotations
 
@@ -25,7 +25,12 @@ from yarclang.units import MM
 
 @frozen
 class Apart:
-    """How near a command brings the robot to its cell, and to itself; None where there is nothing to come near to."""
+    """Least distances of a command.
+
+    Attributes:
+        cell: distance of the robot from the cell; None if there is nothing to approach.
+        own: distance of the robot from itself; None if there is nothing to approach.
+    """
 
     cell: Clearance | None
     own: Clearance | None
@@ -37,13 +42,13 @@ NOTHING_NEAR = Apart(None, None)
 def find_clearances(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, Apart], list[Diagnostic]]:
-    """The smallest distances of every command by its step, and a finding for each that brings bodies too near to each other.
+    """Return the least distances of every command by its step, and findings where bodies come too close.
 
     Args:
-        layout: the text's segments.
-        program: what it was compiled from.
+        layout: the segments of the text.
+        program: the program that the text was compiled from.
         robot: its links and kinematics.
-        handled: the cell as it is during each command.
+        handled: the cell's state during each command.
     """
     cell = program.cell
     if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
@@ -62,7 +67,7 @@ def find_clearances(
                     for one in made.diagnostics
                 ]
             scenes.append(made.value)
-        # one scene with all that is anywhere: many motions are proved at once, each with the pairs of its own
+        # One scene with all bodies: many motions are proved together, each with its own pairs.
         scene, pairs = together(scenes)
         of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
         own = [of_cell[cell] for cell in cells]
@@ -99,14 +104,14 @@ def _refuted(scene: Scene, sweep: Sweep, place: Nearer) -> Diagnostic:
 
 
 def _kinds(scene: Scene, own: Rows) -> set[int]:
-    """Return the kinds of the pairs that may not touch, among a motion's own: 1 with the cell, 0 of the robot alone."""
+    """Return the kinds of those own pairs that must not touch: 1 with the cell, 0 of the robot alone."""
     return {int(one) for one in scene.pairs.of_cell[own][~scene.pairs.touching[own]]}
 
 
 def _clearance(scene: Scene, found: Clearances, row: int, kind: int) -> Clearance:
-    """Return what was proved of a motion, of its pairs of one kind."""
+    """Return the proved clearance of a motion over its pairs of one kind."""
     near, least = int(found.nearest[row, kind]), float(found.least[row, kind])
-    # beyond what is looked at closely, the bound says little and the names nothing
+    # Beyond the distance that is examined closely, the bound says little and the names nothing.
     return _FAR if near < 0 or least >= KNOWN else Clearance(least, *scene.names(near))
 
 
@@ -121,7 +126,7 @@ def _by_motion(meetings: tuple[Meeting, ...]) -> Iterator[tuple[int, list[Meetin
 def _finding(
     scene: Scene, sweep: Sweep, row: int, contacts: list[tuple[Meeting, Contact]], robot: Robot
 ) -> Diagnostic:
-    """The worst pair of a motion with its figures, and the names of the others."""
+    """Return a finding with the figures of a motion's worst pair, and the names of the others."""
     worst = min(contacts, key=lambda one: one[1].distance - scene.pairs.margin[one[0].pair])
     pair, found = worst[0].pair, worst[1]
     moving, other = scene.names(pair)

@@ -1,8 +1,12 @@
-"""The judge's own bound of how fast items move in a slow zone. It shares no line with `yarclang.collision.zones.speed`, by which motions are planned.
+"""The judge's own bound of the speed of bodies in a slow zone.
 
-Pieces of segments are halved until each is proved to be outside of the zone, or no faster than what is known, or is too short to tell. Three bounds settle a piece of the duration d:
-a point moves by no more than V d; in any direction it isn't lower than the lowest of its places at both ends and in the middle by more than A d^2 / 32;
-and its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three derivatives of all points of the item (`_derivatives`).
+It shares no code with `yarclang.collision.zones.speed`, which the planner uses.
+
+Pieces of segments are halved until each is proved to be outside of the zone, or not faster than the known
+speed, or is too short to decide. Three bounds settle a piece of duration d. A point moves by at most V d. In
+any direction, a point is lower than the lowest of its places at both ends and in the middle by at most A d^2
+/ 32. Its speed exceeds the larger one of both ends by at most J d^2 / 8. V, A and J bound the first three
+derivatives of all points of the body (`_derivatives`).
 """
 
 from __future__ import annotations
@@ -27,23 +31,23 @@ Rows = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 SHARP = 2e-4
-"""Share of the largest speed by which its bound may be larger."""
+"""Share of the largest speed by which its bound may be too large."""
 NEAR = 1e-5
-"""Distance [m] within which a place counts as on a zone's border."""
+"""Distance within which a place counts as on a zone's border [m]."""
 SAME = 1e-10
-"""Joint positions and velocities that differ by no more [rad or m, and per s] differ by rounding."""
+"""Differences of joint positions and velocities that count as rounding [rad or m, and per s]."""
 NEAR_JOINT = 1e-6
 """Distance within which a joint position counts as on the end of a window [rad or m]."""
 
 
 @frozen(eq=False)
 class Fastest:
-    """Largest speeds of an item in a zone, one for each motion.
+    """Largest speeds of a body in a zone, for each of G motions.
 
     Attributes:
-        speed: (G,) upper bounds [m/s]; 0 where the item is never inside.
-        segment: (G,) the segment in which the item is so fast, -1 for none.
-        time: (G,) the middle of the piece in question, after the start of the first segment [s].
+        speed: (G,) upper bounds [m/s]; 0 if the body is never inside.
+        segment: (G,) segment in which the body is fastest, -1 for none.
+        time: (G,) middle of the piece in question, after the start of the first segment [s].
     """
 
     speed: Array
@@ -53,8 +57,13 @@ class Fastest:
 
 @frozen(eq=False)
 class Joints:
-    """The first joints' motion at P instants: `turn` (3, 3, P) and `shift` (3, P) [m] lead a body from its place with all joints at zero to where it is;
-    `spin` (3, P) [rad/s] is its angular velocity, `drift` (3, P) [m/s] the velocity of its point in the origin of {B}.
+    """Placement and velocity at P instants of the bodies that the first few joints move.
+
+    Attributes:
+        turn: (3, 3, P) rotation from the place with all joints at zero.
+        shift: (3, P) translation from the place with all joints at zero [m].
+        spin: (3, P) angular velocity [rad/s].
+        drift: (3, P) velocity of the body's point at the origin of {B} [m/s].
     """
 
     turn: Array
@@ -67,7 +76,7 @@ class Joints:
         return Joints(self.turn[:, :, rows], self.shift[:, rows], self.spin[:, rows], self.drift[:, rows])
 
     def joined(self, other: Joints) -> Joints:
-        """Return these instants and those of another."""
+        """Return these instants followed by those of another object."""
         return Joints(
             np.concatenate([self.turn, other.turn], axis=2),
             np.concatenate([self.shift, other.shift], axis=1),
@@ -76,12 +85,15 @@ class Joints:
         )
 
     def point(self, own: Array) -> Array:
-        """Return where a point (3,) is, (3, P) [m]."""
+        """Return the places (3, P) [m] of a point (3,) given with all joints at zero."""
         placed: Array = np.tensordot(self.turn, own, axes=(1, 0)) + self.shift
         return placed
 
     def lowest(self, item: Item, directions: Array) -> Array:
-        """Compute the smallest d . p over the points p of an item, for one unit direction an instant (3, P): (P,) [m]."""
+        """Compute the smallest d .
+
+        p (P,) [m] over the points p of a body, for one unit direction per instant (3, P).
+        """
         own = (self.turn * directions[:, None, :]).sum(axis=0)
         low = (item.points @ own).min(axis=0) + (directions * self.shift).sum(axis=0) - item.radius
         if item.disc:
@@ -89,7 +101,7 @@ class Joints:
         return np.asarray(low)
 
     def speed(self, item: Item) -> Array:
-        """Return a bound (P,) [m/s] of the speeds of an item's points, exact but for round bodies."""
+        """Return a bound (P,) [m/s] of the speeds of a body's points, exact without round parts."""
         fastest = np.zeros(self.shift.shape[1])
         for own in item.points:
             x, y, z = self.point(own)
@@ -103,7 +115,7 @@ class Joints:
 
 
 class Motions:
-    """The segments of some motions, with the arm at their ends, computed once for all items."""
+    """The segments of some motions, with the arm at their ends, computed once for all bodies."""
 
     def __init__(self, chain: Chain, cubics: Cubics, spans: NDArray[np.int64]) -> None:
         self.chain, self.cubics, self.spans = chain, cubics, spans
@@ -111,7 +123,10 @@ class Motions:
 
     @cached_property
     def _ends(self) -> tuple[tuple[Array, Array, Array], Rows]:
-        """Compute the arm at all begins, and at those ends that aren't the next begin; with the rows of the ends."""
+        """Compute the arm at all begins, and at the ends that differ from the next begin.
+
+        Returns the rows of the ends as well.
+        """
         before, after = self.cubics.at(np.zeros(len(self.cubics.h))), self.cubics.at(self.cubics.h)
         count = len(self.cubics.h)
         same = [
@@ -125,13 +140,13 @@ class Motions:
         return motions(self.chain, q, rate), stops
 
     def ends(self, joint: int) -> tuple[Joints, Joints]:
-        """Return what the first `joint` joints do at the begins and at the ends of all segments."""
+        """Return the bodies of the first `joint` joints at the begins and at the ends of all segments."""
         found, stops = self._ends
         arm = _of(found, joint)
         return arm.take(np.arange(len(stops))), arm.take(stops)
 
     def at(self, joint: int, segment: Rows, time: Array) -> Joints:
-        """Return what the first `joint` joints do at times (P,) after the starts of segments (P,)."""
+        """Return the bodies of the first `joint` joints at times (P,) after the starts of segments (P,)."""
         return _of(motions(self.chain, *self.cubics.take(segment).at(time)), joint)
 
 
@@ -141,19 +156,19 @@ def _of(found: tuple[Array, Array, Array], joint: int) -> Joints:
 
 
 def fastest_in(motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> Fastest:
-    """Bound the speed of an item in a slow zone on each motion.
+    """Bound the speed of a body in a slow zone on each motion.
 
     Args:
-        motions_: segments, and which of them are those of each motion.
-        region: the zone's.
-        margin: how far outside of the region the zone begins [m].
+        motions_: the segments, and the range of each motion.
+        region: the region of the zone.
+        margin: distance outside of the region at which the zone begins [m].
         item: a convex body or a point that the joints move.
     """
     return _Search(motions_, region, margin, item).found()
 
 
 class _Search:
-    """One item on all motions."""
+    """Search for the largest speed of one body on all motions."""
 
     def __init__(self, motions_: Motions, region: Region | JointWindow, margin: float, item: Item) -> None:
         self.all, self.region, self.margin, self.item = motions_, region, margin, item
@@ -164,7 +179,7 @@ class _Search:
         self.segment = np.full(count, -1, dtype=np.int64)
 
     def found(self) -> Fastest:
-        """Halve pieces until all are settled."""
+        """Halve pieces until all are settled, and return the bounds."""
         segment = np.arange(len(self.all.cubics.h))
         begin, end = np.zeros(len(segment)), self.all.cubics.h
         arms = self.all.ends(self.item.joint)
@@ -173,7 +188,7 @@ class _Search:
             rows = np.flatnonzero(~self._is_far(segment, begin, end, arms))
             segment, begin, end = segment[rows], begin[rows], end[rows]
             arms = arms[0].take(rows), arms[1].take(rows)
-            # a comparison with what isn't a number is false: such a piece is never settled by it
+            # A comparison with NaN is false: such a piece is never settled by it.
             bound = np.maximum(arms[0].speed(self.item), arms[1].speed(self.item))
             bound = bound + self.third[segment] * (end - begin) ** 2 / 8.0
             rows = np.flatnonzero(~(bound <= self._known(segment)))
@@ -193,14 +208,15 @@ class _Search:
         return Fastest(np.where(self.segment >= 0, self.best * (1.0 + SHARP), 0.0), self.segment, self.time)
 
     def _known(self, segment: Rows) -> Array:
-        """Return the speeds up to which pieces needn't be looked at."""
+        """Return the speeds up to which pieces need not be examined."""
         known: Array = self.best[self.motion[segment]] * (1.0 + SHARP)
         return known
 
     def _is_far(self, segment: Rows, begin: Array, end: Array, arms: tuple[Joints, Joints]) -> Flags:
-        """Return True for pieces that are outside by a ball around the item, or by the ways of joints."""
+        """Return True for pieces that are outside by a ball around the body, or by the joints' ranges."""
         region, long = self.region, end - begin
         if isinstance(region, JointWindow):
+            # A function exceeds its chord by at most d^2 / 8 of its second derivative.
             cubics = self.all.cubics.take(segment)
             before, after = cubics.at(begin)[0], cubics.at(end)[0]
             most = np.maximum(np.abs(cubics.a), np.abs(cubics.a + cubics.h[:, None] * cubics.j))
@@ -218,7 +234,7 @@ class _Search:
     def _where(
         self, segment: Rows, long: Array, half: Array, arms: tuple[Joints, Joints, Joints]
     ) -> tuple[Flags, Flags]:
-        """Return which pieces are outside all along, and which are inside in their middles."""
+        """Return True for pieces completely outside, and True for pieces whose middles are inside."""
         region = self.region
         if isinstance(region, JointWindow):
             q = self.all.cubics.take(segment).at(half)[0]
@@ -227,7 +243,8 @@ class _Search:
         toward = directions_to(region, arms[1].point(self.item.middle))
         out, seen = self._beyond(region, segment, long, arms, toward)
         if self.item.of_coal is not None and not isinstance(region, HalfSpace):
-            # a body beside a region: the direction from its middle may show no gap where another does
+            # For a body beside a region, the direction from its middle may show no gap although another
+            # direction does.
             rows = np.flatnonzero(~out)
             toward = self._proposed(region, arms[1].take(rows))
             few = arms[0].take(rows), arms[1].take(rows), arms[2].take(rows)
@@ -238,7 +255,10 @@ class _Search:
     def _beyond(
         self, region: Region, segment: Rows, long: Array, arms: tuple[Joints, Joints, Joints], toward: Array
     ) -> tuple[Flags, Array]:
-        """Return which pieces lie beyond planes with the normals `toward` (3, P), and the gaps in their middles (P,) [m]."""
+        """Return True for pieces beyond planes, and the gaps in their middles (P,) [m].
+
+        `toward` (3, P) are the normals of the planes.
+        """
         low = [arm.lowest(self.item, toward) for arm in arms]
         reach = extent(region, toward)
         seen = low[1] - reach
@@ -249,7 +269,10 @@ class _Search:
         return least > self.margin, seen
 
     def _proposed(self, region: Region, arm: Joints) -> Array:
-        """Return normals (3, P) by coal; whether they show a gap is proved here."""
+        """Return normals (3, P) proposed by coal.
+
+        A wrong normal does no harm: the gap that it shows is proved here.
+        """
         normal = np.empty((arm.shift.shape[1], 3))
         distance_outside(region, self.item, Posed(arm.turn, arm.shift, arm.spin, arm.drift), normal)
         size = np.sqrt((normal**2).sum(axis=1))
@@ -258,7 +281,7 @@ class _Search:
         return np.ascontiguousarray(normal.T)
 
     def _learn(self, segment: Rows, time: Array, speed: Array) -> None:
-        """Keep the largest speed of each motion, and where the item has it."""
+        """Store the largest speed of each motion, and where it occurs."""
         motion = self.motion[segment]
         most = self.best.copy()
         np.maximum.at(most, motion, speed)
@@ -269,10 +292,12 @@ class _Search:
 
 
 def _derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array, Array]:
-    """Bound |p'|, |p''| and |p'''| of all points p of an item on N segments, (N,) each [m/s, m/s^2, m/s^3].
+    """Bound |p'|, |p''| and |p'''| of all points p of a body on N segments, (N,) each [m/s, m/s^2, m/s^3].
 
-    A point is the sum of steps from axis to axis, each of a fixed length and turned by the joints before it: its derivatives are at most its length times W, W^2 + A and W^3 + 3 W A + J,
-    with the sums of these joints' largest rates. A step along a joint that slides has a length of its own that changes; Leibniz's rule gives its derivatives.
+    A point is the sum of steps from axis to axis, each of a fixed length and turned by the joints before it.
+    Its derivatives are at most its length times W, W^2 + A and W^3 + 3 W A + J, with the sums W, A and J of
+    these joints' largest velocities, accelerations and jerks. A step along a sliding joint also changes its
+    length; Leibniz' rule gives its derivatives.
     """
     lines = axes_of(chain)
     peaks = (
@@ -293,11 +318,13 @@ def _derivatives(chain: Chain, cubics: Cubics, item: Item) -> tuple[Array, Array
     first, second, third = (np.zeros(len(cubics.h)) for _ in range(3))
     for joint in range(item.joint):
         turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+        # Leibniz' rule for a step of length s along an axis that turns with W, A and J.
         if slide:
             s, v, u, p = (slide * one[:, joint] for one in (far, *peaks))
             first = first + w * s + v
             second = second + (w**2 + a) * s + 2.0 * w * v + u
             third = third + (w**3 + 3.0 * w * a + j) * s + 3.0 * (w**2 + a) * v + 3.0 * w * u + p
+        # Steps after a turning joint turn with it as well.
         w, a, j = (before + turn * one[:, joint] for before, one in zip((w, a, j), peaks, strict=True))
         first = first + lengths[joint] * w
         second = second + lengths[joint] * (w**2 + a)

@@ -1,4 +1,4 @@
-"""Where the parts of a cell are while a text is executed, and what is wrong with how they are taken and put down."""
+"""Places of the cell's parts while a text runs, and checks of how they are picked up and put down."""
 
 from __future__ import annotations
 
@@ -17,14 +17,17 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 ON = 5e-3
-"""A part that is let go farther than this and its margin from everything falls [m]."""
+"""Distance [m], in addition to its margin, beyond which a released part counts as falling."""
 
 
 @frozen(eq=False)
 class Handled:
-    """The cell as it is during each motion, by the motion's step, and what the robot carries then.
+    """The cell's state during each motion, and the parts that the robot carries.
 
-    Without parts both are empty, and the cell is the program's.
+    Attributes:
+        cell: the program's cell.
+        cells: the cell's state by the step of the motion; empty without parts.
+        carried: names of the carried parts by the step of the motion; empty without parts.
     """
 
     cell: Cell | None
@@ -32,18 +35,18 @@ class Handled:
     carried: Mapping[int, tuple[str, ...]]
 
     def at(self, step: int) -> Cell | None:
-        """Return the cell as it is during a motion."""
+        """Return the cell's state during a motion."""
         return self.cells.get(step, self.cell)
 
 
 def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled, list[Diagnostic]]:
-    """Follow the parts of the program's cell through a text, from where its motions really end.
+    """Follow the parts of the program's cell through a text, using the real ends of its motions.
 
     Args:
-        layout: the whole text; motions of a plan in part may be missing.
-        program: its steps say which outputs are set, its cell which of them move grippers. That the text sets the same outputs at the same places is proved
-            elsewhere (`yarclang.certify.flow`).
-        robot: whose flange carries the parts.
+        layout: the whole text; in a partial plan, motions may be missing.
+        program: its steps set outputs, and its cell tells which outputs move grippers.
+            `yarclang.certify.flow` proves that the text sets the same outputs at the same places.
+        robot: the robot whose flange carries the parts.
     """
     if program.cells is not None:
         return Handled(program.cell, program.cells, {}), []
@@ -65,7 +68,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
 def _findings(
     handling: Handling, grasps: Mapping[int, Grasp], before: Mapping[int, Parts], flowing: set[int]
 ) -> list[Diagnostic]:
-    """Return what is wrong with what grippers do, in the order of the program."""
+    """Return findings about the use of grippers, in the order of the program."""
     found: list[Diagnostic] = []
     motions = sorted(before)
     for number, grasp in grasps.items():
@@ -93,7 +96,7 @@ def _findings(
 
 
 def _computed(handling: Handling) -> list[Diagnostic]:
-    """Return the SETs of computed values that move parts: where these are then isn't known."""
+    """Return findings about SETs of computed values that move parts, whose places are then unknown."""
     found = []
     cell = handling.cell
     moving = set() if cell is None else {*cell.grips, *cell.removals}
@@ -111,11 +114,14 @@ def _computed(handling: Handling) -> list[Diagnostic]:
 
 
 def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagnostic]:
-    """Return the loops that leave a part elsewhere: their later passes would have other things around them than the one that is proved."""
+    """Return findings about loops that leave a part in another place.
+
+    Their later passes would differ from the proved one.
+    """
     found = []
     for number, name in unlike.items():
         step = handling.steps[number]
-        assert isinstance(step, hir.NextPass)  # nothing else begins a loop anew
+        assert isinstance(step, hir.NextPass)  # only NextPass repeats a loop
         message = f"{name} isn't where it was when the loop began: its next pass would be another one than what is proved"
         found.append(_finding("Y0948", message, step.origin, _AS_BEFORE))
     return list(grouped(found))
@@ -123,7 +129,7 @@ def _not_as_before(handling: Handling, unlike: Mapping[int, str]) -> list[Diagno
 
 def _origin(handling: Handling, number: int) -> hir.Origin:
     step = handling.steps[number]
-    assert isinstance(step, hir.SetOutput)  # nothing else moves a gripper
+    assert isinstance(step, hir.SetOutput)  # only outputs move grippers
     return step.origin
 
 
@@ -144,7 +150,10 @@ def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
 
 
 def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return what looks wrong where parts are taken: one that begins in the air or inside of something, or a gripper deep in it."""
+    """Return findings about picked parts.
+
+    A part may start in the air or inside a body, or a gripper may be deep in a part.
+    """
     cell = handling.cell
     if cell is None:
         return []
@@ -172,7 +181,7 @@ def _taken(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnos
 
 
 def _put_down(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diagnostic]:
-    """Return what is wrong with how parts are let go: inside of something, or in the air."""
+    """Return findings about released parts: inside a body, or in the air."""
     found = []
     margin = {one.name: one.margin for one in handling.cell.obstacles} if handling.cell else {}
     beside = handling.supports(grasp)
@@ -191,14 +200,14 @@ def _put_down(handling: Handling, grasp: Grasp, origin: hir.Origin) -> list[Diag
 
 
 def _left_over(handling: Handling, grasps: Mapping[int, Grasp], end: Parts) -> list[Diagnostic]:
-    """Return a finding about parts that were taken and never put down."""
+    """Return findings about parts that are picked up and never put down."""
     found = []
     if handling.cell is not None and handling.cell.present is not None and handling.cell.present.goes_on:
         return []  # the next line of the session may put them down
     for item in end.held():
         taken = [one for one in grasps.values() if one.closes and item.name in one.moved]
         if not taken:
-            continue  # the robot has carried it from the start
+            continue  # the robot has carried the part from the start
         may = "is" if item.is_sure else "may be"
         message = f"{item.name} is taken here, and {may} still in the gripper where the program ends"
         found.append(_finding("Y0941", message, _origin(handling, taken[-1].step), _DOWN))

@@ -1,4 +1,4 @@
-"""What a motion that may not go where it goes could be instead."""
+"""Remedies proposed in findings about a motion that comes too close to something."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from yarclang.diagnostics import Edit, Fix
 _PROGRAM = ".yarc"
 
 _EDGE = 1e-6
-"""Times that are nearer to each other are one [s]."""
+"""Difference of times that count as equal [s]."""
 
 
 def remedy(
     motion: hir.Motion, otherwise: str, when: tuple[float, float], lasts: float
 ) -> tuple[str, Fix | None]:
-    """Return what to do about a motion that comes too near to something, where to look at it, and a fix.
+    """Return the remedy for a motion that comes too close to something, and a fix if there is one.
 
     A way round helps only if the motion neither begins nor ends there.
 
     Args:
         motion: the motion.
-        otherwise: what to do instead of going round.
-        when: from when to when after its start it is too near [s].
-        lasts: how long it takes [s].
+        otherwise: the remedy other than going round.
+        when: range of the time after its start in which it is too close [s].
+        lasts: duration of the motion [s].
     """
     origin = motion.origin
     fix = None
@@ -44,12 +44,12 @@ def remedy(
 
 
 def _correction(otherwise: str) -> str:
-    """Return what there is to do besides moving the motion: what stands behind the last semicolon, or all."""
+    """Return the remedy other than moving the motion: the part after the last semicolon, or all of it."""
     return otherwise.rpartition("; ")[2].removeprefix("or ")
 
 
 def round_it(motion: hir.Motion) -> Fix | None:
-    """A fix that lets a straight motion in joint space leave its way; None for others."""
+    """Return a fix that turns a straight motion in joint space into an AvoidMove; None for other motions."""
     origin = motion.origin
     if not isinstance(motion, hir.JointMove) or isinstance(motion.goal, hir.JointDelta):
         return None

@@ -1,8 +1,10 @@
-"""Clearances a second time: what `yarclang.collision.proof` reports of convex bodies is proved again, by placements, supports, and bounds of the judge's own.
+"""A second proof of clearances, as reported by `yarclang.collision.proof` for convex bodies.
 
-For each pair on each piece of a motion the second body is seen from the first. Three bounds settle a piece of the duration d: spheres around both, less the way of the joints between them;
-a plane's gap in the middle, less that way; and the plane's gaps at both ends and in the middle, less A d^2 / 32. What none settles is halved. If bodies are nearer at a place than was reported, the
-proof that reported it is wrong.
+It uses placements, support functions and bounds of the judge's own. For each pair on each piece of a motion,
+the second body is seen from the first. Three bounds settle a piece of duration d: the gap between spheres
+around both bodies, less the motion of the joints between them; the gap of a plane in the middle, less that
+motion; and the gaps of the plane at both ends and in the middle, less A d^2 / 32. Unsettled pieces are
+halved. If bodies are anywhere closer than reported, the reporting proof is wrong.
 """
 
 from __future__ import annotations
@@ -23,16 +25,24 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain
 
 STEP = 0.08
-"""Pieces begin with joints that move by this much [rad or m]."""
+"""Motion of the joints on a piece at the beginning [rad or m]."""
 EQUAL = 5e-6
-"""Distance [m] by which both ways may disagree: coal's distances are off by less than a tenth of it."""
+"""Allowed disagreement between both proofs [m]; the distances by coal are off by less than a tenth of it."""
 SHORT = 2e-4
-"""Pieces on which nothing moves by more than this [m] aren't halved: the distance in the middle counts."""
+"""Pieces on which nothing moves by more than this [m] are not halved: the distance in the middle decides."""
 
 
 @frozen
 class Nearer:
-    """A place that refutes a clearance: which motion and pair, when [s] after the first segment's start, the distance there and the one that was reported [m]."""
+    """A place that refutes a clearance.
+
+    Attributes:
+        motion: index of the motion.
+        pair: index of the pair of bodies.
+        time: time after the start of the first segment [s].
+        distance: distance of the bodies [m].
+        reported: the distance that was reported [m].
+    """
 
     motion: int
     pair: int
@@ -47,11 +57,11 @@ def refuted(
     """Prove clearances again and return the places that refute them, at most one for each motion and pair.
 
     Args:
-        scene: bodies and pairs; pairs that may touch, and meshes that aren't their hulls, are left out.
+        scene: bodies and pairs. Pairs that may touch, and meshes that are not their own hulls, are left out.
         course: segments of all motions.
-        spans: (G, 2) the segments of each motion.
-        found: what is reported; motions with meetings are left out, as they are refused.
-        own: the pairs of each motion; None for all.
+        spans: (G, 2) range of the segments of each motion.
+        found: the reported clearances. Motions with meetings are left out, as they are rejected anyway.
+        own: pairs of each motion; None for all pairs.
     """
     pairs, count = scene.pairs, len(spans)
     if own is None:
@@ -74,7 +84,7 @@ class _Second:
         self.scene, self.course, self.reported = scene, course, reported
         asked = np.flatnonzero((reported > -np.inf).any(axis=0))
         one, other = scene.pairs.first, scene.pairs.second
-        # what fewer joints move comes first, in whatever order the pairs are
+        # Whatever the order of the pair, let the body that fewer joints move be the first.
         joint = np.array([body.joint for body in scene.bodies])
         turned = joint[one] > joint[other]
         self.first, self.second = np.where(turned, other, one), np.where(turned, one, other)
@@ -88,7 +98,7 @@ class _Second:
         self.refuting: dict[tuple[int, int], Nearer] = {}
 
     def found(self, spans: NDArray[np.int64]) -> list[Nearer]:
-        """Halve pieces until all pairs are settled."""
+        """Halve pieces until all pairs are settled, and return the places that refute clearances."""
         course = self.course
         begin, end = course.begins[spans[:, 0]], course.begins[spans[:, 1]]
         way = (course.way[spans[:, 1]] - course.way[spans[:, 0]]).max(axis=1)
@@ -111,9 +121,10 @@ class _Second:
         return list(self.refuting.values())
 
     def _left(self, motion: Rows, begin: Array, end: Array, at: Rows, pair: Rows) -> Rows:
-        """Return which pairs on pieces aren't settled."""
+        """Return the pairs on pieces that are not settled."""
         chain, course = self.scene.chain, self.course
         half = (begin + end) / 2.0
+        # Bound the motion of a pair on either half of a piece by that of the joints between its bodies.
         gone = [course.gone(time) for time in (begin, half, end)]
         moves = np.maximum(gone[1] - gone[0], gone[2] - gone[1])
         way = np.einsum("rn,rn->r", self.reach[pair], moves[at])
@@ -124,15 +135,17 @@ class _Second:
             turn, shift = middle[item.joint, :, :3], middle[item.joint, :, 3]
             centers[body], bound[body] = np.tensordot(turn, item.middle, axes=(1, 0)) + shift, item.bound
         first, second = self.first[pair], self.second[pair]
+        # First bound: spheres around both bodies.
         apart = np.sqrt(((centers[second, :, at] - centers[first, :, at]) ** 2).sum(axis=1))
         least = self.reported[motion[at], pair]
-        # a comparison with what isn't a number is false: such a piece is never settled by it
+        # A comparison with NaN is false: such a piece is never settled by it.
         near = np.flatnonzero(~(apart - bound[first] - bound[second] - way >= least))
         if not len(near):
             return near
         close, place_of = np.unique(at[near], return_inverse=True)
         place_at = np.zeros(len(begin), dtype=np.int64)
         place_at[at[near]] = place_of
+        # Second and third bound, for the remaining pairs: planes.
         begin, half, end = begin[close], half[close], end[close]
         ends = [KINEMATICS.placements(chain, course.at(time)) for time in (begin, end)]
         middle, peaks = middle[:, :, :, close], course.peaks(begin, end)
@@ -153,11 +166,12 @@ class _Second:
         return np.sort(np.concatenate(left))
 
     def _bend(self, pair: int, speed: Array, strength: Array) -> Array:
-        """Bound |p''| of the second body's points, seen from the first body, (P,) [m/s^2]."""
+        """Bound |p''| (P,) [m/s^2] of the second body's points, seen from the first body."""
         lines = axes_of(self.scene.chain)
         w, a, bend = (np.zeros(len(speed)) for _ in range(3))
         for joint in range(self.items[int(self.first[pair])].joint, self.items[int(self.second[pair])].joint):
             turn, slide = float(lines.turn[joint]), abs(float(lines.slide[joint]))
+            # A slide adds its Coriolis and its own acceleration; its length is part of `lengths`.
             if slide:
                 bend = bend + slide * (2.0 * w * speed[:, joint] + strength[:, joint])
             w, a = w + turn * speed[:, joint], a + turn * strength[:, joint]
@@ -167,8 +181,12 @@ class _Second:
     def _settled(
         self, pair: int, arms: list[Joints], way: Array, sag: Array, least: Array
     ) -> tuple[NDArray[np.bool_], Array]:
-        """Return where planes prove a pair apart, and upper bounds of its distances in the middles, infinite where they weren't needed."""
+        """Return True where planes prove a pair apart, and upper bounds of its distances in the middles.
+
+        The bounds are infinite where they were not needed.
+        """
         one, other = self.items[int(self.first[pair])], self.items[int(self.second[pair])]
+        # Try the direction between the middles first, then the direction of coal.
         toward = arms[1].point(other.middle) - one.middle[:, None]
         toward /= np.maximum(np.sqrt((toward**2).sum(axis=0)), 1e-12)
         settled = self._is_apart(one, other, arms, toward, way, sag, least)
@@ -191,7 +209,7 @@ class _Second:
 
 
 def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
-    """Return how what `other` joints move stands to what `one` joint moves, on some pieces."""
+    """Return the placements on some pieces of what `other` joints move, seen from what `one` joints move."""
     base, arm = placed[one][:, :, pieces], placed[other][:, :, pieces]
     turn = np.einsum("kip,kjp->ijp", base[:, :3], arm[:, :3])
     shift = np.einsum("kip,kp->ip", base[:, :3], arm[:, 3] - base[:, 3])
@@ -200,10 +218,10 @@ def seen(placed: Array, one: int, other: int, pieces: Rows) -> Joints:
 
 
 def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
-    """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not above zero where they overlap."""
+    """Return directions (3, P) and distances (P,) [m] of two bodies by coal; not positive in an overlap."""
     import coal
 
-    assert one.base_from_body is not None  # points have no pairs
+    assert one.base_from_body is not None  # points are not in any pair
     assert other.base_from_body is not None
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     here = coal.Transform3s(one.base_from_body[:3, :3], one.base_from_body[:3, 3])
@@ -222,16 +240,17 @@ def nearest(one: Item, other: Item, arm: Joints) -> tuple[Array, Array]:
 
 
 def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Array]:
-    """Compute what bounds how a body moves, seen from what the first `base` joints move.
+    """Compute bounds of the motion of a body, seen from what the first `base` joints move.
 
     Args:
         chain: n joints.
-        base: joints that don't count.
+        base: number of joints without effect.
         item: the body.
-        far: (n,) the largest |q| [rad or m].
+        far: (n,) largest |q| [rad or m].
 
     Returns:
-        The lengths (n,) of the steps from axis to axis, slides included, and how far (n,) its points move at most per unit of each joint [m].
+        The lengths (n,) of the steps from axis to axis, slides included [m], and the largest distance (n,) by
+        which its points move per unit of each joint [m].
     """
     lines, ways = axes_of(chain), _ways(chain, item)
     lengths, reach = np.zeros(chain.size), np.zeros(chain.size)
@@ -249,7 +268,10 @@ def _steps(chain: Chain, base: int, item: Item, far: Array) -> tuple[Array, Arra
 
 @lru_cache(maxsize=512)
 def _ways(chain: Chain, item: Item) -> tuple[float, ...]:
-    """Return the ways (n,) from axis to axis, the last one to the item's farthest point, with all joints at zero [m]; remembered by identity."""
+    """Return the distances (n,) [m] from axis to axis at zero, the last to the body's farthest point.
+
+    Cached by identity.
+    """
     lines = axes_of(chain)
     found = [0.0] * chain.size
     here, rest = item.middle, item.bound

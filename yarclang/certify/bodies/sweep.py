@@ -1,4 +1,4 @@
-"""The motions of a text as they are held against bodies and zones: as many at once as a chunk has."""
+"""Motions of a text, prepared for the checks against bodies and zones, in chunks."""
 
 from __future__ import annotations
 
@@ -18,7 +18,14 @@ from yarclang.frozen import frozen
 
 @frozen(eq=False)
 class Sweep:
-    """Commands that follow each other: what the joints do in their segments (`cubics`, and `course` for distances), and which of these (M, 2), first and last (not included), are those of each."""
+    """Consecutive commands.
+
+    Attributes:
+        places: the M commands.
+        cubics: their segments.
+        course: their segments in the form that distances need.
+        spans: (M, 2) range of the segments of each command.
+    """
 
     places: list[Place]
     cubics: Cubics
@@ -26,21 +33,21 @@ class Sweep:
     spans: NDArray[np.int64]
 
     def span(self, row: int) -> tuple[int, int]:
-        """The segments of one command."""
+        """Return the range of the segments of one command."""
         begin, end = self.spans[row].tolist()
         return begin, end
 
     def starts(self, row: int) -> float:
-        """When a command begins [s]."""
+        """Return the start of a command [s]."""
         return float(self.course.begins[self.spans[row, 0]])
 
     def lasts(self, row: int) -> float:
-        """How long it takes [s]."""
+        """Return the duration of a command [s]."""
         return float(self.course.begins[self.spans[row, 1]]) - self.starts(row)
 
 
 def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | None, list[Place]]]:
-    """Yield the commands that move something, in chunks, each with the cell as it is during these commands."""
+    """Yield the commands with moves, in chunks, each with the cell's state during these commands."""
     moving = [place for place in layout.places if place.size]
     for _, group in groupby(moving, lambda place: id(handled.at(place.step))):
         for places in chunks(list(group)):
@@ -48,7 +55,7 @@ def moving_chunks(layout: Layout, handled: Handled) -> Iterator[tuple[Cell | Non
 
 
 def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
-    """What the joints do in commands that follow each other."""
+    """Prepare consecutive commands."""
     base = places[0].first
     cubics = layout.cubics(base, places[-1].last)
     return Sweep(
@@ -60,5 +67,5 @@ def sweep_of(layout: Layout, places: list[Place]) -> Sweep:
 
 
 def course_of(cubics: Cubics) -> Course:
-    """Segments as the collision check sees them."""
+    """Return segments in the form that the collision check needs."""
     return Course.of(cubics.x, cubics.v, cubics.a, cubics.j, cubics.h, cubics.velocity_peaks())

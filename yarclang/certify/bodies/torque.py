@@ -1,4 +1,4 @@
-"""What motions ask of the motors: joint torques along the text's segments against efforts, bounded between the places that are calculated."""
+"""Joint torques along the text's segments, compared with efforts, and bounded between the computed points."""
 
 from __future__ import annotations
 
@@ -25,17 +25,28 @@ from yarclang.units import UNITS
 from yarclang.written import stretch_fix
 
 REMAINDER = 0.003
-"""What lies between two calculated places adds at most about this share of an effort to the largest torque of a motion."""
+"""Approximate share of an effort that bounds between computed points may add."""
 PARTS = 64
-"""The most parts into which a segment is cut."""
+"""Most parts into which a segment is cut."""
 ROOM = 0.03
-"""By this share a proposed time is longer than the one at which the effort is used up: in another time a law has another number of segments, and other ramps."""
+"""Share that is added to a proposed time.
+
+With another time, a law has another number of segments and other ramps.
+"""
 
 
 @frozen(eq=False)
 class _Samples:
-    """Torques at S instants of motions with one load: `row` is the segment, `time` after its begin [s]; `torque` (S, n) and `bound` (S, n), by how much |torque| may be
-    more up to the next instant; `share` (S, n) of the efforts, of both. `first` (G,) is where each motion begins.
+    """Torques at S instants of G motions with one load.
+
+    Attributes:
+        row: (S,) segment of each instant.
+        time: (S,) time after the begin of the segment [s].
+        q: (S, n) joint positions [rad or m].
+        torque: (S, n) torques [N m or N].
+        bound: (S, n) amount by which |torque| may be larger up to the next instant [N m or N].
+        share: (S, n) torque with bound as a share of the effort.
+        first: (G,) first instant of each motion.
     """
 
     row: NDArray[np.int64]
@@ -48,12 +59,12 @@ class _Samples:
 
 
 def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[int, Load], list[Diagnostic]]:
-    """The largest share of an effort of every command by its step, and a finding for each that asks for more than there is.
+    """Return the largest load of an effort of every command by its step, and findings about excesses.
 
     Args:
-        layout: the text's segments.
-        robot: its masses and efforts; without, nothing is judged.
-        handled: the cell as it is during each command; what a gripper holds is moved, too.
+        layout: the segments of the text.
+        robot: its masses and efforts; without them, nothing is judged.
+        handled: the cell's state during each command, with the parts that grippers hold.
     """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.is_checked:
@@ -67,11 +78,11 @@ def find_torques(layout: Layout, robot: Robot, handled: Handled) -> tuple[dict[i
 
 
 def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynamics, list[Place]]]:
-    """Return the loads, each with the commands that move something with it: those that follow each other and those that don't."""
+    """Return the distinct loads, each with all commands with moves that carry it."""
     found: dict[int, tuple[Dynamics, list[Place]]] = {}
     for place in layout.places:
         if place.size:
-            # cases are remembered, so that equal ones are the same object
+            # Cases are cached, so that equal ones are one object.
             for case in load_cases(robot, handled.at(place.step)):
                 found.setdefault(id(case), (case, []))[1].append(place)
     return list(found.values())
@@ -80,9 +91,9 @@ def _by_load(layout: Layout, robot: Robot, handled: Handled) -> list[tuple[Dynam
 def _judge_load(
     layout: Layout, places: list[Place], robot: Robot, found: tuple[dict[int, Load], dict[int, Diagnostic]]
 ) -> None:
-    """Look at what commands ask of the motors with one load; of several loads the worst is kept, of each step."""
+    """Judge the torques of commands with one load; of several loads, keep the worst for each step."""
     dynamics, (loads, findings) = robot.dynamics, found
-    assert dynamics is not None  # only then torques are looked at
+    assert dynamics is not None  # torques are only judged with dynamics
     cubics = layout.cubics_of(np.concatenate([np.arange(place.first, place.last) for place in places]))
     starts = np.cumsum([0, *(place.size for place in places[:-1])])
     samples = _sampled(cubics, starts, robot, dynamics)
@@ -100,15 +111,15 @@ def _judge_load(
 
 
 def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: Dynamics) -> _Samples:
-    """Torques so close together that what lies between hardly counts, where it could count at all."""
+    """Compute torques so closely that the bounds between them hardly matter, where they could."""
     lower, upper = cubics.position_range()
     travel = np.maximum(np.abs(lower), np.abs(upper))
     peaks = cubics.velocity_peaks(), cubics.acceleration_peaks(), cubics.jerk_peaks()
     bends = torque_bends(robot.chain, dynamics, travel, peaks)
-    # a function is above the line between two of its values by d^2 / 8 of its second derivative at most
+    # A function exceeds the chord between two of its values by at most d^2 / 8 of its second derivative.
     whole = bends * (cubics.h[:, None] ** 2 / 8.0)
     coarse = _looked_at(cubics, starts, whole, np.ones(len(cubics.h), dtype=np.int64), robot)
-    # only where the bound is beyond what was found in the same motion anyway, a closer look tells more
+    # Only where the bound exceeds the largest torque found in the motion, a finer sampling is useful.
     seen = segment_max((np.abs(coarse.torque) / dynamics.effort).max(axis=1), coarse.first)
     motion = np.repeat(np.arange(len(starts)), np.diff(np.append(coarse.first, len(coarse.row))))
     beyond = coarse.share.max(axis=1) > seen[motion] + REMAINDER
@@ -124,13 +135,21 @@ def _sampled(cubics: Cubics, starts: NDArray[np.int64], robot: Robot, dynamics: 
 def _looked_at(
     cubics: Cubics, starts: NDArray[np.int64], whole: Array, parts: NDArray[np.int64], robot: Robot
 ) -> _Samples:
-    """Torques at the ends of equal parts of segments; `whole` (N, n) bounds what a whole segment adds."""
+    """Compute torques at the ends of equal parts of segments.
+
+    Args:
+        cubics: N segments.
+        starts: first segment of each motion.
+        whole: (N, n) amount that the bound adds on a whole segment.
+        parts: (N,) number of parts of each segment.
+        robot: the robot.
+    """
     dynamics = robot.dynamics
-    assert dynamics is not None  # only then torques are looked at
+    assert dynamics is not None  # torques are only judged with dynamics
     count = len(cubics.h)
     ends = np.append(starts[1:], count) - 1
     number = parts.copy()
-    number[ends] += 1  # the end of a motion is looked at as well
+    number[ends] += 1  # include the end of each motion
     row = np.repeat(np.arange(count), number)
     offsets = np.concatenate([[0], np.cumsum(number)])
     time = (np.arange(len(row)) - offsets[row]) * (cubics.h / parts)[row]
@@ -149,7 +168,7 @@ def _looked_at(
 def _finding(
     layout: Layout, place: Place, samples: _Samples, chosen: slice, robot: Robot, dynamics: Dynamics
 ) -> Diagnostic:
-    """Y1801, or, where the arm couldn't even stand there, Y1802."""
+    """Return the finding Y1801, or Y1802 if the arm could not even stand still there."""
     origin = place.motion.origin
     torque, bound, q = samples.torque[chosen], samples.bound[chosen], samples.q[chosen]
     holding = holding_torques(robot.chain, dynamics, q)
@@ -195,21 +214,27 @@ def _unit(robot: Robot, joint: int) -> str:
 
 
 def _stretched(torque: Array, holding: Array, bound: Array, dynamics: Dynamics) -> float:
-    """By which factor the motion has to take longer, so that no effort is exceeded; infinite where it doesn't help.
+    """Return the factor by which a motion must take longer to keep all efforts; infinite if none is enough.
 
-    On the same way in a time that is s times as long, all that isn't gravity's is s^2 times smaller.
+    On one path in s times the duration, all torques except gravity's are s^2 times smaller.
     """
     moving = torque - holding
-    against = np.where(moving >= 0.0, holding, -holding)  # gravity, in the direction of the rest
+    against = np.where(moving >= 0.0, holding, -holding)  # gravity in the direction of the other torques
     with np.errstate(divide="ignore", invalid="ignore"):
-        # the bound shrinks as well, but not by so much where gravity changes
+        # The bound shrinks as well, but less where gravity changes, so it is left as it is.
         least = np.where(moving != 0.0, (dynamics.effort - bound - against) / np.abs(moving), np.inf)
     share = float(least.min())
     return math.sqrt(max(1.0, 1.0 / share)) * (1.0 + ROOM) if share > 0.0 else math.inf
 
 
 def _slower(place: Place, duration: float, longer: float) -> tuple[str, Fix | None]:
-    """What to do about a motion of a duration [s] that should take `longer` by a factor, and a fix that writes a time that works."""
+    """Return a remedy and a fix for a motion that must take longer.
+
+    Args:
+        place: the motion.
+        duration: its duration [s].
+        longer: factor by which it must take longer.
+    """
     if not math.isfinite(longer):
         return f"no time works: {_TOO_HEAVY}", None
     if place.before is not None or place.behind is not None:

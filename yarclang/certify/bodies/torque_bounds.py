@@ -1,8 +1,10 @@
-"""How quickly torques can change: bounds of their second derivatives while every joint has constant jerk. All arrays, no sampling.
+"""Bounds of the second time derivatives of torques while every joint has constant jerk, without sampling.
 
-The torque of joint k is the sum over the bodies i behind it of z.(r x F) + z.N: z is the axis, r leads from a point on it to the body's centre of mass, F is mass times
-acceleration without gravity, N the rate of the angular momentum. A joint that turns adds one cross product with a unit vector to a derivative, so that each factor's derivatives are at most its
-length times Bell's polynomials of the joints' rates; the product's are Leibniz's sums of these. docs/certificate.md has it in full.
+The torque of joint k is the sum over the bodies i after it of z.(r x F) + z.N. Here z is the axis, r leads
+from a point on it to the body's centre of mass, F is mass times (acceleration minus gravity), and N is the
+rate of the angular momentum. Each derivative with respect to a turning joint adds one cross product with a
+unit vector, so the derivatives of each factor are at most its length times Bell polynomials of the joints'
+rates; those of the product follow by Leibniz' rule. docs/certificate.md has the full derivation.
 """
 
 from __future__ import annotations
@@ -13,19 +15,22 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Dynamics
 
 LEAST_LENGTH = 0.1
-"""Where joints slide, lengths count as at least this [m]: a longer one bounds as well, and a way of a length is a turn by one over it."""
+"""Least length in chains with sliding joints [m].
+
+A larger length is still a bound, and a slide counts as a turn by its distance over this length.
+"""
 
 Derivatives = tuple[Array, ...]
-"""Bounds (N,) of the size of something, of its first derivative, and so on."""
+"""Bounds (N,) of the norm of a vector, of its first derivative, and so on."""
 
 
 def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[Array, Array, Array]) -> Array:
-    """Bounds (N, n) of |second derivative of the torque| of each joint on N pieces [N m/s^2 or N/s^2].
+    """Bound |second derivative of the torque| of each joint (N, n) on N pieces [N m/s^2 or N/s^2].
 
     Args:
         chain: the arm.
         dynamics: its masses.
-        travel: (N, n) largest |q| of each joint on the pieces; of those that slide it is read [m].
+        travel: (N, n) largest |q| of each sliding joint on the pieces [m]; not used for other joints.
         peaks: largest |velocity|, |acceleration| and |jerk| of each joint on the pieces, (N, n) each.
     """
     prismatic = chain.is_prismatic
@@ -44,17 +49,21 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
         lengths = _lengths(chain, dynamics.center[body], body, travel)
         rates = _Rates(*(one[body] for one in (*turning, *sliding)))
         reach = lengths[0]
+        # Force, and its derivatives: mass times the second to fourth derivative of the centre of mass, which
+        # Bell polynomials bound; gravity, which is constant, adds to the force only.
         _, _, second, third, fourth = rates.grown(reach)
         force: Derivatives = (mass * (reach * second + pull), mass * reach * third, mass * reach * fourth)
         stiff = float(np.linalg.eigvalsh(dynamics.inertia[body])[-1])
         twist = _momentum_rates(stiff, rates)
         for joint in range(body + 1):
+            # The axis of a joint is turned only by the joints before it.
             before = _Rates(*(one[joint - 1] if joint else nothing for one in turning), *([nothing] * 3))
             axis = before.grown(1.0)[:3]
             if prismatic[joint]:
                 bend = _product(axis, force)
             else:
                 length = lengths[joint]
+                # The lever arm r moves with all joints up to the body.
                 arm: Derivatives = tuple(length * one for one in rates.grown(length)[:3])
                 bend = _triple(axis, arm, force) + _product(axis, twist)
             found[:, joint] += bend
@@ -63,7 +72,16 @@ def torque_bends(chain: Chain, dynamics: Dynamics, travel: Array, peaks: tuple[A
 
 @frozen(eq=False)
 class _Rates:
-    """Sums over joints of the largest |velocity|, |acceleration| and |jerk| (N,): of those that turn [rad, s], and of those that slide [m, s]."""
+    """Sums over joints of the largest rates (N,).
+
+    Attributes:
+        w: sum of |velocity| of the turning joints [rad/s].
+        a: sum of |acceleration| of the turning joints [rad/s^2].
+        j: sum of |jerk| of the turning joints [rad/s^3].
+        v_slide: sum of |velocity| of the sliding joints [m/s].
+        a_slide: sum of |acceleration| of the sliding joints [m/s^2].
+        j_slide: sum of |jerk| of the sliding joints [m/s^3].
+    """
 
     w: Array
     a: Array
@@ -73,8 +91,11 @@ class _Rates:
     j_slide: Array
 
     def grown(self, length: Array | float) -> Derivatives:
-        """Bell's polynomials (N,) of the order 0 to 4: by how much its length the derivatives of a vector of `length` [m] are at most."""
-        scale = 1.0 / np.maximum(length, 1e-9)  # where something slides, lengths are longer
+        """Return the Bell polynomials (N,) of order 0 to 4.
+
+        They bound the derivatives of a vector of `length` [m], relative to its length.
+        """
+        scale = 1.0 / np.maximum(length, 1e-9)  # lengths of slides are at least LEAST_LENGTH
         w, a, j = (
             turn + scale * slide
             for turn, slide in ((self.w, self.v_slide), (self.a, self.a_slide), (self.j, self.j_slide))
@@ -83,7 +104,7 @@ class _Rates:
 
 
 def _bell(w: Array, a: Array, j: Array) -> Derivatives:
-    """Complete Bell polynomials with the fourth derivative zero."""
+    """Return the complete Bell polynomials of order 0 to 4, with a fourth derivative of zero."""
     return (
         np.ones_like(w),
         w,
@@ -94,12 +115,17 @@ def _bell(w: Array, a: Array, j: Array) -> Derivatives:
 
 
 def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
-    """Bounds of the rate of a body's angular momentum about its centre, and of that rate's derivatives; `stiff` is its largest moment of inertia."""
+    """Bound the rate of a body's angular momentum about its centre, and this rate's first two derivatives.
+
+    Args:
+        stiff: largest moment of inertia of the body [kg m^2].
+        rates: sums of the rates of the joints before the body.
+    """
     w, a, j = rates.w, rates.a, rates.j
-    # its inertia is turned from both sides
+    # The inertia tensor R I R' is turned from both sides, so its rates count twice.
     tensor = [stiff * one for one in _bell(2.0 * w, 2.0 * a, 2.0 * j)[:4]]
     _, first, second, third, _ = _bell(w, a, j)
-    # the spin is the sum of the axes times their rates
+    # The angular velocity is the sum of the axes times the joint velocities.
     spin = [
         w,
         a + first * w,
@@ -114,13 +140,13 @@ def _momentum_rates(stiff: float, rates: _Rates) -> Derivatives:
 
 
 def _product(one: Derivatives, other: Derivatives) -> Array:
-    """The second derivative of a product of two."""
+    """Return the second derivative of a product of two factors (Leibniz)."""
     total: Array = one[2] * other[0] + 2.0 * one[1] * other[1] + one[0] * other[2]
     return total
 
 
 def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
-    """The second derivative of a product of three."""
+    """Return the second derivative of a product of three factors (Leibniz)."""
     both: Derivatives = (
         one[0] * two[0],
         one[1] * two[0] + one[0] * two[1],
@@ -130,9 +156,12 @@ def _triple(one: Derivatives, two: Derivatives, three: Derivatives) -> Array:
 
 
 def _lengths(chain: Chain, center: Array, body: int, travel: Array) -> list[Array]:
-    """How far a body's centre can be from a point of each turning joint's axis before it on N pieces, body + 1 times (N,) [m]; see `reaches` of bounds.py.
+    """Bound the distance of a body's centre from each turning axis before it, on N pieces.
 
-    Of a sliding joint it is what the joint behind it has.
+    The method is that of `reaches` in bounds.py. A sliding joint gets the value of the joint after it.
+
+    Returns:
+        For each of the body + 1 joints (N,) [m].
     """
     point, length = center, np.zeros(len(travel))
     least = LEAST_LENGTH if chain.is_prismatic[: body + 1].any() else 0.0

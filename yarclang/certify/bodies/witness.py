@@ -1,7 +1,10 @@
-"""Zones to stay in or out of, looked at a second time: at the ends of all segments, with placements and distances of the judge's own.
+"""A second check of zones to stay in or out of, with the judge's own placements and distances.
 
-This is no proof that a zone is kept: that is the business of `yarclang.collision.zones.proof`, which the planner uses too. It is a witness against it. What it sees
-beyond a border is there, exactly: points of what is watched, and balls around them.
+It examines the ends of all segments.
+
+It does not prove that a zone is respected: `yarclang.collision.zones.proof`, which the planner uses too, does
+that. It can only refute that proof. What it sees beyond a border is really there: points of the watched
+bodies, and balls around them.
 """
 
 from __future__ import annotations
@@ -18,18 +21,24 @@ from yarclang.robot.model import Array
 from yarclang.shapes import Box, Capsule, Sphere
 
 SURE = 2e-5
-"""What is beyond a border by less [m] is left to the proof."""
+"""Distance beyond a border up to which only the proof decides [m]."""
 SURE_OF_JOINTS = 2e-6
-"""The same of a joint's window [rad or m]."""
+"""Distance beyond the end of a joint's window up to which only the proof decides [rad or m]."""
 _TURNS = 8
-"""Points of the rim of a round face."""
+"""Points on the rim of a round face."""
 _MOST = 1 << 22
-"""Coordinates that are computed at a time."""
+"""Coordinates that are computed in one step."""
 
 
 @frozen
 class Seen:
-    """What was seen beyond a border: by how much [m, or of a joint rad or m], in which segment, and whether that was at its end."""
+    """A place beyond a border.
+
+    Attributes:
+        beyond: distance beyond the border [m, or rad or m of a joint].
+        segment: the segment.
+        at_end: True at the end of the segment, False at its start.
+    """
 
     beyond: float
     segment: int
@@ -37,11 +46,11 @@ class Seen:
 
 
 def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
-    """Return for each motion what is farthest beyond a zone's border at the ends of its segments; None where nothing is.
+    """Return each motion's place farthest beyond a zone's border, at the ends of segments; None without one.
 
     Args:
-        motions: segments, and which of them are those of each motion.
-        watch: a zone that isn't a slow one, and an item, or none where only joints count.
+        motions: the segments, and the range of each motion.
+        watch: a zone other than a slow one, with a body, or without one if only joints are watched.
     """
     cubics = motions.cubics
     q = [cubics.at(np.zeros(len(cubics.h)))[0], cubics.at(cubics.h)[0]]
@@ -66,7 +75,7 @@ def seen_beyond(motions: Motions, watch: Watch) -> list[Seen | None]:
 
 
 def _joints_beyond(watch: Watch, q: Array) -> Array:
-    """Return how far joint positions (N, n) are surely beyond what a window allows, (N,); not above 0 where they aren't."""
+    """Return the distance (N,) by which joints (N, n) are surely beyond a window; not positive if inside."""
     region = watch.zone.region
     assert isinstance(region, JointWindow)
     inside = np.minimum(q - region.lower, region.upper - q).min(axis=1)
@@ -74,7 +83,7 @@ def _joints_beyond(watch: Watch, q: Array) -> Array:
 
 
 def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
-    """Return how far an item is surely beyond a border at N instants, (N,) [m]; not above 0 where it isn't."""
+    """Return the distance (N,) [m] by which a body is surely beyond a border; not positive if it is not."""
     zone, region = watch.zone, watch.zone.region
     assert not isinstance(region, JointWindow)
     points = _points(item)
@@ -85,6 +94,7 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
         rows = np.arange(begin, min(begin + step, count))
         part = arms.take(rows)
         for own in points:
+            # Points of the body with a ball around each are really there; other points are not examined.
             away = distances(region, part.point(own))
             if zone.rule == "allowed":
                 beyond = away + item.radius + zone.margin
@@ -93,14 +103,14 @@ def _beyond(watch: Watch, item: Item, arms: Joints, q: Array) -> Array:
             found[rows] = np.maximum(found[rows], beyond)
     found -= SURE
     if zone.posture is not None:
-        # inside, the joints have to be in the window
+        # Inside the zone, the joints must be in the window.
         out = np.maximum(zone.posture.lower - q, q - zone.posture.upper).max(axis=1) - SURE_OF_JOINTS
         return np.where(found > 0.0, out, -np.inf)
     return found
 
 
 def _points(item: Item) -> Array:
-    """Return points of an item (K, 3) in {B} with all joints at zero; a round face gives some of its rim."""
+    """Return points of a body (K, 3) in {B} with all joints at zero; for a round face, points on its rim."""
     if not item.disc:
         return item.points
     across = np.cross(item.axis, np.eye(3)[int(np.argmin(np.abs(item.axis)))])
@@ -112,7 +122,10 @@ def _points(item: Item) -> Array:
 
 
 def distances(region: Region, points: Array) -> Array:
-    """Return the signed distances (N,) [m] of points (3, N) in {B} from a region: exact outside, and inside that to its nearest border."""
+    """Return the signed distances (N,) [m] of points (3, N) in {B} from a region.
+
+    They are exact outside; inside, they refer to the nearest border of the region.
+    """
     if isinstance(region, HalfSpace):
         return np.asarray(region.offset - region.normal @ points)
     placed, shape = region.base_from_shape, region.shape

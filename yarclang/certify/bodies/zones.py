@@ -1,4 +1,4 @@
-"""Whether what the zones of a cell watch keeps to them while the text is executed."""
+"""Proof that the watched bodies respect the cell's zones while the text runs."""
 
 from __future__ import annotations
 
@@ -35,8 +35,12 @@ from yarclang.units import MM
 
 @frozen
 class InZones:
-    """What was proved of a command: how near what is watched comes to borders that it must not cross, and how fast it is in slow zones, where that is nearest to
-    what is allowed. None where there are no such zones, or it isn't in one.
+    """Proved bounds of a command in relation to zones.
+
+    Attributes:
+        clearance: distance of the watched bodies from borders that they must not cross; None without such
+            zones.
+        speed: speed in slow zones, where it is nearest to the allowed speed; None if the command is in none.
     """
 
     clearance: Clearance | None
@@ -49,13 +53,13 @@ NO_ZONES = InZones(None, None)
 def find_zones(
     layout: Layout, program: hir.Program, robot: Robot, handled: Handled
 ) -> tuple[dict[int, InZones], list[Diagnostic]]:
-    """What was proved of every command by its step, and a finding for each zone, or ceiling of its own, that it breaks.
+    """Return the bounds of every command by its step, and findings about broken zones and ceilings.
 
     Args:
-        layout: the text's segments.
-        program: what it was compiled from; its cell has the zones.
+        layout: the segments of the text.
+        program: the program that the text was compiled from; its cell has the zones.
         robot: its links and kinematics.
-        handled: the cell as it is during each command.
+        handled: the cell's state during each command.
     """
     told: dict[int, InZones] = {}
     findings: list[Diagnostic] = []
@@ -71,7 +75,7 @@ def find_zones(
     for cell, places in moving_chunks(layout, handled):
         made = scene_of(robot, cell)
         if made.value is None or cell is None:
-            return told, findings  # that bodies can't be read is told with the collisions
+            return told, findings  # unreadable bodies are reported with the collisions
         for moving, run in _runs(places, robot):
             judge = _Judge(made.value, robot, sweep_of(layout, run), watches_of(robot, cell, moving))
             in_zones |= judge.judged()
@@ -85,7 +89,7 @@ def find_zones(
 
 
 def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Place]]]:
-    """Commands that follow each other and move the same frame, which is what zones watch as the tool."""
+    """Yield runs of consecutive commands that move one frame, which zones watch as the tool."""
     run: list[Place] = []
     before: Moving | None = None
     for place in places:
@@ -105,7 +109,7 @@ def _runs(places: list[Place], robot: Robot) -> Iterator[tuple[Moving, list[Plac
 
 
 def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
-    """The frame that a motion moves, or that is its tool; {TCP} where it names none."""
+    """Return the frame that a motion moves, or its tool; {TCP} if it names none."""
     link = motion.origin.tool
     if link is None:
         return tool_frame(robot)
@@ -119,7 +123,7 @@ def moving_of(motion: hir.Motion, robot: Robot) -> Moving:
 
 
 class _Judge:
-    """The judgement of some commands, all of which move one frame."""
+    """Judgement of commands that all move one frame."""
 
     def __init__(self, scene: Scene, robot: Robot, sweep: Sweep, watches: Sequence[Watch]) -> None:
         self.scene, self.robot, self.sweep, self.watches = scene, robot, sweep, watches
@@ -128,7 +132,7 @@ class _Judge:
         self.findings: list[Diagnostic] = []
 
     def judged(self) -> dict[int, InZones]:
-        """What was proved of each command."""
+        """Return the proved bounds of each command by its step."""
         speeds = self._speeds()
         borders = self._borders()
         return {place.step: InZones(borders[row], speeds[row]) for row, place in enumerate(self.places)}
@@ -160,7 +164,10 @@ class _Judge:
         return clearances
 
     def _look_again(self, broken: Container[tuple[int, str]]) -> None:
-        """Look at borders a second time, by arithmetic that the proof doesn't use: what is beyond one there and wasn't found is a fault of yarclang."""
+        """Check borders again by arithmetic that the proof does not use.
+
+        A violation that the proof missed is a bug of yarclang.
+        """
         for watch in self.watches:
             if watch.zone.rule == "slow":
                 continue
@@ -187,7 +194,7 @@ class _Judge:
             limit = watch.zone.speed
             if watch.zone.rule != "slow" or limit is None:
                 continue
-            assert watch.item is not None  # zones without are joint windows with other rules
+            assert watch.item is not None  # only joint windows have no body, and they are never slow zones
             found = fastest_in(self.motions, watch.zone.region, watch.zone.margin, watch.item)
             for row in np.flatnonzero(found.segment >= 0).tolist():
                 speed = ZoneSpeed(float(found.speed[row]), limit, _called(watch), watch.zone.name)
@@ -213,7 +220,7 @@ class _Judge:
         )
 
     def _break(self, row: int, stays: list[tuple[Watch, Beyond]]) -> None:
-        """A finding about a zone that a command breaks: of what is worst, and the names of the others."""
+        """Report a zone that a command breaks: the worst place, and the names of the other bodies."""
         place = self.places[row]
         watch, found = min(stays, key=lambda one: one[1].slack)
         q = self._at(self.sweep.starts(row) + found.worst)
@@ -228,7 +235,7 @@ class _Judge:
         self._find(code, message, place, *remedy(place.motion, _REMEDIES[code], when, self.sweep.lasts(row)))
 
     def _how(self, watch: Watch, found: Beyond, q: Array) -> tuple[str, str]:
-        """The code of a breach, and what is wrong where it is worst."""
+        """Return the code of a violation, and its description where it is worst."""
         zone = watch.zone
         if isinstance(zone.region, JointWindow):
             if zone.rule == "allowed":
@@ -254,7 +261,7 @@ class _Judge:
         return code, f"{part} goes {_mm(max(-apart, 1e-5))} {way} the zone {zone.name}"
 
     def _joint(self, window: JointWindow, q: Array) -> str:
-        """The joint that is farthest out of a window, and by how much."""
+        """Return in words the joint that is farthest out of a window, and its distance."""
         out = -room(window, q[None])[0] / self.robot.axis_units
         joint = int(np.argmax(out))
         unit, scale = self.robot.axis_unit_names[joint], self.robot.axis_units[joint]
@@ -272,7 +279,7 @@ class _Judge:
 
 
 def _mm(length: float) -> str:
-    """A length [m] in mm."""
+    """Return a length [m] in mm, in words."""
     return f"{length / MM:.3g} mm" if length < 1.0 else f"{length / MM:,.0f} mm"
 
 

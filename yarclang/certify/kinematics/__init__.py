@@ -1,5 +1,8 @@
-"""The judge's own kinematics: from the texts of robot.toml and URDF, with no line shared with `yarclang.robot.kinematics`.
+"""The judge's own kinematics, from the texts of robot.toml and URDF.
 
-`described` reads the numbers, `rotations` has the conventions, `arm` the forward kinematics, `motors` the actuation, `elbow` the elbow; `pinocchio`
-asks a third party, `poses` holds the program's poses to the numbers that were written.
+It uses no code of `yarclang.robot.kinematics`.
+
+`described` reads the numbers, `rotations` defines the conventions, `arm` computes the forward kinematics,
+`motors` the motor positions, `elbow` the elbow. `pinocchio` compares the results with a third party's,
+`poses` compares the program's poses with the written numbers.
 """

@@ -1,4 +1,8 @@
-"""Forward kinematics of the judge: each joint turns or slides in a frame of its own, and constant steps lie between (samples last, in blocks)."""
+"""Forward kinematics of the judge.
+
+Each joint turns or slides along the z axis of its own frame; constant transforms lie between these frames.
+Samples are the last dimension, in blocks.
+"""
 
 from __future__ import annotations
 
@@ -12,19 +16,28 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain, Lines
 
 _BLOCK = 1024
-"""Samples that are computed at once, so that the arrays of a step stay in the cache."""
+"""Samples that are computed in one step, so that its arrays stay in the processor's cache."""
 
 _NO_PITCH = 1e-11
-"""Joint that slides by less [m] per rad only turns; if its axis is farther than 1 m from {B}'s origin, by this share of the distance. No joint of a URDF does both, and
-what is left of the product is rounding: of an arm 100 m from its URDF's root about 1e-14 m."""
+"""Largest pitch [m/rad] of a joint that only turns.
+
+If its axis is more than 1 m from the origin of {B}, this is a share of the distance.
+
+No joint of a URDF both turns and slides. Rounding leaves a small pitch, such as 1e-14 m for an arm 100 m from
+its URDF's root.
+"""
 
 
 @frozen(eq=False)
 class _Steps:
-    """The constants of a chain.
+    """Constants of a chain of n joints.
 
-    `hinges` (n, 4, 4) are the joints' frames in {B} with all joints at zero, the axis along z; `back` (n, 4, 4) their inverses. `into` (n, 4, 4) leads from each
-    joint's frame to the next one, the last to the flange, transposed.
+    Attributes:
+        lines: the axes.
+        hinges: (n, 4, 4) frames of the joints in {B} with all joints at zero, the axis along z.
+        back: (n, 4, 4) inverses of `hinges`.
+        into: (n, 4, 4) transforms from each joint's frame to the next one, the last to the flange,
+            transposed.
     """
 
     lines: Lines
@@ -35,12 +48,12 @@ class _Steps:
 
 @lru_cache(maxsize=256)
 def _steps(chain: Chain) -> _Steps:
-    """Compute the constants of a chain, remembered by its identity."""
+    """Compute the constants of a chain, cached by its identity."""
     lines = axes_of(chain)
     size = chain.size
     hinges = np.zeros((size, 4, 4))
     for joint, (axis, point) in enumerate(zip(lines.axes, lines.points, strict=True)):
-        # any frame whose z is the axis: the rows of the identity, made perpendicular to the axis
+        # Any frame with the axis as z will do: project the unit vector least aligned with the axis.
         least = int(np.argmin(np.abs(axis)))
         side = np.eye(3)[least] - axis * axis[least]
         side = side / np.sqrt(side @ side)
@@ -57,7 +70,10 @@ def _steps(chain: Chain) -> _Steps:
 
 @lru_cache(maxsize=256)
 def axes_of(chain: Chain) -> Lines:
-    """Return the axes of a chain: of a screw (v, w) with w not zero the axis is along w, through w x v / |w|^2."""
+    """Return the axes of a chain.
+
+    The axis of a screw (v, w) with w not zero is along w, through w x v / |w|^2.
+    """
     size = chain.size
     axes, points, turns, slides = np.zeros((size, 3)), np.zeros((size, 3)), np.zeros(size), np.zeros(size)
     for joint, screw in enumerate(chain.screws):
@@ -76,23 +92,25 @@ def axes_of(chain: Chain) -> Lines:
 
 
 def steps_of(chain: Chain) -> tuple[Array, ...]:
-    """Return the constant steps (4, 4) of a chain: from {B} to the first joint's frame, from each to the next, and from the last to the flange.
+    """Return the constant transforms (4, 4) of a chain.
 
-    Each joint turns about the z axis of its frame, or slides along it.
+    They lead from {B} to the first joint's frame, from each joint's frame to the next, and from the last to
+    the flange. Each joint turns about the z axis of its frame, or slides along it.
     """
     steps = _steps(chain)
     return (steps.hinges[0], *(one.T for one in steps.into))
 
 
 def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
-    """Follow a chain from the base on.
+    """Compute the frames of a chain, from the base to the flange.
 
     Args:
         chain: n joints.
-        q: (n, P) joint positions.
+        q: (n, P) joint positions [rad or m].
 
     Returns:
-        The frames of the joints before each has moved, their three axes and their origins, (n, 4, 3, P), and the flange (4, 3, P), all in {B}.
+        The frames of the joints before each has moved (n, 4, 3, P), as three axes and the origin, and the
+        flange (4, 3, P), all in {B}.
     """
     steps = _steps(chain)
     turns, slides = steps.lines.turn, steps.lines.slide
@@ -104,6 +122,8 @@ def _hinged(chain: Chain, q: Array) -> tuple[Array, Array]:
     moved = np.empty((4, 3, count))
     for joint in range(chain.size):
         here = frames[joint]
+        # Turn the x and y axes about z, or slide along z, then apply the constant transform to the next
+        # joint's frame.
         if turns[joint]:
             moved[0] = here[0] * cosine[joint] + here[1] * sine[joint]
             moved[1] = here[1] * cosine[joint] - here[0] * sine[joint]
@@ -132,15 +152,16 @@ def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
 
 
 def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """Return the poses (P, 4, 4) of a frame on the flange and its geometric Jacobians (P, 6, n).
+    """Compute the poses of a frame on the flange and its geometric Jacobians.
 
     Args:
         chain: n joints.
-        q: (P, n) [rad or m].
-        flange_from_tool: (4, 4).
+        q: (P, n) joint positions [rad or m].
+        flange_from_tool: (4, 4) frame on the flange.
 
     Returns:
-        base_from_tool, and for each joint the velocity of the frame's origin [m] above its angular velocity [rad], per unit of joint velocity, in the axes of {B}.
+        base_from_tool (P, 4, 4), and the Jacobians (P, 6, n): for each joint the velocity of the frame's
+        origin [m] above its angular velocity [rad], per unit of joint velocity, in the axes of {B}.
     """
     lines = _steps(chain).lines
     simple = bool((lines.turn == 1.0).all() and not lines.slide.any())
@@ -153,6 +174,7 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         columns = (tool @ flange.reshape(4, -1)).reshape(flange.shape)
         poses[rows, :3] = columns.transpose(2, 1, 0)
         axes = frames[:, 2]
+        # A turning joint moves the origin by axis x (origin - point on the axis).
         x, y, z = (columns[3] - frames[:, 3]).transpose(1, 0, 2)
         found = np.empty((6, *axes[:, 0].shape))
         found[0] = axes[:, 1] * z - axes[:, 2] * y
@@ -167,15 +189,16 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
 
 
 def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
-    """Compute where what the first joints move is, and how it moves.
+    """Compute the placements and velocities of the bodies that the first k joints move, for each k.
 
     Args:
         chain: n joints.
         q: (P, n) joint positions [rad or m].
-        rate: (P, n) their velocities.
+        rate: (P, n) joint velocities [rad/s or m/s].
 
     Returns:
-        Placements as of `Kinematics.placements`, angular velocities (n + 1, 3, P) [rad/s], and velocities (n + 1, 3, P) [m/s] of what is in the origin of {B}, in the axes of {B}.
+        Placements as in `Kinematics.placements`, angular velocities (n + 1, 3, P) [rad/s], and velocities (n
+        + 1, 3, P) [m/s] of the body's point at the origin of {B}, in the axes of {B}.
     """
     placed = KINEMATICS.placements(chain, q)
     lines, count = axes_of(chain), len(q)
@@ -185,7 +208,7 @@ def motions(chain: Chain, q: Array, rate: Array) -> tuple[Array, Array, Array]:
         axis = np.tensordot(turn, lines.axes[joint], axes=(1, 0))
         x, y, z = np.tensordot(turn, lines.points[joint], axes=(1, 0)) + shift
         spin[joint + 1] = axis * (lines.turn[joint] * rate[:, joint])
-        # a turn about an axis through o moves the origin by o x w
+        # A turn w about an axis through o gives the body's point at the origin the velocity o x w.
         u, v, w = spin[joint + 1]
         drift[joint + 1] = np.stack([y * w - z * v, z * u - x * w, x * v - y * u])
         drift[joint + 1] += axis * (lines.slide[joint] * rate[:, joint])
@@ -198,18 +221,18 @@ def _blocks(count: int) -> Iterator[slice]:
 
 
 class Kinematics:
-    """The judge's kinematics, for what it shares with the planner: distances, zones and parts ask the chain that they are given."""
+    """The judge's kinematics in the form that shared code for distances, zones and parts uses."""
 
     __slots__ = ()
 
     def placements(self, chain: Chain, q: Array) -> Array:
-        """Return (n + 1, 3, 4, P), what brings the links from their places at zero to those at `q` (P, n)."""
+        """Return the transforms (n + 1, 3, 4, P) of the links from their places at zero to `q` (P, n)."""
         count = len(q)
         frames = _hinged(chain, np.ascontiguousarray(q.T))
         steps = _steps(chain)
         found = np.empty((chain.size + 1, 3, 4, count))
         found[0] = np.eye(3, 4)[:, :, None]
-        # frame k + 1 is at G_k+1 times its place at zero
+        # Frame k + 1 is at G_(k+1) times its place at zero, where G_(k+1) is the wanted transform.
         followed = [*frames[0][1:], frames[1]]
         backs = [*steps.back[1:], _inverted(chain.base_from_flange)]
         for joint, (frame, back) in enumerate(zip(followed, backs, strict=True)):
@@ -218,15 +241,15 @@ class Kinematics:
         return found
 
     def flange(self, chain: Chain, q: Array) -> Array:
-        """Return base_from_flange (P, 4, 4)."""
+        """Return base_from_flange (P, 4, 4) for joint positions `q` (P, n)."""
         return flange_poses(chain, q)
 
     def lines(self, chain: Chain) -> Lines:
-        """Return the axes."""
+        """Return the axes of a chain."""
         return axes_of(chain)
 
     def elbow(self, chain: Chain) -> tuple[int, Array] | None:
-        """Return the elbow's joint and point."""
+        """Return the joint of the elbow and its point (3,) [m]; None without an elbow."""
         return find_elbow(axes_of(chain), chain.base_from_flange[:3, 3])
 
 

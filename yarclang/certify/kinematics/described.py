@@ -1,7 +1,9 @@
-"""What the judge knows of a robot: read from the texts of robot.toml and URDF, with readers and conventions of its own.
+"""The judge's description of a robot, from the texts of robot.toml and URDF.
 
-The texts come with the robot (`Robot.written`) as they were read, so that a file that has changed since makes no difference. What a robot was made of
-without files is its description then, and is moved by the judge's own kinematics.
+The judge has its own readers and conventions.
+
+The texts come with the robot (`Robot.written`) as they were first read, so that a later change of the files
+has no effect. A robot that was made without files is taken as it is, with the judge's own kinematics.
 """
 
 from __future__ import annotations
@@ -38,12 +40,21 @@ _MILLIMETRE = 1e-3
 _MOVING = ("revolute", "continuous", "prismatic")
 _FLANGE = "FLANGE"
 _GRAVITY = 9.81
-"""Along the negative z axis of the URDF's root, if robot.toml doesn't say otherwise [m/s^2]."""
+"""Gravity along the negative z axis of the URDF's root, unless robot.toml gives another one [m/s^2]."""
 
 
 @frozen(eq=False)
 class _Joint:
-    """A joint of the URDF: `parent_from_joint` (4, 4) [m] with the joint at zero, its unit `axis` (3,)."""
+    """A joint of the URDF.
+
+    Attributes:
+        name: name of the joint.
+        kind: type of the joint in the URDF.
+        parent: name of the parent link.
+        child: name of the child link.
+        parent_from_joint: (4, 4) place of the joint with the joint at zero [m].
+        axis: (3,) unit vector of the axis.
+    """
 
     name: str
     kind: str
@@ -55,7 +66,14 @@ class _Joint:
 
 @frozen(eq=False)
 class _Tree:
-    """A URDF: its joints by the link below each, for each link its collision shapes' places in it (4, 4), and the efforts of joints that have one."""
+    """A URDF.
+
+    Attributes:
+        above: for each link, the joint above it.
+        shapes: for each link, its collision shapes with their places in the link (4, 4); None as the shape of
+            a mesh.
+        efforts: effort limits of the joints that have one [N m or N].
+    """
 
     above: Mapping[str, _Joint]
     shapes: Mapping[str, tuple[tuple[Array, Shape | None], ...]]
@@ -64,28 +82,30 @@ class _Tree:
 
 @frozen
 class Ends:
-    """The links that are {B} and {FLANGE}."""
+    """Names of the links that are {B} and {FLANGE}."""
 
     base: str
     flange: str
 
 
 def ends_of(written: Written) -> Ends:
-    """Return the names of the links between which an arm is."""
+    """Return the names of the links at both ends of an arm."""
     table = tomllib.loads(written.toml)
     return Ends(table["base"], table["flange"])
 
 
 class ContradictionError(Exception):
-    """The robot isn't what its texts say: the text of the exception says where."""
+    """A contradiction between the robot and its texts; the message names it."""
 
 
 @lru_cache(maxsize=64)
 def own_robot(robot: Robot) -> Robot:
-    """Return the robot as the judge reads it: geometry, frames, tools, limits and actuation by the texts, moved by the judge's kinematics.
+    """Return the robot as the judge reads it from the texts, with the judge's own kinematics.
+
+    Geometry, frames, tools, limits and actuation are read again.
 
     Raises:
-        ContradictionError: the texts describe another arm.
+        ContradictionError: the texts describe another robot, or cannot be read.
     """
     if robot.written is None:
         chain = Chain(robot.chain.screws, robot.chain.base_from_flange, KINEMATICS)
@@ -118,7 +138,7 @@ def own_robot(robot: Robot) -> Robot:
 
 
 def _read_urdf(text: str) -> _Tree:
-    # as readers of URDF do: no namespaces, and UTF-8 whatever is declared
+    # Like other readers of URDF: no namespaces, and always UTF-8, whatever the text declares.
     builder = ElementTree.TreeBuilder()
     parser = expat.ParserCreate("utf-8")
     parser.StartElementHandler, parser.EndElementHandler = builder.start, builder.end
@@ -163,14 +183,14 @@ def _numbers(
 
 
 def _origin(element: ElementTree.Element) -> Array:
-    """Return the transform (4, 4) of an <origin>: metres and fixed-axis angles [rad]."""
+    """Return the transform (4, 4) of an <origin>, given in metres and fixed-axis angles [rad]."""
     origin = element.find("origin")
     nothing = (0.0, 0.0, 0.0)
     return of_numbers(np.array(_numbers(origin, "xyz", nothing) + _numbers(origin, "rpy", nothing)))
 
 
 def _size(element: ElementTree.Element) -> Shape | None:
-    """Return the shape of a <collision> by its own numbers [m]; None of a mesh."""
+    """Return the shape of a <collision> by its own numbers [m]; None for a mesh."""
     for one in element.findall("geometry/*"):
         if one.tag == "box":
             return Box(_sealed(np.array(_numbers(one, "size", ()))))
@@ -184,7 +204,7 @@ def _size(element: ElementTree.Element) -> Shape | None:
 
 
 def _between(tree: _Tree, base: str, flange: str) -> list[_Joint]:
-    """Return the joints from one link to another, the base's first."""
+    """Return the joints from one link to another, starting at the base."""
     found, here = [], flange
     while here != base:
         found.append(tree.above[here])
@@ -214,7 +234,7 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
 def _link_shapes(
     known: Sequence[LinkShape], tree: _Tree, base_from_root: Array, moving: tuple[str, ...]
 ) -> tuple[LinkShape, ...]:
-    """Place and size the links' shapes anew; of a mesh the file is the known one."""
+    """Compute places and sizes of the links' shapes again; a mesh itself is taken from the known shapes."""
     count: dict[str, int] = {}
     found = []
     for one in known:
@@ -233,12 +253,12 @@ def _link_shapes(
 
 
 def _frames(table: Mapping[str, Any]) -> dict[str, Array]:
-    """Return flange_from_frame (4, 4) of each frame by its name in upper case."""
+    """Return flange_from_frame (4, 4) of each frame by its name in capitals."""
     tables = {name.upper(): frame for name, frame in table.get("frames", {}).items()}
 
     placed = {_FLANGE: np.eye(4)}
     for name in tables:
-        above, waiting = name, dict[str, None]()  # a set with an order
+        above, waiting = name, dict[str, None]()  # a dict serves as an ordered set
         while above not in placed:
             if above in waiting:
                 raise ContradictionError(f"the frame {above} is given in itself")
@@ -257,7 +277,7 @@ def _in_millimetres(entry: Mapping[str, Any]) -> Array:
 
 
 def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str, Array]) -> tuple[Tool, ...]:
-    """Place tools and their shapes anew."""
+    """Compute the places of tools and their shapes, and their masses, again."""
     tables = {name.upper(): tool for name, tool in table.get("tools", {}).items()}
     bodies: dict[str, list[Array]] = {name: [] for name in tables}
     for body in table.get("bodies", ()):
@@ -288,7 +308,13 @@ def _tools(known: Sequence[Tool], table: Mapping[str, Any], frames: Mapping[str,
 
 
 def _limits(table: Mapping[str, Any], names: Sequence[str], units: Array) -> Limits:
-    """Return the limits of the joints in SI; `units` (n,) are the joints' units [rad or m]."""
+    """Return the limits of the joints in SI units.
+
+    Args:
+        table: the content of robot.toml.
+        names: names of the joints.
+        units: (n,) units of the joints [rad or m].
+    """
     rows = [table["joints"][name] for name in names]
     ends = np.array([row.get("position", (-np.inf, np.inf)) for row in rows], dtype=np.float64)
 
@@ -316,7 +342,10 @@ def _dynamics(
     moving: Sequence[_Joint],
     base_from_root: Array,
 ) -> Dynamics | None:
-    """Return the masses that are known, with gravity and efforts read anew; the masses are held against Pinocchio's, motion by motion."""
+    """Return the known masses with gravity and efforts read again.
+
+    The masses are compared with Pinocchio's, motion by motion.
+    """
     if known is None:
         return None
     said = table.get("dynamics", {}).get("gravity")
@@ -332,7 +361,7 @@ def _dynamics(
 
 
 def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
-    """Return K, J, a0 and the largest speeds of the motors [counts/s], which robot.toml gives in counts/ms."""
+    """Return K, J, a0 and the largest motor speeds [counts/s], which robot.toml gives in counts/ms."""
     said = table["actuation"]
     return Actuation(
         _sealed(np.array(said["K"], dtype=np.float64)),
@@ -343,7 +372,7 @@ def _actuation(table: Mapping[str, Any], size: int) -> Actuation:
 
 
 def _sealed(values: Array) -> Array:
-    """Return the values without negative zeros, read-only."""
+    """Return the values as a read-only array without negative zeros."""
     made = np.ascontiguousarray(values, dtype=np.float64) + 0.0
     made.setflags(write=False)
     return made

@@ -1,4 +1,7 @@
-"""The elbow as docs/cells.md defines it: on the turning axis that is farthest from both shoulder and flange, with all joints at zero."""
+"""The elbow as docs/cells.md defines it.
+
+It is on the turning axis that is farthest from both shoulder and flange, with all joints at zero.
+"""
 
 from __future__ import annotations
 
@@ -7,17 +10,20 @@ import numpy as np
 from yarclang.robot.model import Array, Lines
 
 LEAST = 0.01
-"""An axis nearer to the shoulder or the flange than this [m] has no elbow on it."""
+"""Least distance of the elbow from the shoulder and the flange [m]."""
 _EQUAL = 1.0 + 1e-9
-"""Distances within this ratio are equal: the first axis counts."""
+"""Distances within this ratio count as equal: the first axis is taken."""
 
 
 def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:
-    """Return the joint of the elbow, counted from 0, and the elbow's point (3,) [m]; None if the arm has none.
+    """Find the elbow of an arm.
 
     Args:
         lines: the axes of all joints.
-        flange: (3,) the flange's origin [m].
+        flange: (3,) origin of the flange [m].
+
+    Returns:
+        The index of the elbow's joint and the elbow's point (3,) [m]; None if the arm has no elbow.
     """
     turning = [joint for joint, turn in enumerate(lines.turn.tolist()) if turn]
     if len(turning) < 2:
@@ -35,18 +41,22 @@ def find_elbow(lines: Lines, flange: Array) -> tuple[int, Array] | None:
 def _foot(lines: Lines, joint: int, point: Array) -> Array:
     """Return the point of an axis that is nearest to a point (3,)."""
     axis, on_axis = lines.axes[joint], lines.points[joint]
-    # what is across the axis leads from the foot to the point
+    # The component of the difference perpendicular to the axis leads from the foot to the point.
     return np.asarray(point - np.cross(axis, np.cross(point - on_axis, axis)), dtype=np.float64)
 
 
 def _shoulder(lines: Lines, one: int, other: int) -> Array:
-    """Return the point of one axis that is nearest to the other axis; for parallel axes the foot of the other's point nearest to the base's origin."""
+    """Return the point of one axis that is nearest to another axis.
+
+    For parallel axes, this is the foot of the other axis's point nearest to the base's origin.
+    """
     first, second = lines.axes[one], lines.axes[other]
     cosine = float(first @ second)
     sine = np.cross(first, second)
     if float(sine @ sine) < 1e-12:
         return _foot(lines, one, lines.points[other])
-    # a + s u against b + t w is shortest where the difference is perpendicular to u and w: two linear equations
+    # The difference of a + s u and b + t w is shortest when perpendicular to u and w: two linear equations
+    # for s and t.
     apart = lines.points[other] - lines.points[one]
     equations = np.array([[1.0, -cosine], [cosine, -1.0]])
     along = np.linalg.solve(equations, np.array([first @ apart, second @ apart]))

@@ -1,4 +1,7 @@
-"""Motor counts from joint positions and back, as the judge computes them: counts = K J q + a0, with q in deg and mm."""
+"""The judge's conversion between motor counts and joint positions.
+
+counts = K J q + a0, with q in deg and mm.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,7 @@ _MILLIMETRE = 1e-3
 
 @lru_cache(maxsize=64)
 def counts_per_joint(robot: Robot) -> Array:
-    """Return the counts of motor row per rad or m of joint column, (n, n); it can't be written to."""
+    """Return the counts of each motor (row) per rad or m of each joint (column), (n, n), read-only."""
     actuation, size = robot.actuation, robot.size
     found = np.empty((size, size))
     for motor in range(size):
@@ -27,7 +30,7 @@ def counts_per_joint(robot: Robot) -> Array:
 
 @lru_cache(maxsize=64)
 def joints_per_count(robot: Robot) -> Array:
-    """Return the rad or m of joint row per count of motor column, (n, n); it can't be written to."""
+    """Return the rad or m of each joint (row) per count of each motor (column), (n, n), read-only."""
     size = robot.size
     found = np.asarray(np.linalg.solve(counts_per_joint(robot), np.eye(size)), dtype=np.float64)
     found.setflags(write=False)

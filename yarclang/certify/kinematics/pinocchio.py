@@ -1,6 +1,9 @@
-"""Pinocchio as a witness: at the skeleton of each motion, its reading of the URDF must put all links where ours does, and need the same torques.
+"""Comparison with Pinocchio at a few points of each motion.
 
-The skeleton of a motion is where it begins and the knot in its middle; where motions end others begin. A motion costs about 0.1 ms.
+It must place all links alike and need the same torques.
+
+The points are the begin of each motion, the knot in its middle, and the end of the last motion. A motion
+takes about 0.1 ms.
 """
 
 from __future__ import annotations
@@ -19,15 +22,26 @@ from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Array, Robot
 
 SAME_PLACE = 1e-9
-"""Transforms that differ by less in each entry [m] are one but for rounding; for an arm that is longer than 1 m by this share of its length."""
+"""Largest difference of equal transforms in each entry [m].
+
+For an arm longer than 1 m, this is a share of its length.
+"""
 SAME_TORQUE = 1e-7
-"""Torques that differ by less than this share of the largest [N m or N] are one but for rounding."""
+"""Largest difference of equal torques, as a share of the largest torque [N m or N]."""
 
 
 @frozen(eq=False)
 class _Witness:
-    """Pinocchio's model of a robot: `columns` (n,) are the places of the arm's joints in its velocities, `joints` (n,) their numbers, `base` and `flange` those of frames.
-    `at_zero` (n + 1, 4, 4) are the joints and the flange in {B} with all joints at zero.
+    """Pinocchio's model of a robot.
+
+    Attributes:
+        model: the model.
+        data: its working data.
+        joints: (n,) indices of the arm's joints.
+        columns: (n,) indices of their velocities.
+        base: index of the base's frame.
+        flange: index of the flange's frame.
+        at_zero: (n + 1, 4, 4) joints and flange in {B} with all joints at zero.
     """
 
     model: Any
@@ -40,11 +54,11 @@ class _Witness:
 
 
 def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
-    """Yield the steps at whose skeletons Pinocchio disagrees, each with the reason.
+    """Yield the first step at whose points Pinocchio disagrees, with the reason.
 
     Args:
-        layout: the text's commands.
-        robot: as the judge reads it; without the texts of its files nobody can be asked.
+        layout: the commands of the text.
+        robot: the robot as the judge reads it. Without the texts of its files, nothing can be compared.
     """
     witness = _witness_of(robot)
     moving = [place for place in layout.places if place.size]
@@ -56,7 +70,7 @@ def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
     at = layout.at[segments]
     ahead, here, after = (layout.control[at + number] for number in range(3))
     h = layout.time[segments][:, None]
-    # at a knot of the uniform cubic B-spline
+    # Position, velocity and acceleration at a knot of the uniform cubic B-spline.
     q, v, a = (
         (ahead + 4.0 * here + after) / 6.0,
         (after - ahead) / (2.0 * h),
@@ -83,14 +97,17 @@ def disagreements(layout: Layout, robot: Robot) -> Iterator[tuple[int, str]]:
 
 
 def _joined(placed: Array) -> Array:
-    """Return transforms (n, 4, 4) of their upper rows (n, 3, 4)."""
+    """Return transforms (n, 4, 4) from their upper rows (n, 3, 4)."""
     made = np.zeros((len(placed), 4, 4))
     made[:, :3], made[:, 3, 3] = placed, 1.0
     return made
 
 
 def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: bool) -> tuple[Array, Array]:
-    """Ask for places (n + 1, 4, 4) of joints and flange, and, if `loaded`, for torques (n,)."""
+    """Return Pinocchio's places (n + 1, 4, 4) of joints and flange, and the torques (n,).
+
+    The torques are zero unless `loaded`.
+    """
     import pinocchio as pin
 
     model, data = witness.model, witness.data
@@ -98,7 +115,7 @@ def _asked(witness: _Witness, motion: tuple[Array, Array, Array], *, loaded: boo
     full, rate, change = pin.neutral(model), np.zeros(model.nv), np.zeros(model.nv)
     for joint, value in zip(witness.joints, q.tolist(), strict=True):
         kind = model.joints[joint]
-        if kind.nq == 2:  # a joint without ends has the cosine and the sine of its angle
+        if kind.nq == 2:  # a continuous joint is represented by the cosine and the sine of its angle
             full[kind.idx_q : kind.idx_q + 2] = np.cos(value), np.sin(value)
         else:
             full[kind.idx_q] = value

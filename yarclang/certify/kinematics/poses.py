@@ -1,4 +1,4 @@
-"""The program's poses, held to the numbers that were written: transforms that the judge makes itself against those that it was given."""
+"""Comparison of the program's poses with the written numbers, by the judge's own transforms."""
 
 from __future__ import annotations
 
@@ -13,15 +13,18 @@ from yarclang.certify.kinematics.rotations import of_numbers
 from yarclang.robot.model import Array, Robot
 
 SAME = 1e-9
-"""Transforms that differ by less in each entry [m] are one but for rounding; a frame far away may differ by this share of its distance."""
+"""Largest difference of equal transforms in each entry [m].
+
+For a frame farther than 1 m, this is a share of its distance.
+"""
 
 
 def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None, str]]:
-    """Yield the steps with poses, and the places of the cell, that aren't what was written, each with the reason.
+    """Yield the steps with wrong poses, and the wrong places of the cell, each with the reason.
 
     Args:
-        program: what the robot shall do.
-        robot: as the judge reads it.
+        program: the program.
+        robot: the robot as the judge reads it.
     """
     frames = _Frames(robot)
     given: dict[int, list[tuple[int, hir.PoseGoal | hir.PoseDelta, hir.Told]]] = {}
@@ -59,7 +62,7 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
 
 
 class _Frames:
-    """Frames by the numbers of their declarations, each computed once."""
+    """Frames computed from the numbers of their declarations, each once."""
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
@@ -85,10 +88,10 @@ class _Frames:
         return link.parent_from_frame if own is None else own
 
     def wrong(self, link: hir.FrameLink | None) -> Iterator[str]:
-        """Yield what is wrong with a frame and those under it that weren't looked at before."""
+        """Yield what is wrong with a frame and its parents, skipping those that were checked before."""
         while link is not None and id(link) not in self._seen:
             self._seen.add(id(link))
-            self.placed(link)  # which keeps the frame, so that no other takes its id
+            self.placed(link)  # keeps a reference to the frame, so that no other object gets its id
             if link.parent is not None:
                 own = self._of_robot(link) if link.told is None else of_numbers(link.told)
                 if not _are_one(own, link.parent_from_frame):
@@ -97,7 +100,7 @@ class _Frames:
 
 
 def _wrong_places(cell: Cell) -> Iterator[str]:
-    """Yield what of a cell isn't where its numbers put it."""
+    """Yield the bodies, frames and zones of a cell that are not where their numbers put them."""
     bodies = [*cell.obstacles, *(part.body for part in cell.parts)]
     mounts: list[tuple[str, Mount]] = [(one.name, one.mount) for one in bodies]
     mounts += [(f"{{{name}}}", frame.mount) for name, frame in cell.frames.items()]
@@ -129,7 +132,7 @@ def _wrong_places(cell: Cell) -> Iterator[str]:
 
 
 def _followed(told: tuple[Array, ...]) -> Array:
-    """Return the transform (4, 4) of places that hang on each other."""
+    """Return the product (4, 4) of places that are given relative to each other."""
     own = np.eye(4)
     for numbers in told:
         own = own @ of_numbers(numbers)
@@ -137,12 +140,12 @@ def _followed(told: tuple[Array, ...]) -> Array:
 
 
 def _are_one(one: Array, other: Array) -> bool:
-    """Return True if two transforms (4, 4) are one but for rounding."""
+    """Return True if two transforms (4, 4) are equal except for rounding."""
     return bool(_are_all_one(one[None], other[None])[0])
 
 
 def _are_all_one(ones: Array, others: Array) -> NDArray[np.bool_]:
-    """Return for each pair of transforms (n, 4, 4) if they are one but for rounding; one that isn't finite is not."""
+    """Return whether pairs of transforms (n, 4, 4) are equal but for rounding; False if not finite."""
     allowed = SAME * np.maximum(1.0, np.abs(others[:, :3, 3]).max(axis=1))
     made: NDArray[np.bool_] = np.abs(ones - others).max(axis=(1, 2)) <= allowed
     return made

@@ -1,4 +1,4 @@
-"""Rotations as the judge makes them: turns about axes, multiplied."""
+"""Rotations as the judge computes them: products of turns about axes."""
 
 from __future__ import annotations
 
@@ -8,19 +8,29 @@ from yarclang.robot.model import Array
 
 
 def cross_matrix(vectors: Array) -> Array:
-    """Return the cross product matrices (..., 3, 3) of vectors (..., 3): the column i is their product with the unit vector i."""
+    """Return the cross product matrices (..., 3, 3) of vectors (..., 3).
+
+    Column i is the product with unit vector i.
+    """
     return np.cross(vectors[..., None, :], np.eye(3)).swapaxes(-1, -2)
 
 
 def turn(axis: Array, angle: Array) -> Array:
-    """Return the rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad]: c I + (1 - c) a a' + s [a] (Rodrigues)."""
+    """Return the rotations (..., 3, 3) about a unit axis (3,) by angles (...) [rad].
+
+    Rodrigues' formula: c I + (1 - c) a a' + s [a].
+    """
     cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
     made: Array = cosine * np.eye(3) + (1.0 - cosine) * np.outer(axis, axis) + sine * cross_matrix(axis)
     return made
 
 
 def of_roll_pitch_yaw(angles: Array) -> Array:
-    """Return the rotations (..., 3, 3) of angles (..., 3) [rad]: about the fixed x axis by roll, then about the fixed y axis by pitch, then about the fixed z axis by yaw."""
+    """Return the rotations (..., 3, 3) of angles (..., 3) [rad].
+
+    They turn about the fixed x axis by roll, then about the fixed y axis by pitch, then about the fixed z
+    axis by yaw.
+    """
     x, y, z = np.eye(3)
     return turn(z, angles[..., 2]) @ turn(y, angles[..., 1]) @ turn(x, angles[..., 0])
 
@@ -34,7 +44,10 @@ def of_quaternion(quaternions: Array) -> Array:
 
 
 def of_numbers(numbers: Array) -> Array:
-    """Return the transforms (..., 4, 4) of x y z and roll pitch yaw (..., 6) [m, rad], or of x y z and quaternions (..., 7)."""
+    """Return the transforms (..., 4, 4) of written numbers.
+
+    They are x y z and roll pitch yaw (..., 6) [m, rad], or x y z and quaternions (..., 7).
+    """
     made = np.zeros((*numbers.shape[:-1], 4, 4))
     angles = numbers[..., 3:]
     made[..., :3, :3] = of_roll_pitch_yaw(angles) if angles.shape[-1] == 3 else of_quaternion(angles)

@@ -1,8 +1,9 @@
-"""Proofs of single motions: limits, paths, speeds.
+"""Proofs about single motions: limits, paths, speeds.
 
-`bounds.py` has the theorems, `pieces.py` the segments cut into pieces. `limits.py` proves joints and motors.
-`deviations.py` asks each kind of motion for its proof: `joint.py` and `spline.py` in joint space, `timed.py`
-for timetables, `frames.py` for paths of the moving frame, which `cartesian.py` compares with what is
-programmed (`programmed.py`, `posespline.py`; `project.py` and `pose.py` serve them). `speed.py` proves
-programmed speeds, `slowed.py` says where they aren't reached. `proved.py` is what all of them share.
+`bounds.py` contains the theorems, `pieces.py` cuts segments into pieces. `limits.py` proves the limits of
+joints and motors. `deviations.py` chooses the proof for each kind of motion: `joint.py` and `spline.py` for
+joint space, `timed.py` for timetables, `frames.py` for paths of the moving frame, which `cartesian.py`
+compares with the programmed paths (`programmed.py`, `posespline.py`, with `project.py` and `pose.py` as
+helpers). `speed.py` proves programmed speeds, `slowed.py` reports where they are not reached. `proved.py`
+contains the common data of all proofs.
 """

@@ -1,11 +1,11 @@
-"""The closed forms and the theorems that the proofs stand on. All arrays, no sampling.
+"""Closed forms and theorems that the proofs are based on. They work on whole arrays, without sampling.
 
-Hermite remainder: a function e on an interval of length d, minus the cubic with the same values
-and derivatives at both ends, is at most d^4/384 max|e''''|; a jump G of e''' inside adds at most
-d^3/192 |G| (the deflection of a beam clamped at both ends, under an even load and under a load in its
-middle). The derivatives differ by at most sqrt(3)/216 d^3 max|e''''| (Birkhoff and Priver 1967). The cubic
-itself stays in the convex hull of its four Bezier points. All of it holds for vectors and matrices in
-any norm that comes from an inner product.
+Hermite remainder: let e be a function on an interval of length d, and c the cubic with the same values and
+derivatives at both ends. Then |e - c| <= d^4/384 max|e''''|. A jump G of e''' inside the interval adds at
+most d^3/192 |G|. These are the deflections of a beam clamped at both ends, under an even load and under a
+load in its middle. The derivatives differ by at most sqrt(3)/216 d^3 max|e''''| (Birkhoff and Priver 1967).
+The cubic itself stays in the convex hull of its four Bezier points. All of this holds for vectors and
+matrices in any norm that comes from an inner product.
 """
 
 from __future__ import annotations
@@ -17,26 +17,32 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Chain
 
 HERMITE = 1.0 / 384.0
+"""Factor of d^4 max|e''''| in the Hermite remainder."""
 JUMP = 1.0 / 192.0
+"""Factor of d^3 |G| for a jump G of e'''."""
 HERMITE_RATE = np.sqrt(3.0) / 216.0
+"""Factor of d^3 max|e''''| in the remainder of the derivative."""
 
 
 UNIT = 2.0**-53
-"""The largest relative error of one rounding."""
+"""Largest relative error of one rounding."""
 
 
 @frozen(eq=False)
 class Fuzz:
-    """By how much rounding may have made the peaks of segments too small: upper bounds of the errors, in `UNIT`.
+    """Upper bounds of the rounding errors of segments' peaks, in units of `UNIT`.
 
-    A segment has four control points of the size M at most, whose neighbours are S apart at most; numbers of a text are known to 3 M (decimal number, unit, product). The third difference
-    has 8 such errors and, of the steps, roundings of 4 + 4 + 4 S and a relative one of 12; with h known to 2 it is off by less than 32 M + 256 S over h^3, also after a product with a
-    matrix of 12 columns. In the same way the acceleration at the start is off by 16 M + 128 S over h^2, the velocity by 4 M + 32 S over h and the position by 8 M. A peak is a value
-    of the polynomial with these coefficients somewhere in [0, h]: its error is at most the sum of theirs, and of what its own evaluation rounds.
+    A segment has four control points of size M at most, whose neighbours differ by S at most. Numbers of a
+    text are known to 3 M (decimal number, unit, product). The third difference has 8 such errors, plus
+    roundings of the steps by 4 + 4 + 4 S and a relative one of 12. With h known to 2, the jerk is off by less
+    than (32 M + 256 S) / h^3, also after a product with a matrix of 12 columns. In the same way the
+    acceleration at the start is off by (16 M + 128 S) / h^2, the velocity by (4 M + 32 S) / h and the
+    position by 8 M. A peak is a value somewhere in [0, h] of the polynomial with these coefficients: its
+    error is at most the sum of theirs, plus the rounding of its own evaluation.
 
     Attributes:
-        size: (N, n) M; `step` (N, n) S.
-        step: see `size`.
+        size: (N, n) the sizes M.
+        step: (N, n) the steps S.
         h: (N,) durations of the whole segments [s].
     """
 
@@ -46,49 +52,64 @@ class Fuzz:
 
     @staticmethod
     def of(size: Array, step: Array, h: Array) -> Fuzz:
-        """Scale the sizes by the unit of rounding."""
+        """Return bounds from sizes M and steps S (N, n), and durations (N,) [s]."""
         return Fuzz(UNIT * size, UNIT * step, h)
 
     def take(self, rows: NDArray[np.int64]) -> Fuzz:
-        """Return some of the segments'."""
+        """Return the bounds of some of the segments."""
         return Fuzz(self.size[rows], self.step[rows], self.h[rows])
 
     def mapped(self, matrix: Array) -> Fuzz:
-        """Return those of y = matrix x."""
+        """Return the bounds for y = matrix x."""
         m = np.abs(matrix).T
         return Fuzz(self.size @ m, self.step @ m, self.h)
 
     @property
     def jerk(self) -> Array:
-        """Of the jerk."""
+        """Bound for the jerk (N, n)."""
         found: Array = (32.0 * self.size + 256.0 * self.step) / self.h[:, None] ** 3
         return found
 
     @property
     def acceleration(self) -> Array:
-        """Of the acceleration's peak: at the start, plus h times the jerk's, plus 32 S of its evaluation."""
+        """Bound for the peak acceleration (N, n).
+
+        It is that at the start, plus h times that of the jerk, plus 32 S for the evaluation.
+        """
         found: Array = (48.0 * self.size + 416.0 * self.step) / self.h[:, None] ** 2
         return found
 
     @property
     def velocity(self) -> Array:
-        """Of the velocity's peak: the velocity's, h times the acceleration's and h^2 / 2 times the jerk's, plus 64 S."""
+        """Bound for the peak velocity (N, n).
+
+        It is that at the start, plus h times that of the acceleration and h^2 / 2 times that of the jerk,
+        plus 64 S for the evaluation.
+        """
         found: Array = (36.0 * self.size + 352.0 * self.step) / self.h[:, None]
         return found
 
     @property
     def position(self) -> Array:
-        """Of the least and the greatest position, with 8 M for its evaluation and the place of its zeros."""
+        """Bound for the least and the greatest position (N, n).
+
+        It contains 8 M for the evaluation and the place of the extremes.
+        """
         found: Array = 40.0 * self.size + 256.0 * self.step
         return found
 
 
 @frozen(eq=False)
 class Cubics:
-    """Motions with constant jerk, one a segment: position x, velocity v and acceleration a at
-    its start and jerk j, (N, n) each, over h (N,) [s].
+    """N segments of motion, each with constant jerk.
 
-    `fuzz` says how exactly they are known; None: to the last bit. The peaks have it in them.
+    Attributes:
+        x: (N, n) positions at the start.
+        v: (N, n) velocities at the start [per s].
+        a: (N, n) accelerations at the start [per s^2].
+        j: (N, n) jerks [per s^3].
+        h: (N,) durations [s].
+        fuzz: rounding errors, which the peaks include; None if the values are exact.
     """
 
     x: Array
@@ -100,36 +121,44 @@ class Cubics:
 
     @staticmethod
     def of_spline(control: Array, at: NDArray[np.int64], time: Array) -> Cubics:
-        """The uniform cubic B-spline's segments.
+        """Return the segments of a uniform cubic B-spline.
 
         Args:
             control: (G, n) control points.
-            at: (N,) the first of the four control points of each segment.
-            time: (N,) durations h [s].
+            at: (N,) index of the first of the four control points of each segment.
+            time: (N,) durations [s].
         """
         f0, f1, f2, f3 = (control[at + i] for i in range(4))
         h = time[:, None]
         step0, step1, step2 = f1 - f0, f2 - f1, f3 - f2
         fuzz = Fuzz.of(np.abs([f0, f1, f2, f3]).max(axis=0), np.abs([step0, step1, step2]).max(axis=0), time)
         first, second = step1 - step0, step2 - step1
-        # x as f1 and a difference: at rest it is f1 to the last bit
+        # Write x as f1 plus a difference, so that at rest it is exactly f1.
+        # Derivatives of the uniform cubic B-spline at the start of a segment: x = (f0 + 4 f1 + f2) / 6,
+        # v = (f2 - f0) / 2h, a = (f0 - 2 f1 + f2) / h^2, and the jerk is the third difference over h^3.
         return Cubics(
             f1 + first / 6.0, (f2 - f0) / (2.0 * h), first / h**2, (second - first) / h**3, time, fuzz
         )
 
     def at(self, t: Array) -> tuple[Array, Array]:
-        """Position and velocity, (N, n) each, at the times `t` (N,) after the starts [s]."""
+        """Return positions and velocities (N, n) at the times `t` (N,) after the starts [s]."""
         t = t[:, None]
         x = self.x + t * (self.v + t * (self.a / 2.0 + t * self.j / 6.0))
         return x, self.v + t * (self.a + t * self.j / 2.0)
 
     def take(self, rows: NDArray[np.int64]) -> Cubics:
-        """Some of the segments."""
+        """Return some of the segments."""
         fuzz = None if self.fuzz is None else self.fuzz.take(rows)
         return Cubics(self.x[rows], self.v[rows], self.a[rows], self.j[rows], self.h[rows], fuzz)
 
     def trimmed(self, rows: NDArray[np.int64], begin: Array, end: Array) -> Cubics:
-        """The same, of which the segments `rows` (K,), each once, begin and end later and earlier, `begin` and `end` (K,) after their starts [s]."""
+        """Return all segments, with some of them shortened.
+
+        Args:
+            rows: (K,) distinct segments to shorten.
+            begin: (K,) new starts, after the old starts [s].
+            end: (K,) new ends, after the old starts [s].
+        """
         x, v, a, h = self.x.copy(), self.v.copy(), self.a.copy(), self.h.copy()
         x[rows], v[rows] = self.take(rows).at(begin)
         a[rows] += begin[:, None] * self.j[rows]
@@ -137,39 +166,42 @@ class Cubics:
         return Cubics(x, v, a, self.j, h, self.fuzz)
 
     def mapped(self, matrix: Array) -> Cubics:
-        """The same motions in other coordinates: y = matrix x."""
+        """Return the motions in other coordinates: y = matrix x."""
         m = matrix.T
         fuzz = None if self.fuzz is None else self.fuzz.mapped(matrix)
         return Cubics(self.x @ m, self.v @ m, self.a @ m, self.j @ m, self.h, fuzz)
 
     def jerk_peaks(self) -> Array:
-        """An upper bound (N, n) of |jerk|: it is constant."""
+        """Return upper bounds (N, n) of |jerk|, which is constant."""
         peak: Array = np.abs(self.j)
         return peak if self.fuzz is None else peak + self.fuzz.jerk
 
     def acceleration_peaks(self) -> Array:
-        """An upper bound (N, n) of |acceleration|: it is linear, so largest at an end."""
+        """Return upper bounds (N, n) of |acceleration|, which is linear: its peak is at an end."""
         peak = np.maximum(np.abs(self.a), np.abs(self.a + self.h[:, None] * self.j))
         return peak if self.fuzz is None else peak + self.fuzz.acceleration
 
     def velocity_peaks(self) -> Array:
-        """An upper bound (N, n) of |velocity|: a parabola, so largest at an end or at its vertex."""
+        """Return upper bounds (N, n) of |velocity|, a parabola: its peak is at an end or at its vertex."""
         h = self.h[:, None]
         end = self.v + h * (self.a + h * self.j / 2.0)
         peak = np.maximum(np.abs(self.v), np.abs(end))
-        inside = self.a * (self.a + h * self.j) < 0.0  # then the jerk isn't zero either
+        inside = self.a * (self.a + h * self.j) < 0.0  # the vertex is inside, and the jerk is not zero
         peak[inside] = np.maximum(
             peak[inside], np.abs(self.v[inside] - self.a[inside] ** 2 / (2.0 * self.j[inside]))
         )
         return peak if self.fuzz is None else peak + self.fuzz.velocity
 
     def position_range(self) -> tuple[Array, Array]:
-        """Bounds (N, n) of the least and the greatest position: at an end or where the velocity is zero."""
+        """Return bounds (N, n) of the least and the greatest position.
+
+        They are at an end, or where the velocity is zero.
+        """
         h = self.h[:, None]
         end = self.x + h * (self.v + h * (self.a / 2.0 + h * self.j / 6.0))
         lower, upper = np.minimum(self.x, end), np.maximum(self.x, end)
         v_end = self.v + h * (self.a + h * self.j / 2.0)
-        middle = self.v + h * self.a / 2.0  # the three Bezier points of the velocity
+        middle = self.v + h * self.a / 2.0  # the middle one of the velocity's three Bezier points
         turns = np.minimum(np.minimum(self.v, v_end), middle) <= 0.0
         turns &= np.maximum(np.maximum(self.v, v_end), middle) >= 0.0
         turns &= (self.a != 0.0) | (self.j != 0.0)
@@ -185,7 +217,12 @@ class Cubics:
 
 
 def _roots(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array]:
-    """Both roots of a t^2 + b t + c, moved into [0, h] (any time in there is a lawful place to look)."""
+    """Return both roots of a t^2 + b t + c, moved into [0, h].
+
+    With q = -(b + sign(b) sqrt(b^2 - 4 a c)) / 2, which avoids cancellation, the roots are q / a and c / q.
+    Moving a root is harmless: the caller evaluates the position there, which is within the range at any time
+    in [0, h].
+    """
     q = -(b + np.copysign(np.sqrt(np.maximum(b * b - 4.0 * a * c, 0.0)), b)) / 2.0
     with np.errstate(divide="ignore", invalid="ignore"):
         roots = np.nan_to_num(q / a, nan=0.0), np.nan_to_num(c / q, nan=0.0)
@@ -193,22 +230,23 @@ def _roots(a: Array, b: Array, c: Array, h: Array) -> tuple[Array, Array]:
 
 
 def fourth(w: Array, a: Array, j: Array) -> Array:
-    """Faa di Bruno's sum w^4 + 6 w^2 a + 3 a^2 + 4 w j.
+    """Compute Faa di Bruno's sum w^4 + 6 w^2 a + 3 a^2 + 4 w j.
 
-    It bounds the fourth time derivative of f(x(t)) where every partial derivative of f is at most 1,
-    x'''' = 0, and |x'|, |x''|, |x'''| are at most w, a, j.
+    It bounds the fourth time derivative of f(x(t)) if every partial derivative of f is at most 1, x'''' = 0,
+    and |x'|, |x''|, |x'''| are at most w, a, j.
     """
     return w**4 + 6.0 * w * w * a + 3.0 * a * a + 4.0 * w * j
 
 
 def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
-    """The same bound for a path P(s(t)) with a cubic s(t).
+    """Compute Faa di Bruno's bound of the fourth time derivative of a path P(s(t)) with a cubic s(t).
 
     Args:
-        bounds: (N, 4) of the first to the fourth derivative of P over s; the first doesn't enter, as s'''' = 0.
-        w: (N,) of |s'|; a and j likewise of |s''| and |s'''|.
-        a: (N,).
-        j: (N,).
+        bounds: (N, 4) bounds of the first to fourth derivative of P over s. The first has no effect, as s''''
+            = 0.
+        w: (N,) bounds of |s'|.
+        a: (N,) bounds of |s''|.
+        j: (N,) bounds of |s'''|.
     """
     bend, third, last = bounds[:, 1], bounds[:, 2], bounds[:, 3]
     total: Array = last * w**4 + 6.0 * third * w * w * a + bend * (3.0 * a * a + 4.0 * w * j)
@@ -217,8 +255,11 @@ def path_fourth(bounds: Array, w: Array, a: Array, j: Array) -> Array:
 
 @frozen(eq=False)
 class FourthDerivatives:
-    """Bounds (N,) of the fourth time derivatives of the arm: of the tool's origin [m/s^4], and
-    of its rotation matrix in the Frobenius norm [1/s^4].
+    """Bounds of the fourth time derivatives of the arm.
+
+    Attributes:
+        origin: (N,) bounds for the tool's origin [m/s^4].
+        rotation: (N,) bounds for the tool's rotation matrix in the Frobenius norm [1/s^4].
     """
 
     origin: Array
@@ -226,27 +267,29 @@ class FourthDerivatives:
 
 
 def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j: Array) -> FourthDerivatives:
-    """Bounds of the tool's fourth time derivatives while every joint has constant jerk.
+    """Bound the tool's fourth time derivatives while every joint has constant jerk.
 
-    A partial derivative of the tool's origin by some joints is a chain of cross products with their
-    axes, innermost the one nearest to the tool: its length is at most the distance of that
-    joint's axis from the tool. Hence, summed over the joint m nearest to the tool,
-    R_m (B_m - B_{m-1}) with B the sum of `fourth` over joints up to m. A prismatic joint enters at most
-    once, and innermost (what is farther out only turns a free vector), with length 1: the derivative of B
-    in its direction. The rotation matrix: products of [axis]x, of Frobenius norm sqrt 2 at most.
+    A partial derivative of the tool's origin over some joints is a chain of cross products with their axes,
+    innermost the one nearest to the tool. Its length is at most the distance of that joint's axis from the
+    tool. Summed over the joint m nearest to the tool, this gives R_m (B_m - B_{m-1}) with B the sum of
+    `fourth` over the joints up to m.
+
+    A prismatic joint enters at most once, and innermost (what is farther out only turns a free vector), with
+    length 1: the derivative of B in its direction. The rotation matrix is a product of [axis]x, whose
+    Frobenius norm is at most sqrt 2.
 
     Args:
-        reach: (n,) from `reaches`; not read for a prismatic joint.
-        prismatic: (n,) which joints slide.
-        w: (N, n) largest |velocity| of each joint on the piece [rad/s or m/s]; a and j likewise for
-            acceleration and jerk.
-        a: (N, n).
-        j: (N, n).
+        reach: (n,) from `reaches`; not used for a prismatic joint.
+        prismatic: (n,) True for joints that slide.
+        w: (N, n) largest |velocity| of each joint on the piece [rad/s or m/s].
+        a: (N, n) largest |acceleration| [rad/s^2 or m/s^2].
+        j: (N, n) largest |jerk| [rad/s^3 or m/s^3].
     """
     zero = np.zeros(len(w))
     sum_w, sum_a, sum_j, before, origin = zero, zero, zero, zero, zero
     for m in range(w.shape[1]):
         if prismatic[m]:
+            # The derivative of `fourth` in the direction of this joint's velocity, acceleration and jerk.
             origin = origin + (
                 (4.0 * sum_w**3 + 12.0 * sum_w * sum_a + 4.0 * sum_j) * w[:, m]
                 + 6.0 * (sum_w**2 + sum_a) * a[:, m]
@@ -261,18 +304,19 @@ def arm_fourth(reach: Array, prismatic: NDArray[np.bool_], w: Array, a: Array, j
 
 
 def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
-    """How far the tool's origin can ever be from each revolute axis.
+    """Bound the distance of the tool's origin from each revolute axis, over all joint positions.
 
-    From the tool backwards: the point of an axis nearest to the last point chosen; the lengths
-    add up (triangle inequality: what lies between two axes only turns), a prismatic joint adds its travel.
+    Going from the tool towards the base, take the point of each axis nearest to the point taken before. The
+    lengths between these points add up (triangle inequality: the part between two axes only turns); a
+    prismatic joint adds its travel.
 
     Args:
         chain: the arm.
-        flange_from_tool: (4, 4).
+        flange_from_tool: (4, 4) tool on the flange.
         travel: (n,) largest |q| of each prismatic joint in the motion [m].
 
     Returns:
-        (n,) [m]; zero for a prismatic joint.
+        (n,) distances [m]; zero for a prismatic joint.
     """
     point = (chain.base_from_flange @ flange_from_tool)[:3, 3]
     length = 0.0
@@ -282,6 +326,7 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
         if not angular.any():
             length += float(travel[joint])
             continue
+        # The screw's linear part is the cross product of a point of the axis with the axis.
         on_axis = np.cross(angular, linear)  # the point of the axis nearest to the base's origin
         nearest = on_axis + angular * float(angular @ (point - on_axis))
         length += float(np.linalg.norm(point - nearest))
@@ -291,7 +336,7 @@ def reaches(chain: Chain, flange_from_tool: Array, travel: Array) -> Array:
 
 
 def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -> tuple[Array, ...]:
-    """The four Bezier points of the cubic with values e and derivatives `rate` at both ends of d."""
+    """Return the four Bezier points of cubics with values e and derivatives `rate` at both ends of d."""
     third = d / 3.0
     return e0, e0 + third * rate0, e1 - third * rate1, e1
 
@@ -299,21 +344,21 @@ def hermite_bezier(e0: Array, rate0: Array, e1: Array, rate1: Array, d: Array) -
 def catch_up(
     bezier: Array, group: NDArray[np.int64], end: float = 1.0, covered: Array | None = None
 ) -> Array:
-    """How far a path parameter is from one that goes over the whole path and never back.
+    """Bound the distance of a path parameter from one that covers the whole path and never decreases.
 
-    The Bezier points of s(t), clipped to the path and replaced by the most so far, the first by the
-    path's start and the last by its end, are those of a parameter that only grows: the distance between
-    both is at most that of their points. The path distance at that parameter is then one in
-    order of time and of the whole path (Frechet), not to the nearest point.
+    Clip the Bezier points of s(t) to the path, replace each by the largest so far, the first by the path's
+    start and the last by its end. The result is a parameter that never decreases, and its distance from s(t)
+    is at most that of the Bezier points. The path distance at this parameter is then one in order of time and
+    of the whole path (Frechet distance), not to the nearest point.
 
     Args:
         bezier: (P, 4) Bezier points of s on each piece, in order of time.
-        group: (P,) the command of each piece, in order, from 0 on.
-        end: the value of s at the path's end.
-        covered: (C, 2) the shares of the path at which each command joins and leaves it; None: 0 and 1.
+        group: (P,) command of each piece, in order, from 0 on.
+        end: value of s at the end of the path.
+        covered: (C, 2) shares of the path at which each command joins and leaves it; None: 0 and 1.
 
     Returns:
-        (P,) the largest distance on each piece, in s.
+        (P,) largest distance on each piece, in s.
     """
     opens, closes = np.flatnonzero(np.diff(group, prepend=-1)), np.flatnonzero(np.diff(group, append=-1))
     share = np.clip(bezier / end, 0.0, 1.0)
@@ -332,6 +377,6 @@ def catch_up(
 
 
 def segment_max(values: Array, first: NDArray[np.int64]) -> Array:
-    """The maximum over the rows of each group; groups begin at the rows `first`, none is empty."""
+    """Return the maximum over the rows of each group. Groups begin at the rows `first`; none is empty."""
     result: Array = np.maximum.reduceat(values, first, axis=0)
     return result

@@ -1,4 +1,4 @@
-"""How far the moving frame is from the path that it is programmed to follow, and how fast it goes."""
+"""Deviation of the moving frame from its programmed path, and its speed."""
 
 from __future__ import annotations
 
@@ -31,20 +31,25 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot
 
 REMAINDER_SHARE = 0.02
-"""Pieces are made so short that the remainder of the proof is at most this share of the tolerance."""
+"""Pieces are short enough that the remainder of the proof is at most this share of the tolerance."""
 _AT_ONCE = 8_192
-"""So many pieces are bounded at a time: memory doesn't grow with the length of a motion."""
+"""Pieces that are bounded in one step, so that memory does not grow with the length of a motion."""
 MOST_PIECES = 32
-"""... but never more than this many a segment: a motion that needs more is far out of any limit."""
+"""Most pieces of a segment. A motion that needs more is far beyond any limit."""
 
 
 @frozen(eq=False)
 class Stretch:
-    """The segments of C commands, those of each behind each other, from `first` (C,) on.
+    """The segments of C commands, one command after the other.
 
-    Of these, `follow` (C, 2), from and up to (not included), go along the programmed path; the others lie in a blend.
-    `free` (C, 2) says whether the path is joined, and left, elsewhere than at its start and its end. `tolerance` (C,) [m] and
-    `angle` [rad] are what the proof should be sharp against; `speed` is what is programmed.
+    Attributes:
+        cubics: all segments.
+        first: (C,) first segment of each command.
+        follow: (C, 2) range of the segments that follow the programmed path; the others belong to a blend.
+        free: (C, 2) True if the path is joined after its start, and if it is left before its end.
+        tolerance: (C,) distance for which the proof should be sharp [m].
+        angle: (C,) angle for which the proof should be sharp [rad].
+        speed: the programmed speeds.
     """
 
     cubics: Cubics
@@ -58,8 +63,15 @@ class Stretch:
 
 @frozen(eq=False)
 class Followed:
-    """What was proved of C commands: the largest deviation in `position` [m] and `angle` [rad], what of both is remainder, (C,) each;
-    the shares of the path between which it was followed, `covered` (C, 2); how fast the frame goes.
+    """Proved bounds for C commands.
+
+    Attributes:
+        position: (C,) largest deviations in position [m].
+        angle: (C,) largest deviations in angle [rad].
+        rest: (C,) part of `position` that bounds the error between computed points [m].
+        angle_rest: (C,) part of `angle` that bounds the error between computed points [rad].
+        covered: (C, 2) range of the path's parameter that was followed.
+        speeds: speeds of the frame.
     """
 
     position: Array
@@ -78,36 +90,39 @@ def follow(
     *,
     is_way: bool = False,
 ) -> Followed:
-    """Proved bounds of the deviation from programmed paths of the moving frame.
+    """Bound the deviation from programmed paths of the moving frame.
 
-    For any parameter s(t) that grows from 0 to 1 the distance at equal t bounds the distance between the
-    paths. s(t) is the cubic Hermite interpolation, piece by piece, of the projection of the executed
-    pose onto the programmed path (position and angle weighted by their tolerances). On a piece,
-    e(t) = p(q(t)) - P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4, where
-    M4 is the arm's fourth derivative and the path's (nothing, for a line); where s passes a place at which
-    P''' jumps, e''' jumps by s'^3 times that. For the turn, D = R(q(t)) - R*(s(t)) has the Frobenius norm
-    2 sqrt 2 sin(angle/2), and pieces are bounded in that norm.
+    For any parameter s(t) that grows from 0 to 1, the distance at equal t bounds the distance between the
+    paths. s(t) is the cubic Hermite interpolation, piece by piece, of the projection of the executed pose
+    onto the programmed path (position and angle weighted by their tolerances). On a piece, e(t) = p(q(t)) -
+    P(s(t)) is at most its largest Bezier point plus the remainder d^4/384 M4, where M4 is the sum of the
+    bounds for the arm's fourth derivative and the path's (zero for a line). Where s passes a jump of P''',
+    e''' jumps by s'^3 times that jump. For the turn, D = R(q(t)) - R*(s(t)) has the Frobenius norm 2 sqrt 2
+    sin(angle/2), and pieces are bounded in that norm.
 
-    Where a command flows out of another, or into one, s runs from and to where the path is joined and left.
+    If a command flows out of another, or into one, s runs from where the path is joined to where it is left.
 
     Args:
         stretch: the segments of all C commands.
         paths: the programmed paths.
         robot: the arm.
-        claims: of a single command, control values of s over time to try instead of the projection, and the number of its
-            segment in which that B-spline begins.
-        is_way: True if `claims` are the share of the way of the frame's origin, not s: then the projection begins there.
+        claims: for a single command, control values of s over time to try instead of the projection, and the
+            index of its segment in which that B-spline begins.
+        is_way: True if `claims` are shares of the path length of the frame's origin, not s. The projection
+            then starts from them.
 
     Returns:
-        C bounds.
+        The bounds for all C commands.
     """
     cubics = stretch.cubics
     arm = _arm_bounds(stretch, paths, robot)
+    # The remainder falls with the fourth power of the number of pieces.
     need = HERMITE * cubics.h**4 / REMAINDER_SHARE * arm.need
     pieces = np.clip(np.ceil(need**0.25), 1, MOST_PIECES).astype(np.int64)
     pieces = finer_for_speed(pieces, cubics.h, arm.origin, arm.rotation, stretch.speed, arm.command)
     law = _Law(claims, is_way)
     found = _followed(stretch, paths, robot, arm, pieces, law)
+    # If a bound fails and the path's own part of its remainder is large, try once with more pieces.
     need_more = np.maximum(found.rest / stretch.tolerance, found.angle_rest / stretch.angle)
     beyond = (found.position > stretch.tolerance) | (found.angle > stretch.angle)
     again = np.flatnonzero(paths.lawful & beyond & (need_more > 2.0 * REMAINDER_SHARE))
@@ -121,7 +136,7 @@ def follow(
 
 @frozen(eq=False)
 class _Law:
-    """What is claimed of s over time, as of `follow`."""
+    """A claimed law: `claims` and `is_way` as in `follow`."""
 
     claims: tuple[Array, int] | None
     is_way: bool
@@ -129,7 +144,14 @@ class _Law:
 
 @frozen(eq=False)
 class _Arm:
-    """Of each segment: its command, the arm's fourth derivatives there, and by which the segment asks for pieces."""
+    """Bounds of the arm's motion on N segments.
+
+    Attributes:
+        command: (N,) command of each segment.
+        origin: (N,) bounds of the fourth derivative of the frame's origin [m/s^4].
+        rotation: (N,) bounds of the fourth derivative of its rotation matrix [1/s^4].
+        need: (N,) fourth derivatives in units of the tolerance, which determine the number of pieces [1/s^4].
+    """
 
     command: Rows
     origin: Array
@@ -141,7 +163,8 @@ def _arm_bounds(stretch: Stretch, paths: FramePaths, robot: Robot) -> _Arm:
     cubics, first = stretch.cubics, stretch.first
     command = np.repeat(np.arange(len(first)), np.diff(np.append(first, len(cubics.h))))
     origin, rotation = arm_bounds(cubics, command, paths.flange_from_moving, robot)
-    # a difference's norm is about sqrt 2 times the angle, and the programmed turn adds about as much again
+    # The norm of a rotation difference is about sqrt 2 times the angle; the programmed turn adds about as
+    # much again.
     turn = 2.0 * rotation / np.sqrt(2.0) / stretch.angle[command]
     return _Arm(command, origin, rotation, np.maximum(origin / stretch.tolerance[command], turn))
 
@@ -189,7 +212,7 @@ def _speeds(stretch: Stretch, arm: _Arm, cut: Pieces, motion: Motion) -> Speeds:
 
 
 def _only(cut: Pieces, motion: Motion, rows: NDArray[np.bool_]) -> tuple[Pieces, Motion]:
-    """Some of the pieces, those of one command in one stretch, and the points between them."""
+    """Return some of the pieces, contiguous for each command, and the points between them."""
     left = cut.left[rows]
     points = np.zeros(len(cut.q), dtype=np.bool_)
     points[left] = points[left + 1] = True
@@ -215,7 +238,11 @@ def _bounds(
     motion: Motion,
     law: _Law,
 ) -> tuple[Array, Array, Array, Array, Array]:
-    """Deviations and remainders of position and angle, and what of the path is covered, of the commands that have pieces."""
+    """Bound the commands that have pieces.
+
+    Returns:
+        Deviations of position and angle, their remainders, and the range of the path that was followed.
+    """
     claimed = None if law.claims is None else _claimed(*law.claims, cut, stretch.cubics.h)
     if claimed is None:
         s, s_rate = paths.project(motion, cut.owner, stretch.tolerance, stretch.angle)
@@ -225,6 +252,7 @@ def _bounds(
         s, s_rate = claimed
     left, right, d = cut.left, cut.left + 1, cut.d
     bezier_s = np.stack(hermite_bezier(s[left], s_rate[left], s[right], s_rate[right], d), axis=1)
+    # Find the first and the last piece of each command; its pieces are consecutive.
     begins = np.flatnonzero(np.diff(cut.command, prepend=-1))
     ends = np.append(begins[1:], len(d)) - 1
     there = cut.command[begins]
@@ -253,18 +281,19 @@ def _bounds_of(
     behind: Array,
     which: slice,
 ) -> tuple[Array, Array, Array, Array]:
-    """Deviations and remainders of position and angle on some consecutive pieces.
+    """Bound the deviations and remainders of position and angle on some consecutive pieces.
 
     Args:
         paths: the programmed paths.
-        arm: what bounds the arm's part of the remainder.
+        arm: bounds of the arm's part of the remainder.
         cut: all pieces.
-        motion: the frames at the points between them.
+        motion: the frames at the points between the pieces.
         law: s and its rate at these points, (N,) each.
-        bezier_s: (P, 4) the Bezier points of s on all pieces.
-        behind: (P,) as of `catch_up`.
-        which: the pieces.
+        bezier_s: (P, 4) Bezier points of s on all pieces.
+        behind: (P,) result of `catch_up`.
+        which: the pieces to bound.
     """
+    # Only the points of these pieces.
     first = cut.left[which.start]
     left, segment, command = (x[which] for x in (cut.left, cut.segment, cut.command))
     d = cut.d[which]
@@ -283,7 +312,7 @@ def _bounds_of(
     low, high = bezier_s.min(axis=1), bezier_s.max(axis=1)
     steep = paths.bounds(command, low, high)
     go_on()
-    # between where the parameter is and where it was lifted to
+    # The path between the parameter itself and the non-decreasing one of `catch_up`.
     lifted = steep
     if not steep.everywhere:
         least = np.maximum(low - behind, np.minimum(low, 0.0))
@@ -293,8 +322,10 @@ def _bounds_of(
     rest, chord_rest = _remainders(bezier_s, d, steep)
     rest = rest + HERMITE * d**4 * arm.origin[segment]
     chord_rest = chord_rest + HERMITE * d**4 * arm.rotation[segment]
+    # Distance at equal s, plus the length of path by which s may lag behind a non-decreasing parameter.
     position = hull(e, e_rate, left, right, d) + rest + behind * lifted.position[:, 0]
     chord = hull(turn, turn_rate, left, right, d)
+    # The Frobenius norm of a rotation's derivative is sqrt 2 times its angular speed.
     lag = behind * lifted.rotation[:, 0] / np.sqrt(2.0)
     angle = np.minimum(angle_of_chord(chord + chord_rest) + lag, np.pi)
     angle_rest = angle_of_chord(chord + chord_rest) - angle_of_chord(chord)
@@ -302,7 +333,7 @@ def _bounds_of(
 
 
 def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, Array, Array]:
-    """Executed minus programmed, with time derivatives, at the points: (N, 3) and (N, 9) each."""
+    """Return executed minus programmed position (N, 3) and rotation (N, 9), each with its rate."""
     e = motion.p - path.p
     e_rate = motion.velocity - s_rate[:, None] * path.along
     turn = motion.rotation - path.rotation
@@ -312,7 +343,8 @@ def _errors(motion: Motion, path: Poses, s_rate: Array) -> tuple[Array, Array, A
 
 
 def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]:
-    """What the path's own bends leave between the Hermite cubic and the error, of position and rotation (P,)."""
+    """Return the remainders of position and rotation (P,) due to the curvature of the path itself."""
+    # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
     s3 = np.abs(np.diff(dds, axis=1)[:, 0]) / d
@@ -320,7 +352,7 @@ def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]
     scale = HERMITE * d**4
     position = np.zeros(len(d)) if steep.straight else scale * path_fourth(steep.position, s1, s2, s3)
     rotation = scale * path_fourth(steep.rotation, s1, s2, s3)
-    # a cubic passes a place once, or, where it turns back, three times at most
+    # A cubic passes a place once, or at most three times if it turns back.
     passes = np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)
     if steep.position_jump is not None:
         position = position + JUMP * passes * (d * s1) ** 3 * steep.position_jump
@@ -330,12 +362,20 @@ def _remainders(bezier_s: Array, d: Array, steep: Bounds) -> tuple[Array, Array]
 
 
 def _claimed(control: Array, begins: int, cut: Pieces, h: Array) -> tuple[Array, Array]:
-    """Values and derivatives at the points of the cubic B-spline with the values `control`, whose segment 0 lies at segment `begins`."""
+    """Return values and derivatives of a cubic B-spline at the points between pieces.
+
+    Args:
+        control: its control values.
+        begins: the segment at which its segment 0 is.
+        cut: the pieces.
+        h: durations of the segments [s].
+    """
     k = np.append(cut.segment, cut.segment[-1]) - begins
     start = np.append(np.flatnonzero(np.diff(cut.segment, prepend=-1)), len(cut.segment))
     size = np.diff(start)
     number = np.arange(len(cut.segment)) - np.repeat(start[:-1], size)
     u = np.append(number / np.repeat(size, size), 1.0)
+    # Basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives, times 2.
     w = 1.0 - u
     f0, f1, f2, f3 = (control[k + i] for i in range(4))
     s = (

@@ -1,4 +1,4 @@
-"""How far every command is from what it asks for: each kind of motion by its own proof."""
+"""Deviation of every command from its programmed path, with the proof for its kind of motion."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Rows = list[tuple[int, Place]]
 
 
 def find_deviations(judged: Judged, layout: Layout) -> Proofs:
-    """A bound for every step, and a finding for each that is beyond the tolerance."""
+    """Bound the deviation of every step, and report each that is beyond the tolerance."""
     count = len(layout.places)
     poses = flange_poses(judged.robot.chain, np.concatenate([layout.begins, layout.ends]))
     starts, flanges = find_starts(judged, layout, poses[:count]), poses[count:]
@@ -107,7 +107,7 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
     for row, _ in rows:
         begin, stop = flows.follow[row]
         following.append(bool(begin < stop) and not flows.is_cut(row))
-        # a command without moves is one control point: where the robot stands
+        # A command without moves has one control point: the current position.
         control.append(layout.points_of(begin, stop) if following[-1] else starts.q[row : row + 1])
     first = np.cumsum([0, *(len(points) for points in control[:-1])])
     numbers = np.array([row for row, _ in rows])
@@ -124,7 +124,8 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
             if place.size and begin == stop:
                 off, proofs.covered[row] = np.zeros_like(off), covered_by_balls(flows.free[row])
             elif flows.is_cut(row) or (off * weights).max() > 1.0:
-                # control points next to a blend may be off a line that the motion itself keeps to
+                # Control points next to a blend may be off a line that the motion itself keeps to: prove it
+                # as a spline.
                 bound = _along_spline(judged, layout, row, np.stack([starts.q[row], goals[i]]), proofs)
                 off, rest = bound.deviation, by_kind(bound.remainder, robot)
                 proofs.covered[row] = bound.covered
@@ -136,7 +137,10 @@ def _joint_moves(judged: Judged, layout: Layout, rows: Rows, flanges: Array, pro
 
 
 def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> float:
-    """How far the moving frame is from its place where a joint motion has a tolerance of its own, which is that frame's [m]."""
+    """Return the deviation of the moving frame [m] in a joint motion with a tolerance of its own.
+
+    Zero for other motions.
+    """
     motion = place.motion
     if motion.tolerance is None or not place.size or not np.isfinite(off).all():
         return 0.0
@@ -145,7 +149,7 @@ def _frame_off(judged: Judged, layout: Layout, place: Place, off: Array) -> floa
 
 
 def _along_spline(judged: Judged, layout: Layout, row: int, points: Array, proofs: Proofs) -> SplineBound:
-    """The proof for a natural spline through `points` (m, n), of what follows it."""
+    """Prove the segments that follow a natural spline through `points` (m, n) in joint space."""
     flows = proofs.flows
     place = layout.places[row]
     begin, stop = (int(x) for x in flows.follow[row])

@@ -21,15 +21,18 @@ from yarclang.robot.model import Array
 Rows = list[tuple[int, Place]]
 
 NO_WAY = 1e-6
-"""A path that is shorter than this [m], and turns by less [rad], leads nowhere."""
+"""A path that is shorter than this [m], and turns by less [rad], has length zero."""
 STILL = 1e-9
-"""The origin of a frame that goes no farther than this [m] stands still: its speed is that of the turn."""
+"""The origin of a frame that moves by less than this [m] stands still.
+
+The frame's speed is then its angular speed.
+"""
 
 
 def frame_moves(
     judged: Judged, layout: Layout, rows: Rows, flanges: Array, asked: Asked, proofs: Proofs
 ) -> None:
-    """Motions of one kind along paths of the moving frame."""
+    """Prove motions of one kind along paths of the moving frame."""
     moving = [(row, place) for row, place in rows if place.size]
     for row, place in rows:
         if not place.size:
@@ -42,10 +45,12 @@ def frame_moves(
     stretch = _stretch(judged, layout, moving, paths, asked, proofs)
     found = None
     row, place = moving[0]
-    # what is proved of a motion must not depend on how many there are: laws are for splines, which come one by one
+    # The proof of a motion must not depend on other motions: only splines have laws, and they come one by
+    # one.
     has_law = isinstance(place.motion, hir.PoseSplineMove) and not proofs.flows.is_cut(row)
     law = law_of(judged, place) if has_law else None
-    # with a speed, the law is nearly always that of the way of the frame's origin
+    # With a programmed speed, the law is usually that of the path length of the frame's origin, so try this
+    # first.
     ways = [True, False] if law is not None and np.isfinite(stretch.speed.top[0]) else [False]
     for is_way in ways if law is not None else []:
         if found is None or _is_beyond(found, stretch):
@@ -67,12 +72,12 @@ def frame_moves(
 
 
 def _is_beyond(found: Followed, stretch: Stretch) -> bool:
-    """Return True if the first of some commands is farther from its path than it may be."""
+    """Return True if the first command is farther from its path than allowed."""
     return bool(found.position[0] > stretch.tolerance[0] or found.angle[0] > stretch.angle[0])
 
 
 def _stays(place: Place, flange: Array, proofs: Proofs) -> None:
-    """A motion without moves must have nowhere to go."""
+    """Prove a motion without moves: all its goals must be at the current pose."""
     step = place.motion
     if isinstance(step, hir.LineMove):
         goals = [goal_pose(step.goal, flange)[1]]
@@ -131,7 +136,7 @@ def _stretch(
     reach, turned = steep.position[:, 0], steep.rotation[:, 0]
     turns = reach < STILL
     top = np.where(turns, asked.top[numbers, 1], asked.top[numbers, 0])
-    # where the frame stands already, it has no speed
+    # A motion that goes nowhere has no speed.
     top[(reach < NO_WAY) & (turned < NO_WAY)] = np.nan
     wanted = Programmed(
         top * asked.share[numbers],
@@ -165,7 +170,10 @@ def _tool_speed(found: Followed, i: int) -> ToolSpeed:
 
 
 def moving_frame(motion: hir.Motion) -> Array:
-    """Where the frame that a motion moves sits on the flange (4, 4): by its goals, else as its line says, else the flange itself."""
+    """Return the moving frame of a motion on the flange (4, 4).
+
+    It is that of its goals, or else the one named on its line, or else the flange itself.
+    """
     if (named := motion.flange_from_moving) is not None:
         return named
     flange_from_moving = np.eye(4)

@@ -1,6 +1,6 @@
-"""The limits, at every instant: position, velocity, acceleration and jerk of joints, speed of motors.
+"""Limits at every instant: position, velocity, acceleration and jerk of joints, speed of motors.
 
-On a segment the jerk is constant, so each of them has its extremes in closed form; nothing is sampled.
+The jerk is constant on a segment, so each quantity has its extremes in closed form; nothing is sampled.
 """
 
 from __future__ import annotations
@@ -19,15 +19,20 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array, Robot
 
 RELATIVE = 1e-9
-"""What the comparison with a limit forgives as rounding, as a share of the limit."""
+"""Excess over a limit that is accepted as rounding, as a share of the limit."""
 POSITION_UNITS = 1e-9
-"""The same for positions, in axis units (deg or mm)."""
+"""Excess over a limit of the position that is accepted as rounding, in axis units (deg or mm)."""
 
 
 @frozen
 class Excess:
-    """A limit that one command breaks, where it does so most: `text` says by how much; the segment begins
-    `time` [s] after the command does.
+    """A limit that one command breaks, at the place where it does so most.
+
+    Attributes:
+        quantity: the limited quantity.
+        name: name of the joint or motor.
+        text: the excess in words.
+        time: start of the worst segment after the start of the command [s].
     """
 
     quantity: Quantity
@@ -45,10 +50,10 @@ def check_limits(
     """Return the loads of neighbouring commands, and the limits that they break.
 
     Args:
-        layout: the text's segments.
-        places: commands that follow each other, each with segments.
-        cubics: their segments, from the first one's to the last one's.
-        robot: whose limits count.
+        layout: the segments of the text.
+        places: consecutive commands, each with segments.
+        cubics: all segments of these commands.
+        robot: defines the limits.
     """
     limits = robot.limits
     base = places[0].first
@@ -57,7 +62,7 @@ def check_limits(
     acceleration = cubics.acceleration_peaks()
     motors = cubics.mapped(counts_per_joint(robot)).velocity_peaks()
     lower, upper = cubics.position_range()
-    with np.errstate(invalid="ignore"):  # without limits: infinity minus infinity
+    with np.errstate(invalid="ignore"):  # a joint without limits: infinity minus infinity
         middle, half = (limits.upper + limits.lower) / 2.0, (limits.upper - limits.lower) / 2.0
         off = np.maximum(upper - middle, middle - lower)
         position = np.where(np.isfinite(half), off / half, 0.0)
@@ -68,11 +73,12 @@ def check_limits(
         "jerk": cubics.jerk_peaks() / limits.jerk,
         "motor_velocity": motors / robot.actuation.velocity,
     }
-    # a quotient is rounded once
+    # The quotient is rounded once: go up by one number to get an upper bound.
     shares = {
         quantity: np.where(share > 0.0, np.nextafter(share, np.inf), 0.0)
         for quantity, share in shares.items()
     }
+    # A hold stops the motion on its path within the hold time: it adds |v| / hold time to |a|.
     hold = (acceleration + speed / robot.controller.hold_time) / limits.stop_acceleration
     past = np.maximum(upper - limits.upper, limits.lower - lower) / robot.axis_units
     peaks = {quantity: segment_max(share, first) for quantity, share in shares.items()}
@@ -112,14 +118,14 @@ def _largest(shares: Mapping[Quantity, Array], robot: Robot) -> Peaks:
 def _excess(
     quantity: Quantity, joints: NDArray[np.bool_], measure: Array, robot: Robot, segment_time: float
 ) -> Excess:
-    """The worst place of one broken limit.
+    """Return the worst place of one broken limit.
 
     Args:
-        quantity: of which limit.
-        joints: (n,) which joints or motors break it.
-        measure: (segments, n) shares of the limit; for positions the axis units past it.
-        robot: whose limits count.
-        segment_time: [s].
+        quantity: the limited quantity.
+        joints: (n,) True for joints or motors that break the limit.
+        measure: (segments, n) shares of the limit; for positions, axis units beyond it.
+        robot: defines the limits.
+        segment_time: duration of a segment [s].
     """
     segment, joint = np.unravel_index(int(np.argmax(np.where(joints, measure, -np.inf))), measure.shape)
     worst = float(measure[segment, joint])

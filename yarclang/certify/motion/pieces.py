@@ -1,4 +1,4 @@
-"""Segments of a motion cut into pieces, the moving frames between them, and what bounds them there."""
+"""Segments of a motion cut into pieces, with the moving frames between the pieces and bounds on them."""
 
 from __future__ import annotations
 
@@ -12,15 +12,23 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Chain, Robot
 
 _AT_ONCE = 8_192
-"""Points at which frames and Jacobians are computed at a time."""
+"""Points at which frames and Jacobians are computed in one step."""
 
 
 @frozen(eq=False)
 class Pieces:
-    """Segments cut into pieces: `segment` (P,), duration `d` (P,) [s], and `command` (P,), in order.
+    """P pieces of segments in order of time, with the N points between them.
 
-    Piece k lies between the points `left`[k] and `left`[k] + 1; those of one command are one more than its pieces. `owner`
-    (N,), `q` and `rate` (N, n) [rad or m, and per s] are the points'.
+    Piece k lies between the points `left`[k] and `left`[k] + 1. Each command has one point more than pieces.
+
+    Attributes:
+        segment: (P,) segment of each piece.
+        d: (P,) duration of each piece [s].
+        command: (P,) command of each piece.
+        left: (P,) point at which each piece begins.
+        owner: (N,) command of each point.
+        q: (N, n) joint positions at the points [rad or m].
+        rate: (N, n) joint velocities at the points [rad/s or m/s].
     """
 
     segment: Rows
@@ -33,7 +41,13 @@ class Pieces:
 
     @staticmethod
     def cut(cubics: Cubics, command: Rows, pieces: Rows) -> Pieces:
-        """Cut each segment of the commands `command` (N,) into `pieces` (N,) equal ones."""
+        """Cut segments into equal pieces.
+
+        Args:
+            cubics: N segments.
+            command: (N,) command of each segment.
+            pieces: (N,) number of pieces of each segment.
+        """
         segment = np.repeat(np.arange(len(pieces)), pieces)
         number = np.arange(len(segment)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         d = (cubics.h / pieces)[segment]
@@ -53,7 +67,13 @@ class Pieces:
 
 
 def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion:
-    """Moving frames at the points between pieces, each on its owner's `flange_from_moving` (C, 4, 4)."""
+    """Compute the moving frames at the points between pieces.
+
+    Args:
+        chain: the arm.
+        cut: the pieces.
+        flange_from_moving: (C, 4, 4) moving frame of each command on the flange.
+    """
     count = len(cut.q)
     motion = Motion(
         np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3, 3)), np.empty((count, 3)), cut.d
@@ -73,17 +93,17 @@ def frame_motion(chain: Chain, cut: Pieces, flange_from_moving: Array) -> Motion
 
 
 def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: Robot) -> tuple[Array, Array]:
-    """Bounds (N,) of the fourth time derivatives of the frames' origins and rotations, segment by segment.
+    """Bound the fourth time derivatives (N,) of the frames' origins and rotations, segment by segment.
 
     Args:
         cubics: N segments.
-        command: (N,) which of the frames each moves.
-        flange_from_moving: (C, 4, 4).
+        command: (N,) command of each segment.
+        flange_from_moving: (C, 4, 4) moving frame of each command on the flange.
         robot: the arm.
     """
     size = robot.chain.size
     low, high = cubics.position_range()
-    # of each command by itself: what is proved of it must not depend on which others there are
+    # Take the travel of each command by itself: its proof must not depend on which other commands there are.
     begins = np.flatnonzero(np.diff(command, prepend=-1))
     travel = np.zeros((len(flange_from_moving), size))
     farthest = np.maximum.reduceat(np.maximum(np.abs(low), np.abs(high)), begins)
@@ -102,7 +122,15 @@ def arm_bounds(cubics: Cubics, command: Rows, flange_from_moving: Array, robot: 
 
 
 def hull(e: Array, rate: Array, left: Rows, right: Rows, d: Array) -> Array:
-    """The largest Bezier point of each piece, of errors e (N, m) and their rates at the points."""
+    """Return the largest norm of the Bezier points of the error's Hermite cubic on each piece (P,).
+
+    Args:
+        e: (N, m) errors at the points.
+        rate: (N, m) their time derivatives.
+        left: (P,) point at which each piece begins.
+        right: (P,) point at which each piece ends.
+        d: (P,) duration of each piece [s].
+    """
     ends = np.linalg.norm(e, axis=1)
     third = (d / 3.0)[:, None]
     inner = np.linalg.norm(e[left] + third * rate[left], axis=1)

@@ -1,9 +1,11 @@
-"""The curve of the moving frame through poses: natural cubic splines of position and quaternion, the quaternion normalised.
+"""Curves of the moving frame through poses.
 
-R = M(Q) / |Q|^2, and M and n = |Q|^2 are polynomials of degree 6 on a span. With bounds M_k and N_k of their
-derivatives and n >= n_min, Leibniz' rule for R n = M bounds those of R, one after the other:
-G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. The bounds are those of Bernstein coefficients on
-cells of each span.
+Position and quaternion are natural cubic splines; the quaternion is then normalised.
+
+R = M(Q) / |Q|^2, where M and n = |Q|^2 are polynomials of degree 6 on a span. Given bounds M_k and N_k of
+their derivatives, and n >= n_min, Leibniz' rule for R n = M bounds the derivatives of R one after the other:
+G_k <= (M_k + sum over j < k of C(k, j) G_j N_(k-j)) / n_min. All bounds are those of Bernstein coefficients
+on cells of each span.
 """
 
 from __future__ import annotations
@@ -22,27 +24,38 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 FEWEST_CELLS, CELLS = 4, 16
-"""Into how many cells each span is cut, at least and at most."""
+"""Least and largest number of cells into which a span is cut."""
 
 CELLS_IN_ALL = 16_384
-"""Cells of a curve, as long as its spans have fewer than the most: the more way-points, the shorter are spans, and the less bent."""
+"""Cells of a whole curve, unless this gives its spans the least or largest number of cells.
+
+The more way-points there are, the shorter and straighter are the spans.
+"""
 
 _CELLS_AT_ONCE = 1_024
-"""Cells that are bounded at a time: their polynomials stay in the processor's cache."""
+"""Cells that are bounded in one step, so that their polynomials stay in the processor's cache."""
 SAME = 1e-6
-"""Poses whose chord [m] isn't longer count once."""
+"""Neighbouring poses whose chord [m] is not longer than this count as one."""
 STILL = 1e-9
-"""The origin of a frame that goes no farther than this [m] stands still."""
+"""The origin of a frame that moves by less than this [m] stands still."""
 HALF_TURN = np.pi - 1e-9
-"""Neighbours that are turned by more than this have no short way between them."""
+"""Neighbours that are turned by more than this [rad] have no unique short way between them."""
 
 
 @frozen(eq=False)
 class PoseSpline:
-    """One such curve, over s = u / u_total.
+    """A curve of poses over s = u / u_total, with K cells on its m - 1 spans.
 
-    `spline` has position and quaternion (x, y, z, w) as (m, 7) over u; of the bounds, `cells` (K + 1, 4, 2) are those of position and
-    rotation over u on each cell, the last one twice, as many on each span; `jumps` (m + 1, 2) are those of the third derivatives at the way-points before each one, added up.
+    Attributes:
+        flange_from_moving: (1, 4, 4) moving frame on the flange.
+        goal: (1, 4, 4) last pose.
+        spline: position and quaternion (x, y, z, w) as (m, 7) over u.
+        cells: (K + 1, 4, 2) bounds of the first to fourth derivative over u of position and rotation on each
+            cell. Each span has equally many cells; the last row is a copy of the one before.
+        jumps: (m + 1, 2) jumps of the third derivatives of position and rotation, summed over the way-points
+            before each one.
+        lawful: (1,) True if the curve is defined.
+        free: True if the curve is joined after its start, and if it is left before its end.
     """
 
     flange_from_moving: Array
@@ -57,12 +70,17 @@ class PoseSpline:
     def through(
         poses: Array, flange_from_moving: Array, free: tuple[bool, bool] = (False, False)
     ) -> PoseSpline | None:
-        """The curve through poses (m, 4, 4) of a frame on the flange; None where all are equal.
+        """Return the curve through poses of a frame on the flange; None if all poses are equal.
 
-        `free` says whether it is joined, and left, elsewhere than at its start and its end.
+        Args:
+            poses: (m, 4, 4) poses.
+            flange_from_moving: (4, 4) frame on the flange.
+            free: True if the curve is joined after its start, and if it is left before its end.
         """
         q = _aligned(_quaternions(poses[:, :3, :3]))
-        # half the turn between neighbours is the angle between their quaternions
+        # The angle between neighbouring quaternions is half the turn between them; tan of half that angle is
+        # |a - b| / |a + b|.
+        # The parameter u grows by sqrt(distance^2 + (TURN_CHORD angle)^2).
         apart = np.linalg.norm(np.diff(q, axis=0), axis=1), np.linalg.norm(q[1:] + q[:-1], axis=1)
         turn = 4.0 * np.arctan2(*apart)
         steps = np.hypot(np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1), hir.TURN_CHORD * turn)
@@ -85,11 +103,11 @@ class PoseSpline:
 
     @property
     def total(self) -> float:
-        """The last u [m]."""
+        """The last value of u [m]."""
         return float(self.spline.s[-1])
 
     def at(self, owner: Rows, s: Array) -> Poses:  # noqa: ARG002 - there is only one
-        """The curve at `s` (N,)."""
+        """Return the points of the curve at `s` (N,)."""
         parts = [self._at(s[begin : begin + _AT_ONCE]) for begin in range(0, len(s), _AT_ONCE)]
         if len(parts) == 1:
             return parts[0]
@@ -111,7 +129,7 @@ class PoseSpline:
         return Poses(y[:, :3], slope[:, :3] * self.total, rotation, spin * self.total)
 
     def _lengths(self) -> tuple[Array, Array]:
-        """Places s (N,) and about the way of the frame's origin up to them [m]: by Simpson's rule."""
+        """Return parameters s (N,) and the origin's approximate path length up to each [m] (Simpson)."""
         s = places_of(self.spline.s / self.total)
         way = np.zeros(len(s))
         for begin in range(0, len(s) - 1, _AT_ONCE):
@@ -123,14 +141,18 @@ class PoseSpline:
         return s, np.cumsum(way)
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - there is only one
-        """The largest of the cells between; the polynomials of the ends go on beyond them, and are bounded only up to there."""
+        """Return the largest bounds of the cells between `low` and `high` (P,).
+
+        Beyond its ends the curve continues; it is bounded for a small margin there, and the bound is infinite
+        beyond.
+        """
         count = len(self.cells) - 1
         each = count // (len(self.spline.s) - 1)
         u = np.stack([low, high]) * self.total
         span = self.spline.span(u)
         share = (u - self.spline.s[span]) / (self.spline.s[span + 1] - self.spline.s[span])
         cell = np.clip(span * each + np.floor(share * each).astype(np.int64), 0, count - 1)
-        # to the neighbours as well: the floor of a quotient may be one off
+        # Include the neighbouring cells as well: the floor of a rounded quotient may be off by one.
         first, last = np.maximum(cell[0] - 1, 0), np.minimum(cell[1] + 2, count)
         most = _range_max(self.cells, first, last)
         before, behind = _margins(self.spline)
@@ -151,7 +173,7 @@ class PoseSpline:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """Least squares of the differences of position and rotation matrix, each against its tolerance."""
+        """Choose s by least squares of position and rotation errors, each divided by its tolerance."""
         weights = np.concatenate([np.full(3, 1.0 / position[0]), np.full(9, 1.0 / (np.sqrt(2.0) * angle[0]))])
         y, rate = (np.empty((len(motion.p), 12)) for _ in range(2))
         y[:, :3], y[:, 3:] = motion.p, motion.rotation.reshape(-1, 9)
@@ -173,24 +195,24 @@ class PoseSpline:
 
 
 _AT_ONCE = 8_192
-"""Places of a curve that are computed between two looks at whether to go on: some 10 ms."""
+"""Points of a curve that are computed between two checks for cancellation, about 10 ms."""
 
 BEYOND = 1e-3
-"""How far beyond its ends, as a share of the whole, a curve is bounded at most."""
+"""Margin beyond the ends of a curve within which it is bounded, as a share of the whole."""
 
 BEYOND_SHORT = 1e-4
-"""How far beyond a span at an end that is shorter than this [m]: cubics grow without bound."""
+"""Least margin [m] at an end with a short span, unless `BEYOND` is less: cubics grow without bound."""
 
 
 @frozen(eq=False)
 class _Weighed:
-    """A curve of poses in coordinates that count the same."""
+    """A curve of poses in coordinates of equal weight."""
 
     path: PoseSpline
     weights: Array
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """Position and rotation matrix, and their derivatives, (N, 12) each."""
+        """Return position and rotation matrix, and their derivatives, (N, 12) each."""
         poses = self.path.at(np.zeros(len(s), dtype=np.int64), s)
         y = np.concatenate([poses.p, poses.rotation.reshape(-1, 9)], axis=1)
         slope = np.concatenate([poses.along, poses.spin.reshape(-1, 9)], axis=1)
@@ -198,7 +220,11 @@ class _Weighed:
 
 
 def _quaternions(rotations: Array) -> Array:
-    """Unit quaternions (m, 4), (x, y, z, w), of rotations (m, 3, 3): the eigenvector to the eigenvalue 3 (Bar-Itzhack 2000)."""
+    """Return unit quaternions (m, 4), (x, y, z, w), of rotations (m, 3, 3).
+
+    Each is the eigenvector of a symmetric matrix to its largest eigenvalue, 3 (Bar-Itzhack 2000, without the
+    factor 1/3).
+    """
     r = rotations
     k = np.empty((len(r), 4, 4))
     k[:, :3, :3] = r + r.transpose(0, 2, 1)
@@ -214,14 +240,17 @@ def _quaternions(rotations: Array) -> Array:
 
 
 def _aligned(q: Array) -> Array:
-    """The same with each one's sign nearer to the one before."""
+    """Return the quaternions, each with the sign that is nearer to the one before."""
     signs = np.where(np.einsum("ni,ni->n", q[1:], q[:-1]) < 0.0, -1.0, 1.0)
     aligned: Array = q * np.concatenate([[1.0], np.cumprod(signs)])[:, None]
     return aligned
 
 
 def _matrix(a: Array, b: Array) -> Array:
-    """The symmetric bilinear form (..., 3, 3) of quaternions (..., 4) that is |q|^2 times the rotation matrix for a = b = q."""
+    """Return the symmetric bilinear form (..., 3, 3) of quaternions (..., 4).
+
+    For a = b = q it is |q|^2 times the rotation matrix of q.
+    """
     v, w = a[..., :3], a[..., 3]
     x, y = b[..., :3], b[..., 3]
     outer = v[..., :, None] * x[..., None, :]
@@ -236,8 +265,9 @@ def _matrix(a: Array, b: Array) -> Array:
 
 
 def _cells(spline: NaturalSpline) -> Array:
-    """Bounds (K, 4, 2) of the first four derivatives over u, of position and rotation, on the cells of all spans, as many on each; those at
-    the ends reach a little beyond them.
+    """Bound the first four derivatives over u of position and rotation on the cells of all spans (K, 4, 2).
+
+    Each span has equally many cells; those at the ends of the curve reach a little beyond them.
     """
     spans = len(spline.s) - 1
     each = min(CELLS, max(FEWEST_CELLS, CELLS_IN_ALL // spans))
@@ -247,13 +277,14 @@ def _cells(spline: NaturalSpline) -> Array:
 
 
 def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
-    """Those on `each` cells of the spans from `first` up to `last` (not included)."""
+    """Bound the derivatives on `each` cells of the spans from `first` up to `last` (not included)."""
     go_on()
     widths = np.diff(spline.s[first : last + 1])
     edge = np.arange(each + 1) / each
     start = np.tile(edge[:-1], (len(widths), 1))
     width = np.full((len(widths), each), 1.0 / each)
     before, behind = _margins(spline)
+    # The cells at both ends of the curve also cover twice the margins beyond it, because of rounding.
     if first == 0:
         start[0, 0] -= 2.0 * before / widths[0]
         width[0, 0] += 2.0 * before / widths[0]
@@ -264,9 +295,10 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     chord = widths[:, None]
     y, b0, b1 = spline.y[first : last + 1], spline.bend[first:last], spline.bend[first + 1 : last + 1]
     slope = np.diff(y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0
+    # Coefficients of the cubic on each span, by its values and second derivatives at both ends.
     power = np.stack([y[:-1], slope, b0 / 2.0, (b1 - b0) / chord / 6.0])[:, :, None]
     t = u0[:, :, None]
-    # the cubics about the start of each cell, over the share of the cell
+    # Taylor coefficients of the cubics at the start of each cell, over the cell scaled to [0, 1].
     local = np.stack(
         [
             power[0] + t * (power[1] + t * (power[2] + t * power[3])),
@@ -277,6 +309,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     ).reshape(4, -1, y.shape[1])
     size = size.reshape(-1)
     q = local[..., 3:]
+    # Polynomials of degree 6 on each cell: n = |Q|^2 and M(Q), as products of the cubic Q with itself.
     n, matrices = np.zeros((7, len(size))), np.zeros((7, len(size), 3, 3))
     for i in range(4):
         for k in range(4):
@@ -286,6 +319,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     n_top = [np.abs(_bernstein(_derivative(n[..., None], k))).max(axis=(0, 2)) for k in range(5)]
     m = matrices.reshape(7, -1, 9)
     m_top = [np.linalg.norm(_bernstein(_derivative(m, k)), axis=2).max(axis=0) for k in range(5)]
+    # Leibniz' rule for R n = M, solved for the k-th derivative of R. R itself has the Frobenius norm sqrt 3.
     bound = [np.full(len(size), np.sqrt(3.0))]
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(1, 5):
@@ -294,6 +328,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
     p = local[..., :3]
     cells = np.zeros((len(size), 4, 2))
     for k in range(1, 5):
+        # The fourth derivative of the position is zero. Scale from the cell's share back to u.
         if k < 4:
             top = np.linalg.norm(_bernstein(_derivative(p, k)), axis=2).max(axis=0)
             cells[:, k - 1, 0] = top / size**k
@@ -302,21 +337,21 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
 
 
 def _margins(spline: NaturalSpline) -> tuple[float, float]:
-    """How far before its start and beyond its end a curve is bounded, in u."""
+    """Return the margins before the start and after the end within which a curve is bounded, in u."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
     return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))
 
 
 def _derivative(power: Array, times: int) -> Array:
-    """The coefficients of a derivative of polynomials (degree + 1, ...)."""
+    """Return the coefficients of the derivative of order `times` of polynomials (degree + 1, ...)."""
     for _ in range(times):
         power = power[1:] * np.arange(1.0, len(power)).reshape(-1, *(1,) * (power.ndim - 1))
     return power
 
 
 def _bernstein(power: Array) -> Array:
-    """Bernstein coefficients on [0, 1] of polynomials with the coefficients `power` (degree + 1, ...)."""
+    """Return Bernstein coefficients on [0, 1] of polynomials with coefficients `power` (degree + 1, ...)."""
     degree = len(power) - 1
     matrix = np.array([[comb(i, k) / comb(degree, k) for k in range(degree + 1)] for i in range(degree + 1)])
     coefficients: Array = np.tensordot(matrix, power, 1)
@@ -324,13 +359,16 @@ def _bernstein(power: Array) -> Array:
 
 
 def _jumps(spline: NaturalSpline) -> Array:
-    """How much the third derivatives of position and rotation jump at the way-points (m, 2); not at the ends, where the cubics go on."""
+    """Return the jumps of the third derivatives of position and rotation at the way-points (m, 2).
+
+    They are zero at the ends, where the cubics continue.
+    """
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     jumps = np.zeros((len(spline.s), 2))
     step, q = np.diff(third, axis=0), spline.y[1:-1, 3:]
     jumps[1:-1, 0] = np.linalg.norm(step[:, :3], axis=1)
     n = np.einsum("ni,ni->n", q, q)[:, None, None]
-    # of R n = M, only terms with the third derivative of Q jump
+    # In the third derivative of R n = M, only terms with the third derivative of Q jump.
     across = 2.0 * np.einsum("ni,ni->n", q, step[:, 3:])[:, None, None]
     turn = (2.0 * _matrix(q, step[:, 3:]) - _matrix(q, q) / n * across) / n
     jumps[1:-1, 1] = np.linalg.norm(turn, axis=(1, 2))
@@ -338,7 +376,10 @@ def _jumps(spline: NaturalSpline) -> Array:
 
 
 def _range_max(padded: Array, first: Rows, last: Rows) -> Array:
-    """The largest of the rows `first` up to `last` (not included) of a table, for each pair; the table has one row more, which is never the last."""
+    """Return the largest entries of the rows `first` up to `last` (not included) of a table, for each pair.
+
+    The table has one extra row at its end, so that `last` is always a valid row.
+    """
     pairs = np.stack([first, last], axis=1).ravel()
     most: Array = np.maximum.reduceat(padded, pairs, axis=0)[::2]
     return most

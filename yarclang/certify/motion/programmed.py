@@ -1,4 +1,7 @@
-"""Programmed paths of the moving frame over s from 0 to 1: many commands of a kind in one."""
+"""Programmed paths of the moving frame over a parameter s from 0 to 1.
+
+One object contains many commands of one kind.
+"""
 
 from __future__ import annotations
 
@@ -16,13 +19,19 @@ from yarclang.robot.model import Array
 Rows = NDArray[np.int64]
 
 SMALLEST_CIRCLE = 1e-6
-"""Three points nearer to each other [m], or to a line [rad], than this say no circle."""
+"""Three points that are closer to each other [m], or to a line [rad], than this define no circle."""
 
 
 @frozen(eq=False)
 class Motion:
-    """Moving frames at points of time: position p (N, 3), rotation (N, 3, 3), and the velocities of both (N, 3). `d` (P,) are the times
-    between them [s], of those that belong together.
+    """Moving frames at N points in time.
+
+    Attributes:
+        p: (N, 3) positions [m].
+        velocity: (N, 3) velocities [m/s].
+        rotation: (N, 3, 3) rotations.
+        angular: (N, 3) angular velocities [rad/s].
+        d: (P,) durations of the pieces between points of one command [s].
     """
 
     p: Array
@@ -34,7 +43,14 @@ class Motion:
 
 @frozen(eq=False)
 class Poses:
-    """Points of programmed paths: position p (N, 3), rotation (N, 3, 3), and their derivatives over s."""
+    """N points of programmed paths.
+
+    Attributes:
+        p: (N, 3) positions [m].
+        along: (N, 3) derivatives of the positions over s [m].
+        rotation: (N, 3, 3) rotations.
+        spin: (N, 3, 3) derivatives of the rotations over s.
+    """
 
     p: Array
     along: Array
@@ -44,9 +60,15 @@ class Poses:
 
 @frozen(eq=False)
 class Bounds:
-    """Bounds of derivatives over s: the first to the fourth of the position (P, 4) [m] and of the rotation matrix in the Frobenius
-    norm (P, 4); how much the third of each jumps (P,), added up. `straight` says that all but the first of the position are zero,
-    `everywhere` that the bounds hold for any s.
+    """Bounds of derivatives of P parts of paths over s.
+
+    Attributes:
+        position: (P, 4) first to fourth derivative of the position [m].
+        rotation: (P, 4) first to fourth derivative of the rotation matrix in the Frobenius norm.
+        position_jump: (P,) sum of the jumps of the position's third derivative; None: no jumps.
+        rotation_jump: (P,) sum of the jumps of the rotation's third derivative; None: no jumps.
+        straight: True if all derivatives of the position but the first are zero.
+        everywhere: True if the bounds hold for any s.
     """
 
     position: Array
@@ -58,53 +80,64 @@ class Bounds:
 
 
 class FramePaths(Protocol):
-    """C programmed paths of moving frames, which sit at `flange_from_moving` (C, 4, 4) and go to `goal` (C, 4, 4)
-    in {B}. Beyond 0 and 1 they go on as they are. A path that isn't defined is not `lawful` (C,): nothing is proved of it.
+    """C programmed paths of moving frames in {B}.
+
+    Beyond s = 0 and s = 1, the formulas of the paths continue.
     """
 
     @property
     def flange_from_moving(self) -> Array:
-        """Where the frames sit (C, 4, 4)."""
+        """The moving frames on the flange (C, 4, 4)."""
         ...
 
     @property
     def goal(self) -> Array:
-        """Where the paths end (C, 4, 4)."""
+        """The ends of the paths (C, 4, 4)."""
         ...
 
     @property
     def lawful(self) -> NDArray[np.bool_]:
-        """Which paths are defined (C,)."""
+        """True for each path that is defined (C,). Nothing is proved about an undefined path."""
         ...
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """The paths `owner` (N,) at `s` (N,)."""
+        """Return the points of the paths `owner` (N,) at `s` (N,)."""
         ...
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:
-        """Bounds between `low` and `high` (P,) of the paths `owner` (P,)."""
+        """Return bounds for the paths `owner` (P,) between `low` and `high` (P,)."""
         ...
 
     def project(
         self, motion: Motion, owner: Rows, position: Array, angle: Array, share: Array | None = None
     ) -> tuple[Array, Array]:
-        """A good s and s' for each point of an executed motion (N,); any would be lawful.
+        """Choose a good s and s' (N,) for each point of an executed motion.
+
+        A proof accepts any choice; a good one gives a sharp bound.
 
         Args:
-            motion: the points, those of one path behind each other in order of time.
-            owner: (N,) whose they are.
-            position: (C,) [m] and
-            angle: (C,) [rad] what counts as much as what.
-            share: (N,) about how much of the way of the frame's origin lies behind it, if that is known.
+            motion: the points; those of one path are consecutive, in order of time.
+            owner: (N,) path of each point.
+            position: (C,) tolerance of the position [m], which weighs the errors.
+            angle: (C,) tolerance of the angle [rad], which weighs the errors.
+            share: (N,) approximate share of the path length of the frame's origin before each point, if
+                known.
         """
         ...
 
 
 @frozen(eq=False)
 class Turns:
-    """C turns from the rotations `start` (C, 3, 3) by `theta` (C,) [rad] about `axis` (C, 3), the short way.
+    """C turns, each about a fixed axis the short way.
 
-    R(s) = R0 + sin(s theta) K R0 + (1 - cos(s theta)) K^2 R0 with K = [axis]x; `once` is K R0, `twice` K^2 R0.
+    R(s) = R0 + sin(s theta) K R0 + (1 - cos(s theta)) K^2 R0 with K = [axis]x (Rodrigues).
+
+    Attributes:
+        start: (C, 3, 3) rotations R0.
+        axis: (C, 3) unit axes.
+        theta: (C,) angles [rad].
+        once: (C, 3, 3) K R0.
+        twice: (C, 3, 3) K^2 R0.
     """
 
     start: Array
@@ -115,14 +148,14 @@ class Turns:
 
     @staticmethod
     def between(start: Array, goal: Array) -> Turns:
-        """The turns between rotations (C, 3, 3)."""
+        """Return the turns between rotations (C, 3, 3)."""
         axis, theta = axis_and_angle(goal @ start.transpose(0, 2, 1))
         spin = cross_matrix(axis)
         once = spin @ start
         return Turns(start, axis, theta, once, spin @ once)
 
     def at(self, owner: Rows, s: Array) -> tuple[Array, Array]:
-        """Rotations and their derivatives over s, (N, 3, 3) each."""
+        """Return rotations and their derivatives over s, (N, 3, 3) each."""
         theta = self.theta[owner]
         phi = s * theta
         sin, cos = np.sin(phi)[:, None, None], np.cos(phi)[:, None, None]
@@ -131,18 +164,26 @@ class Turns:
         return rotation, theta[:, None, None] * (cos * once + sin * twice)
 
     def bounds(self, owner: Rows) -> Array:
-        """A turn about a fixed axis: sqrt 2 theta^k."""
+        """Return bounds (P, 4) of the derivatives: sqrt 2 theta^k for a turn about a fixed axis."""
         bounds: Array = np.sqrt(2.0) * self.theta[owner, None] ** np.arange(1.0, 5.0)
         return bounds
 
     def turned(self, rotation: Array, owner: Rows) -> Array:
-        """The angle (N,) about the axis that comes nearest to `rotation` (N, 3, 3) [rad]."""
+        """Return the angle (N,) [rad] of the turn that comes nearest to `rotation` (N, 3, 3)."""
         return _angle_about(rotation @ self.start.transpose(0, 2, 1)[owner], self.axis[owner])
 
 
 @frozen(eq=False)
 class Lines:
-    """Straight lines from `origin` (C, 3) by `way` (C, 3) [m], turning about one fixed axis."""
+    """C straight lines, turning about one fixed axis each.
+
+    Attributes:
+        flange_from_moving: (C, 4, 4) moving frames on the flange.
+        goal: (C, 4, 4) goals.
+        origin: (C, 3) start points [m].
+        way: (C, 3) vectors from start to goal [m].
+        turns: the turns.
+    """
 
     flange_from_moving: Array
     goal: Array
@@ -152,22 +193,22 @@ class Lines:
 
     @staticmethod
     def between(start: Array, goal: Array, flange_from_moving: Array) -> Lines:
-        """The lines between poses (C, 4, 4)."""
+        """Return the lines between poses (C, 4, 4)."""
         turns = Turns.between(start[:, :3, :3], goal[:, :3, :3])
         return Lines(flange_from_moving, goal, start[:, :3, 3], goal[:, :3, 3] - start[:, :3, 3], turns)
 
     @property
     def lawful(self) -> NDArray[np.bool_]:
-        """Every line is one."""
+        """True: every line is defined."""
         return np.ones(len(self.way), dtype=np.bool_)
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """The lines `owner` at `s`."""
+        """Return the points of the lines `owner` (N,) at `s` (N,)."""
         way = self.way[owner]
         return Poses(self.origin[owner] + s[:, None] * way, way, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """The same everywhere: of the position only the first derivative isn't zero."""
+        """Return bounds that hold for any s; only the first derivative of the position is not zero."""
         position = np.zeros((len(owner), 4))
         position[:, 0] = np.linalg.norm(self.way, axis=1)[owner]
         return Bounds(position, self.turns.bounds(owner), straight=True, everywhere=True)
@@ -180,12 +221,12 @@ class Lines:
         angle: Array,
         share: Array | None = None,  # noqa: ARG002 - a closed form needs no guess
     ) -> tuple[Array, Array]:
-        """Least squares of both errors, each against its tolerance."""
+        """Choose s by least squares of both errors, each divided by its tolerance."""
         turns = self.turns
         pull = self.way / position[:, None] ** 2
         twist_pull = turns.axis * (turns.theta / angle**2)[:, None]
         norm = (np.linalg.norm(self.way, axis=1) / position) ** 2 + (turns.theta / angle) ** 2
-        norm[norm == 0.0] = np.inf  # it shall stand still: s = 0
+        norm[norm == 0.0] = np.inf  # the frame does not move: s = 0
         offset = motion.p - self.origin[owner]
         strength = turns.theta[owner] / angle[owner] ** 2
         s = np.einsum("ni,ni->n", offset, pull[owner]) + turns.turned(motion.rotation, owner) * strength
@@ -196,9 +237,18 @@ class Lines:
 
 @frozen(eq=False)
 class Arcs:
-    """Arcs by `sweep` (C,) [rad] about `normal` (C, 3) through `centre` (C, 3) [m], turning about one fixed axis in step.
+    """C circular arcs, turning about one fixed axis each, in proportion to the arc length.
 
-    `spoke` (C, 3) leads from the centre to the start, `side` (C, 3) is normal x spoke.
+    Attributes:
+        flange_from_moving: (C, 4, 4) moving frames on the flange.
+        goal: (C, 4, 4) goals.
+        centre: (C, 3) centres of the circles [m].
+        normal: (C, 3) unit axes of the circles.
+        spoke: (C, 3) vectors from the centre to the start [m].
+        side: (C, 3) normal x spoke [m].
+        sweep: (C,) angles of the arcs [rad].
+        turns: the turns.
+        lawful: (C,) True for each arc that is defined.
     """
 
     flange_from_moving: Array
@@ -213,7 +263,7 @@ class Arcs:
 
     @staticmethod
     def through(start: Array, via: Array, goal: Array, flange_from_moving: Array) -> Arcs:
-        """The arcs from the poses `start` (C, 4, 4) through the points `via` (C, 3) to the poses `goal` (C, 4, 4)."""
+        """Return the arcs from poses `start` (C, 4, 4) through `via` (C, 3) [m] to poses `goal` (C, 4, 4)."""
         a, b = via - start[:, :3, 3], goal[:, :3, 3] - start[:, :3, 3]
         across = np.cross(a, b)
         sides = np.stack([np.linalg.norm(x, axis=1) for x in (a, b, b - a)])
@@ -221,20 +271,20 @@ class Arcs:
         lawful = (sides.min(axis=0) > SMALLEST_CIRCLE) & (area > SMALLEST_CIRCLE * sides[0] * sides[1])
         safe = np.where(lawful, area, 1.0)[:, None]
         normal = across / safe
-        # the centre is at equal distances from all three: Cramer's rule in the plane of a and b
+        # The centre has equal distances from all three points: Cramer's rule in the plane of a and b.
         square_a, square_b = (a * a).sum(axis=1)[:, None], (b * b).sum(axis=1)[:, None]
         middle = (square_a * np.cross(b, normal) + square_b * np.cross(normal, a)) / (2.0 * safe)
         spoke = -middle
         side = np.cross(normal, spoke)
         to_goal = b - middle
-        # by a circle's chord through three points in this order, the normal turns start past via to the goal
+        # Seen along the normal, the circle passes start, via and goal in this order, with a sweep below 2 pi.
         sweep = np.arctan2((to_goal * side).sum(axis=1), (to_goal * spoke).sum(axis=1)) % (2.0 * np.pi)
         turns = Turns.between(start[:, :3, :3], goal[:, :3, :3])
         centre = start[:, :3, 3] + middle
         return Arcs(flange_from_moving, goal, centre, normal, spoke, side, sweep, turns, lawful)
 
     def at(self, owner: Rows, s: Array) -> Poses:
-        """The arcs `owner` at `s`."""
+        """Return the points of the arcs `owner` (N,) at `s` (N,)."""
         sweep = self.sweep[owner]
         phi = (s * sweep)[:, None]
         spoke, side = self.spoke[owner], self.side[owner]
@@ -243,7 +293,7 @@ class Arcs:
         return Poses(self.centre[owner] + cos * spoke + sin * side, along, *self.turns.at(owner, s))
 
     def bounds(self, owner: Rows, low: Array, high: Array) -> Bounds:  # noqa: ARG002 - for any s
-        """Radius times angle^k."""
+        """Return bounds that hold for any s: radius times sweep^k."""
         radius = np.linalg.norm(self.spoke, axis=1)[owner, None]
         position = radius * self.sweep[owner, None] ** np.arange(1.0, 5.0)
         return Bounds(position, self.turns.bounds(owner), everywhere=True)
@@ -256,8 +306,12 @@ class Arcs:
         angle: Array,
         share: Array | None = None,
     ) -> tuple[Array, Array]:
-        """The mean of where position and turn say that the frame is, each by its length against its tolerance."""
+        """Choose s as the mean of the values from position and turn.
+
+        Each is weighed by its length over its tolerance.
+        """
         turns = self.turns
+        # Squared lengths of the arc and of the turn, each in units of its tolerance.
         square = np.einsum("ci,ci->c", self.spoke, self.spoke)
         weight = square * (self.sweep / position) ** 2
         turn_weight = (turns.theta / angle) ** 2
@@ -266,8 +320,9 @@ class Arcs:
         x = np.einsum("ni,ni->n", offset, self.spoke[owner])
         y = np.einsum("ni,ni->n", offset, self.side[owner])
         phi = _unwrapped(np.arctan2(y, x), owner)
+        # The rate of the angle about the axis: (n x offset) . v / |offset|^2.
         tangent = np.cross(self.normal[owner], offset)
-        # squared distance from the axis
+        # Squared distance from the axis, in units of the radius squared.
         reach = np.maximum((x * x + y * y) / np.maximum(square[owner], 1e-300), 1e-300)
         phi_rate = np.einsum("ni,ni->n", motion.velocity, tangent) / reach
         share = np.where(self.lawful, weight / norm / np.where(self.lawful, self.sweep, 1.0), 0.0)
@@ -279,7 +334,7 @@ class Arcs:
 
 
 def _unwrapped(angle: Array, owner: Rows) -> Array:
-    """Angles (N,) without jumps by a whole turn; each path's first is in (-pi / 2, 3 pi / 2]."""
+    """Return angles (N,) without jumps by full turns; the first of each path is in [-pi / 2, 3 pi / 2)."""
     first = np.flatnonzero(np.diff(owner, prepend=-1))
     smooth = np.unwrap(angle)
     whole = np.floor((smooth[first] + np.pi / 2.0) / (2.0 * np.pi)) * 2.0 * np.pi
@@ -289,7 +344,12 @@ def _unwrapped(angle: Array, owner: Rows) -> Array:
 
 
 def _angle_about(rotation: Array, axis: Array) -> Array:
-    """The turn about `axis` (N, 3) that comes nearest to `rotation` (N, 3, 3) in the Frobenius norm [rad]."""
+    """Return the angle (N,) [rad] of the turn about `axis` (N, 3) nearest to `rotation` (N, 3, 3).
+
+    Distances are in the Frobenius norm.
+
+    The trace of R' turn(angle) is largest for tan(angle) = (axis . vee) / (trace R - axis' R axis).
+    """
     along = np.einsum("ni,nij,nj->n", axis, rotation, axis)
     across = np.trace(rotation, axis1=1, axis2=2) - along
     vee = np.stack(
@@ -305,11 +365,11 @@ def _angle_about(rotation: Array, axis: Array) -> Array:
 
 
 def goal_pose(goal: hir.PoseGoal | hir.PoseDelta, base_from_flange: Array) -> tuple[Array, Array]:
-    """Where a line starts and ends.
+    """Return the start and the end of a line.
 
     Args:
         goal: the programmed goal.
-        base_from_flange: (4, 4) where the flange is when the line starts.
+        base_from_flange: (4, 4) flange at the start of the line.
 
     Returns:
         base_from_moving (4, 4) at the start and at the goal.

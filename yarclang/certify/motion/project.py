@@ -1,4 +1,7 @@
-"""A good parameter s(t) for a motion along a curve. Any would be lawful: a good one proves more."""
+"""Choice of a parameter s(t) for a motion along a curve.
+
+Proofs accept any choice; a good one gives a sharp bound.
+"""
 
 from __future__ import annotations
 
@@ -11,33 +14,36 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _STIFFNESS = 1e-3
+"""Weight of third differences of s, relative to the curve's pace."""
 _PLACES, _BETWEEN = 1024, 4
+"""Equal intervals of a table of a curve, and least number of intervals between two way-points."""
 _AT_ONCE = 8_192
-"""Places of a curve that are computed at a time."""
+"""Points of a curve that are computed in one step."""
 _ROUNDS = 5
+"""Gauss-Newton iterations."""
 
 
 class Curve(Protocol):
     """A curve y(s) in any number of dimensions."""
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """Y and y' at `s` (N,), (N, m) each; beyond the ends the curve goes on."""
+        """Return y and y' at `s` (N,), (N, m) each; beyond its ends the curve continues."""
         ...
 
 
 def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: Array) -> tuple[Array, Array]:
-    """Values and derivatives (N,) of a good s(t) at the points of a motion.
+    """Choose values and derivatives (N,) of s(t) at the points of a motion.
 
-    Least squares of y - y(s). Where a curve turns back on itself, y' is zero and the position doesn't say what s is: a
-    little stiffness against third differences, of no effect elsewhere, carries s smoothly through. The guess, which knows which
-    way it goes, starts the iteration.
+    Gauss-Newton iteration for the least squares of y - y(s). Where a curve turns back on itself, y' is zero
+    and the position does not determine s. A small stiffness against third differences, which has no effect
+    elsewhere, carries s smoothly through. The guess, which knows the direction, starts the iteration.
 
     Args:
-        curve: in coordinates that count the same, each against its tolerance.
-        y: (N, m) the motion's points, in order of time.
+        curve: the curve, in coordinates of equal weight, each divided by its tolerance.
+        y: (N, m) points of the motion, in order of time.
         rate: (N, m) their velocities.
-        guess: (N,) where s is about.
-        pace: how fast the curve goes over s, typically.
+        guess: (N,) approximate s.
+        pace: typical |y'(s)|.
         d: (N - 1,) durations between the points [s].
     """
     from scipy.linalg import solveh_banded
@@ -64,14 +70,14 @@ def project(curve: Curve, y: Array, rate: Array, guess: Array, pace: float, d: A
 
 
 def _parts(count: int) -> Iterator[slice]:
-    """Yield slices that cover `count` rows."""
+    """Yield slices that together cover `count` rows."""
     for begin in range(0, count, _AT_ONCE):
         go_on()
         yield slice(begin, begin + _AT_ONCE)
 
 
 def _third_differences(size: int) -> Array:
-    """The matrix of the sum of squared third differences, lower bands (4, size)."""
+    """Return the lower bands (4, size) of the symmetric matrix of the sum of squared third differences."""
     kernel = np.array([-1.0, 3.0, -3.0, 1.0])
     bands = np.zeros((4, size))
     for band in range(4):
@@ -81,7 +87,7 @@ def _third_differences(size: int) -> Array:
 
 
 def _times(bands: Array, x: Array) -> Array:
-    """The symmetric banded matrix times x."""
+    """Return the product of a symmetric banded matrix, by its lower bands, with x."""
     product = bands[0] * x
     for band in range(1, len(bands)):
         product[band:] += bands[band, :-band] * x[:-band]
@@ -90,7 +96,7 @@ def _times(bands: Array, x: Array) -> Array:
 
 
 def table_of_lengths(curve: Curve, s: Array) -> Array:
-    """The length of the curve up to each of `s` (N,), about: that of the polygon through its points."""
+    """Return the approximate length of the curve up to each of `s` (N,), by the polygon."""
     lengths, behind = np.zeros(len(s)), 0.0
     for begin in range(0, len(s) - 1, _AT_ONCE):
         go_on()
@@ -103,13 +109,14 @@ def table_of_lengths(curve: Curve, s: Array) -> Array:
 def guess_by_length(
     curve: Curve, y: Array, knots: Array, free: tuple[bool, bool] = (False, False)
 ) -> tuple[Array, float]:
-    """Where s is about, by the length of the way so far, and the curve's typical pace.
+    """Guess s from the distance covered so far, and return the curve's typical pace as well.
 
     Args:
-        curve: from s = 0 to the last of `knots`.
-        y: (N, m) the motion's points, in order of time.
-        knots: (k,) the places of the curve's way-points, from 0 on.
-        free: whether the motion joins the curve elsewhere than at its start (in its first half), and leaves it before its end.
+        curve: the curve, from s = 0 to the last of `knots`.
+        y: (N, m) points of the motion, in order of time.
+        knots: (k,) parameters of the curve's way-points, from 0 on.
+        free: True if the motion joins the curve after its start (in its first half), and if it leaves it
+            before its end.
     """
     end = float(knots[-1])
     s = places_of(knots)
@@ -126,7 +133,11 @@ def guess_by_length(
 
 
 def places_of(knots: Array) -> Array:
-    """Places (N,) that show a curve with way-points at `knots` (k,): equal distances, and, where there are many way-points, some between each two."""
+    """Return parameters (N,) that show the shape of a curve with way-points at `knots` (k,).
+
+    They have equal distances; if there are many way-points, some parameters between each two of them are
+    added.
+    """
     s = np.linspace(0.0, float(knots[-1]), _PLACES + 1)
     if (len(knots) - 1) * _BETWEEN <= _PLACES:
         return s

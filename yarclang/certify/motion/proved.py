@@ -1,4 +1,4 @@
-"""What the proofs of a text's motions share."""
+"""Common data of the proofs of a text's motions."""
 
 from __future__ import annotations
 
@@ -17,11 +17,17 @@ from yarclang.robot.model import Array
 
 @dataclass(slots=True, eq=False)
 class Proofs:
-    """What was proved of every motion, and about which path: by the motion's number among the motions, but `deviations` and
-    `speeds` by its step.
+    """Proofs of all motions, with the paths that they are about.
 
-    `frames` are paths of moving frames, each one of several; `curves` those in joint space. `covered` (P, 2) are the shares
-    of the paths between which they were followed.
+    Attributes:
+        starts: where each motion starts.
+        flows: how the motions flow into each other.
+        covered: (P, 2) for each motion, the range of the path parameter that was followed.
+        deviations: the deviations by step.
+        speeds: speeds of moving frames by step.
+        frames: for motions along paths of the moving frame, by row in the layout: a group of paths, and the
+            index in the group.
+        curves: paths in joint space, by row in the layout.
     """
 
     starts: Starts
@@ -34,7 +40,10 @@ class Proofs:
 
 
 def law_of(judged: Judged, place: Place) -> tuple[Array, int] | None:
-    """A claimed law that covers all of the command, with half of each blend's segments on either side."""
+    """Return the claimed law of a motion and its first segment's number; None without a usable one.
+
+    The law covers the command's own segments and half of each blend's segments on either side.
+    """
     law = judged.claims.laws.get(place.step)
     lead, trail = (place.before or 0) // 2, (place.behind or 0) // 2
     if law is None or law.shape != (place.size + lead + trail + 3,) or not np.isfinite(law).all():

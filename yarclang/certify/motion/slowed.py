@@ -1,4 +1,8 @@
-"""Programmed speeds that aren't reached: said once for each region of a chain, with the place where it is slowest, and what is used up there."""
+"""Warnings about programmed speeds that are not reached.
+
+There is one warning for each region of a chain. It names the slowest place, and the limit that is used up
+there.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +16,13 @@ from yarclang.hir import Origin
 from yarclang.written import slower
 
 TOLD = 0.99
-"""A share of a programmed speed above which nothing is said: a rounded corner takes a little of it."""
+"""Share of a programmed speed above which there is no warning.
+
+A rounded corner takes a little of the speed.
+"""
 
 _USED_UP = 0.85
-"""A limit of which a larger share is used where it is slowest is the reason for it."""
+"""Least share of a limit, at the slowest place, that makes this limit the reason."""
 
 _KINDS: dict[Quantity, str] = {
     "velocity": "velocity",
@@ -31,13 +38,13 @@ def slowed(
     shares: Callable[[int], float],
     loads: Mapping[int, Loads],
 ) -> tuple[Diagnostic, ...]:
-    """Return a warning for each region in which a programmed speed isn't reached.
+    """Return a warning for each region in which a programmed speed is not reached.
 
     Args:
-        layout: the text's commands.
-        speeds: what was proved, by steps.
-        shares: the share of its programmed speed to which a motion is held, by its step.
-        loads: what is used of the limits, by steps.
+        layout: the commands of the text.
+        speeds: proved speeds by step.
+        shares: returns the share of its programmed speed that a motion must reach, by its step.
+        loads: loads of the limits by step.
     """
 
     def share_of(place: Place) -> float:
@@ -45,7 +52,7 @@ def slowed(
         if speed is None or math.isnan(speed.programmed):
             return 1.0
         claimed = shares(place.step)
-        # what was proved may be more than what was claimed
+        # More may have been proved than was claimed.
         proved = claimed * speed.least / speed.programmed
         return min(proved, 1.0) if proved > claimed else claimed
 
@@ -63,7 +70,7 @@ def slowed(
 
 
 def _stretches(layout: Layout) -> Iterator[list[Place]]:
-    """Yield the motions from rest to rest."""
+    """Yield the motions of each stretch from rest to rest."""
     stretch: list[Place] = []
     for place in layout.places:
         if not place.size:
@@ -77,7 +84,7 @@ def _stretches(layout: Layout) -> Iterator[list[Place]]:
 
 
 def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]:
-    """Return the motions, from and up to, that aren't still getting to their speed, or coming to rest from it, over several motions."""
+    """Return the range of motions without the ramps at both ends, if a ramp takes several motions."""
     first, last = 0, len(stretch)
     if max(shares) <= TOLD:
         return first, last
@@ -85,12 +92,12 @@ def _between_ramps(stretch: list[Place], shares: list[float]) -> tuple[int, int]
         first += 1
     while shares[last - 1] <= TOLD and stretch[last - 1].before == 0 and shares[last - 2] >= shares[last - 1]:
         last -= 1
-    # a dip isn't a ramp
+    # A slow part that does not lead to full speed is not a ramp.
     return (first if shares[first] > TOLD else 0), (last if shares[last - 1] > TOLD else len(stretch))
 
 
 def _regions(shares: list[float], first: int, last: int) -> Iterator[tuple[int, int]]:
-    """Yield the runs of motions, from and up to, that don't reach their speed."""
+    """Yield the ranges of consecutive motions that do not reach their speed."""
     begin = None
     for at in range(first, last):
         if shares[at] <= TOLD:

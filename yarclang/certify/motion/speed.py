@@ -1,4 +1,4 @@
-"""How fast the moving frame goes, bounded at every instant, against the speed that is programmed (`[V 250]`)."""
+"""Bounds of the speed of the moving frame at every instant, for the programmed speed (`[V 250]`)."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 KEPT = 1e-3
-"""The cruise speed is the programmed one but for this share of it."""
+"""Largest relative deviation of the cruise speed from the programmed one."""
 SHARP = 1e-4
-"""Pieces are made so short that the bounds of a programmed speed are at most this share of it apart from the truth."""
+"""Pieces are short enough that bounds of a programmed speed are off by at most this share of it."""
 MOST_PIECES = 32
 
 _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2, 0], [1, 4, 6, 4, 1]]) / [
@@ -25,15 +25,22 @@ _LEFT = np.array([[1, 0, 0, 0, 0], [8, 8, 0, 0, 0], [4, 8, 4, 0, 0], [2, 6, 6, 2
 ]
 _RIGHT = _LEFT[::-1, ::-1]
 _QUARTERS = np.concatenate([one @ other for other in (_LEFT, _RIGHT) for one in (_LEFT, _RIGHT)])
-"""From five Bernstein coefficients those of the four quarters (20, 5) (de Casteljau)."""
+"""Matrix (20, 5) from five Bernstein coefficients to those of the four quarters (de Casteljau)."""
 
 
 @frozen(eq=False)
 class Programmed:
-    """The speeds that C commands shall have: at most `top` (C,), NaN where none is programmed, of the frame's origin [m/s], or,
-    where its path only turns (`turns` (C,)), of the turn [rad/s]; at least `cruise` (C,) from when that is first reached up to when it is last left.
+    """The programmed speeds of C commands.
 
-    `around` (C, 2) is the most that is allowed in the blend before and in that behind. `held` (C, 2) says that it is reached from the begin, and up to the end.
+    Speeds are those of the frame's origin [m/s], or, with `turns`, angular speeds [rad/s].
+
+    Attributes:
+        cruise: (C,) least speed from when it is first reached to when it is last left; NaN if none is
+            programmed.
+        top: (C,) largest speed; NaN if none is programmed.
+        turns: (C,) True if the path only turns the frame.
+        around: (C, 2) largest speed in the blend before, and in the blend after.
+        held: (C, 2) True if the speed is held from the begin, and up to the end.
     """
 
     cruise: Array
@@ -45,9 +52,20 @@ class Programmed:
 
 @frozen(eq=False)
 class Speeds:
-    """Proved bounds (C,) of the speeds of C commands, as `Programmed` [m/s or rad/s]: the most anywhere, and, where a cruise speed is
-    programmed, the `least` and the `most` from when it is first reached up to when it is last left; NaN where it
-    never is. `beyond` is the most that is allowed nowhere, as a share of what is allowed; it isn't above 1 + `KEPT` where all is well.
+    """Proved bounds of the speeds of C commands.
+
+    Speeds are those of the frame's origin [m/s], or, with `turns`, angular speeds [rad/s]. `least` and `most`
+    cover the time from when the cruise speed is first reached to when it is last left; they are NaN if it is
+    never reached.
+
+    Attributes:
+        turns: (C,) True if the path only turns the frame.
+        programmed: (C,) programmed cruise speeds.
+        largest: (C,) largest speeds.
+        least: (C,) least speeds while the cruise speed is held.
+        most: (C,) largest speeds while the cruise speed is held.
+        beyond: (C,) largest ratios of the speed to the allowed speed; at most 1 + `KEPT` if no speed is
+            exceeded.
     """
 
     turns: NDArray[np.bool_]
@@ -61,15 +79,15 @@ class Speeds:
 def finer_for_speed(
     pieces: Rows, h: Array, origin: Array, rotation: Array, wanted: Programmed, command: Rows
 ) -> Rows:
-    """More pieces for segments (N,) of commands with a programmed speed, so that it can be told sharply.
+    """Return the numbers of pieces that make the bounds of programmed speeds sharp.
 
     Args:
-        pieces: (N,) as many as the path needs.
-        h: (N,) [s].
-        origin: (N,) bounds of fourth derivatives, of the frame's origin and its rotation matrix, likewise
-        rotation: (N,).
-        wanted: what is programmed.
-        command: (N,) whose segments they are.
+        pieces: (N,) pieces of each segment that the path needs.
+        h: (N,) durations of the segments [s].
+        origin: (N,) bounds of the fourth derivative of the frame's origin [m/s^4].
+        rotation: (N,) bounds of the fourth derivative of its rotation matrix [1/s^4].
+        wanted: the programmed speeds.
+        command: (N,) command of each segment.
     """
     cruise = wanted.cruise[command]
     bound = np.where(wanted.turns[command], rotation / np.sqrt(2.0), origin)
@@ -81,30 +99,38 @@ def finer_for_speed(
 
 
 def speed_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
-    """Least and largest speed (P,) of the frame's origin on each piece [m/s].
+    """Bound the least and the largest speed (P,) of the frame's origin on each piece [m/s].
 
     Args:
         motion: the frame at the points between pieces.
-        left: (P,) the point at which each piece begins.
-        d: (P,) how long it is [s].
-        fourth: (P,) bounds of the fourth derivative of the origin there.
+        left: (P,) point at which each piece begins.
+        d: (P,) duration of each piece [s].
+        fourth: (P,) bounds of the fourth derivative of the origin [m/s^4].
     """
     return _rate_bounds(motion.p, motion.velocity, left, d, fourth)
 
 
 def turn_bounds(motion: Motion, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
-    """The same of the frame's angular speed [rad/s]: a rotation matrix changes by sqrt 2 times that in the Frobenius norm."""
+    """Bound the least and the largest angular speed (P,) of the frame on each piece [rad/s].
+
+    The rotation matrix changes by sqrt 2 times the angular speed, in the Frobenius norm. Arguments as in
+    `speed_bounds`.
+    """
     rate = np.cross(motion.angular[:, :, None], motion.rotation, axis=1).reshape(-1, 9)
     low, high = _rate_bounds(motion.rotation.reshape(-1, 9), rate, left, d, fourth)
     return low / np.sqrt(2.0), high / np.sqrt(2.0)
 
 
 def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> tuple[Array, Array]:
-    """Bounds (P,) of |x'| on pieces: x' is that of the Hermite cubic, a parabola, but for a remainder; the square of its length has
-    five Bernstein coefficients.
+    """Bound |x'| (P,) on pieces from below and above.
+
+    x' is that of the Hermite cubic, a parabola, plus a remainder. The square of the parabola's length has
+    degree 4: its five Bernstein coefficients bound it.
     """
     v0, v1 = rate[left], rate[left + 1]
+    # Bezier points v0, middle, v1 of the Hermite cubic's velocity, whose mean is the difference quotient.
     middle = 3.0 * (x[left + 1] - x[left]) / d[:, None] - v0 - v1
+    # Bernstein coefficients of the square of a quadratic Bezier curve (product of two Bernstein polynomials).
     squares = np.stack(
         [
             _dot(v0, v0),
@@ -114,7 +140,7 @@ def _rate_bounds(x: Array, rate: Array, left: Rows, d: Array, fourth: Array) -> 
             _dot(v1, v1),
         ]
     )
-    # where the speed changes much, those of its quarters are nearer to it
+    # Where the speed changes much, the coefficients of the quarters are closer to it.
     squares = _QUARTERS @ squares
     rest = HERMITE_RATE * d**3 * fourth
     low = np.maximum(np.sqrt(np.maximum(squares.min(axis=0), 0.0)) - rest, 0.0)
@@ -127,15 +153,15 @@ def _dot(a: Array, b: Array) -> Array:
 
 
 def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, wanted: Programmed) -> Speeds:
-    """The speeds of commands from those of their pieces.
+    """Bound the speeds of commands from the speeds of their pieces.
 
     Args:
-        low: (P,) least and
+        low: (P,) least speed on each piece.
         high: (P,) largest speed on each piece.
-        command: (P,) whose it is, in order.
-        segment: (P,) and of which segment.
-        follow: (C, 2) the segments, from and up to, that aren't in a blend.
-        wanted: what is programmed.
+        command: (P,) command of each piece, in order.
+        segment: (P,) segment of each piece.
+        follow: (C, 2) range of each command's segments outside of blends.
+        wanted: the programmed speeds.
     """
     count = len(wanted.cruise)
     largest, beyond = np.zeros(count), np.zeros(count)
@@ -150,7 +176,7 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
     with np.errstate(invalid="ignore"):
         beyond_it = segment_max(high / allowed, begins)
         kept = inside & (low >= cruise * (1.0 - KEPT)) & (high <= top * (1.0 + KEPT))
-    # from the first piece on, up to the last, on which the speed is kept
+    # From the first piece with the programmed speed to the last.
     place = np.arange(len(command))
     first = np.minimum.reduceat(np.where(kept, place, len(command)), begins)
     last = segment_max(np.where(kept, place, -1), begins)
@@ -166,7 +192,7 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
             continue
         beyond[own] = beyond_it[row]
         if not is_inside[row]:
-            least[own] = most[own] = wanted.cruise[own]  # all of it is blends
+            least[own] = most[own] = wanted.cruise[own]  # the whole command consists of blends
         elif is_kept[row]:
             least[own], most[own] = slowest[row], fastest[row]
         else:
@@ -178,13 +204,16 @@ def judged(low: Array, high: Array, command: Rows, segment: Rows, follow: Rows, 
 
 
 def _for_an_instant(low: Array, high: Array, cruise: float, held: NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the least and the largest speed of a command that keeps its speed on no whole piece; NaN if it never reaches it.
+    """Return the least and the largest speed of a command that has its speed on no whole piece.
+
+    Both are NaN if it never has its speed.
 
     Args:
-        low: (P,) the least speed on each piece outside of blends.
-        high: (P,) the largest.
-        cruise: the speed.
-        held: (2,) whether it is held from the begin up to where it is reached, and from there up to the end.
+        low: (P,) least speed on each piece outside of blends.
+        high: (P,) largest speed on each piece outside of blends.
+        cruise: the programmed speed.
+        held: (2,) True if the speed is held from the begin to the place where it is reached, and from there
+            to the end.
     """
     peak = float(high.max())
     if peak < cruise * (1.0 - KEPT):

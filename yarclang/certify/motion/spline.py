@@ -1,4 +1,4 @@
-"""How far a motion is from the natural cubic spline through way-points in joint space."""
+"""Deviation of a motion from the natural cubic spline through way-points in joint space."""
 
 from __future__ import annotations
 
@@ -12,19 +12,22 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 REMAINDER_SHARE = 0.02
-"""Pieces are made so short that the remainder of the proof is at most this share of the tolerance."""
+"""Pieces are short enough that the remainder of the proof is at most this share of the tolerance."""
 MOST_PIECES = 16
-"""... but never more than this many a segment."""
+"""Most pieces of a segment."""
 SAME = 1e-9
-"""Neighbours nearer than this [rad or m] are one way-point."""
+"""Neighbours closer than this [rad or m] are one way-point."""
 
 
 @frozen(eq=False)
 class NaturalSpline:
-    """The cubic spline y(s) through way-points, with y'' = 0 at both ends.
+    """The cubic spline y(s) through m way-points, with y'' = 0 at both ends.
 
-    `s` (m,) is the chord length up to each way-point (sum of the Euclidean distances of joint positions
-    in rad and m), `y` (m, n) the way-points, `bend` (m, n) y'' there.
+    Attributes:
+        s: (m,) chord length up to each way-point: the sum of the Euclidean distances of joint positions in
+            rad and m.
+        y: (m, n) way-points.
+        bend: (m, n) y'' at the way-points.
     """
 
     s: Array
@@ -33,14 +36,14 @@ class NaturalSpline:
 
     @staticmethod
     def through(points: Array) -> NaturalSpline:
-        """The spline through `points` (m, n) over the chord length; equal neighbours count once."""
+        """Return the spline through `points` (m, n) over the chord length; equal neighbours count as one."""
         apart = np.linalg.norm(np.diff(points, axis=0), axis=1) > SAME
         y = points[np.concatenate([[True], apart])]
         return NaturalSpline.over(np.linalg.norm(np.diff(y, axis=0), axis=1), y)
 
     @staticmethod
     def over(steps: Array, y: Array) -> NaturalSpline:
-        """The spline through `y` (m, n) over a parameter that grows by `steps` (m - 1,) from one to the next."""
+        """Return the spline through `y` (m, n) over a parameter that grows by `steps` (m - 1,)."""
         s = np.concatenate([[0.0], np.cumsum(steps)])
         bend = np.zeros_like(y)
         if len(y) > 2:
@@ -51,11 +54,11 @@ class NaturalSpline:
         return NaturalSpline(s, y, bend)
 
     def span(self, s: Array) -> NDArray[np.int64]:
-        """Between which way-points `s` lies: the first span before the start, the last behind the end."""
+        """Return the span that contains `s`: the first before the start, the last after the end."""
         return np.clip(np.searchsorted(self.s, s, side="right") - 1, 0, len(self.s) - 2)
 
     def at(self, s: Array) -> tuple[Array, Array]:
-        """Y and y' at `s` (N,), (N, n) each; beyond the ends the cubic goes on."""
+        """Return y and y' at `s` (N,), (N, n) each; beyond its ends the cubic continues."""
         i = self.span(s)
         chord, t = (self.s[i + 1] - self.s[i])[:, None], (s - self.s[i])[:, None]
         b0, b1 = self.bend[i], self.bend[i + 1]
@@ -64,20 +67,23 @@ class NaturalSpline:
         return self.y[i] + t * (slope + t * (b0 / 2.0 + t * third / 6.0)), slope + t * (b0 + t * third / 2.0)
 
     def bends(self, s: Array) -> Array:
-        """Y'' at `s` (N, n)."""
+        """Return y'' at `s` (N,), (N, n)."""
         i = self.span(s)
         share = ((s - self.s[i]) / (self.s[i + 1] - self.s[i]))[:, None]
         return (1.0 - share) * self.bend[i] + share * self.bend[i + 1]
 
 
 def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
-    """Solve the symmetric system with `diagonal` (m,), `beside` (m - 1,) and right sides (m, n).
+    """Solve a symmetric tridiagonal system without pivoting, since its diagonal dominates.
 
-    Its diagonal dominates, so no pivoting.
+    Args:
+        beside: (m - 1,) entries beside the diagonal.
+        diagonal: (m,) diagonal.
+        right: (m, n) right sides.
     """
     from scipy.linalg import solveh_banded
 
-    if len(diagonal) == 1:  # LAPACK's wrapper has no system of one equation
+    if len(diagonal) == 1:  # LAPACK's wrapper rejects a system of one equation
         return right / diagonal[:, None]
     band = np.zeros((2, len(diagonal)))
     band[0, 1:], band[1] = beside, diagonal
@@ -87,8 +93,12 @@ def _solve_tridiagonal(beside: Array, diagonal: Array, right: Array) -> Array:
 
 @frozen(eq=False)
 class SplineBound:
-    """The largest deviation of each joint (n,) [rad or m], what of it is remainder, and the shares of the spline between
-    which it was followed (2,).
+    """Proved deviation from a spline.
+
+    Attributes:
+        deviation: (n,) largest deviation of each joint [rad or m].
+        remainder: (n,) part of it that bounds the error between computed points [rad or m].
+        covered: (2,) range of the spline's parameter that was followed, as shares.
     """
 
     deviation: Array
@@ -103,19 +113,19 @@ def spline_deviation(
     law: Array | None = None,
     free: tuple[bool, bool] = (False, False),
 ) -> SplineBound:
-    """A proved bound of the deviation from the natural spline through way-points.
+    """Bound the deviation from the natural spline through way-points.
 
-    As for a line, with e(t) = q(t) - y(s(t)) for each joint, s(t) piecewise cubic. As q'''' = 0
-    and y'''' = 0, |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|; where s passes a
-    way-point, e''' jumps by s'^3 times the jump of y'''.
+    The error of each joint is e(t) = q(t) - y(s(t)), with s(t) piecewise cubic. As q'''' = 0 and y'''' = 0,
+    |e''''| is at most 6 s'^2 |s''| |y'''| + (3 s''^2 + 4 |s' s'''|) |y''|. Where s passes a way-point, e'''
+    jumps by s'^3 times the jump of y'''. The Hermite remainder (bounds.py) follows from both.
 
     Args:
         cubics: the segments of one command, all of one duration.
-        waypoints: (m, n) where the robot stands, and the way-points behind it.
-        weights: (n,) one over the tolerance of each joint.
-        law: (segments + 3,) the share of the way over time that the planner claims, as control values
-            of a cubic B-spline. A claim can't do harm: any s(t) that leads from start to end gives a proof.
-        free: whether the spline is joined, and left, elsewhere than at its start and its end.
+        waypoints: (m, n) current position, and the way-points after it.
+        weights: (n,) reciprocal of the tolerance of each joint.
+        law: (segments + 3,) share of the path over time that the planner claims, as control values of a cubic
+            B-spline. A wrong claim does no harm: any s(t) from start to end gives a valid bound.
+        free: True if the motion joins the spline after its start, and if it leaves it before its end.
     """
     spline = NaturalSpline.through(waypoints)
     if len(spline.y) == 1:
@@ -133,8 +143,8 @@ def spline_deviation(
 def _proved(
     cubics: Cubics, spline: NaturalSpline, weights: Array, law: Array | None, free: tuple[bool, bool]
 ) -> SplineBound:
-    """The bound with pieces so short that the remainder hardly counts."""
-    pieces = 1 if len(cubics.h) >= 4 else 4  # third differences want four points
+    """Compute the bound with pieces short enough that the remainder hardly counts."""
+    pieces = 1 if len(cubics.h) >= 4 else 4  # third differences need four points
     while True:
         go_on()
         bound = _bound(cubics, spline, weights, pieces, law, free)
@@ -146,7 +156,7 @@ def _proved(
 
 @frozen(eq=False)
 class _Weighed:
-    """A spline in joints that count the same."""
+    """A spline in joint coordinates of equal weight."""
 
     spline: NaturalSpline
     weights: Array
@@ -164,6 +174,7 @@ def _bound(
     law: Array | None,
     free: tuple[bool, bool],
 ) -> SplineBound:
+    # Joint positions and velocities at the ends of all pieces.
     count = len(cubics.h) * pieces
     segment = np.arange(count) // pieces
     d = cubics.h[segment] / pieces
@@ -182,6 +193,7 @@ def _bound(
 
     go_on()
     y, slope = spline.at(s)
+    # Error and its rate at the ends of pieces: the Hermite cubic of the error, and of s.
     e, e_rate = q - y, rate - slope * s_rate[:, None]
     hull = np.stack(hermite_bezier(e[:-1], e_rate[:-1], e[1:], e_rate[1:], d[:, None]))
     bezier_s = np.stack(hermite_bezier(s[:-1], s_rate[:-1], s[1:], s_rate[1:], d), axis=1)
@@ -189,16 +201,24 @@ def _bound(
     covered = np.where(free, np.clip([s[0] / end, s[-1] / end], 0.0, 1.0), [0.0, 1.0])
     behind = catch_up(bezier_s, np.zeros(count, dtype=np.int64), end, covered[None])
     reach = _steepest(spline, float(max(-bezier_s.min(), bezier_s.max() - end, 0.0)))
+    # Largest Bezier point, plus the remainder, plus the path's slope times the lag of s (see `catch_up`).
     deviation = np.abs(hull).max(axis=0) + rest + behind[:, None] * reach
     return SplineBound(deviation.max(axis=0), rest.max(axis=0), covered)
 
 
 def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
-    """Values and derivatives of the cubic B-spline with `control` (segments + 3,) at the points between pieces."""
+    """Return values and derivatives of a cubic B-spline at the points between pieces.
+
+    Args:
+        control: (segments + 3,) control values.
+        h: duration of a segment [s].
+        pieces: pieces of each segment.
+    """
     count = (len(control) - 3) * pieces + 1
     k = np.minimum(np.arange(count) // pieces, len(control) - 4)
     u = np.arange(count) / pieces - k
     w = 1.0 - u
+    # Basis functions of the uniform cubic B-spline at u in [0, 1], times 6, and their derivatives, times 2.
     f0, f1, f2, f3 = (control[k + i] for i in range(4))
     s = (
         w**3 * f0 + (3 * u**3 - 6 * u**2 + 4) * f1 + (-3 * u**3 + 3 * u**2 + 3 * u + 1) * f2 + u**3 * f3
@@ -208,11 +228,13 @@ def _claimed(control: Array, h: float, pieces: int) -> tuple[Array, Array]:
 
 
 def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
-    """What e(t) can be away from its Hermite cubic on each piece (P, n)."""
+    """Bound the distance of e(t) from its Hermite cubic on each piece (P, n)."""
+    # Bezier points of s' and s'', and the constant s''' of the cubic s(t).
     ds = np.diff(bezier_s, axis=1) * (3.0 / d)[:, None]
     dds = np.diff(ds, axis=1) * (2.0 / d)[:, None]
     s3 = (np.abs(np.diff(dds, axis=1)[:, 0]) / d)[:, None]
     s1, s2 = np.abs(ds).max(axis=1)[:, None], np.abs(dds).max(axis=1)[:, None]
+    # y'' is linear and y''' constant on a span: ends of the piece and way-points inside it bound both.
     lower, upper = bezier_s.min(axis=1), bezier_s.max(axis=1)
     third = np.diff(spline.bend, axis=0) / np.diff(spline.s)[:, None]
     low, high = spline.span(lower), spline.span(upper)
@@ -222,11 +244,11 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
     (several,) = np.nonzero(high > low)
     jumps = np.concatenate([np.zeros((1, third.shape[1])), np.cumsum(np.abs(np.diff(third, axis=0)), axis=0)])
     jump[several] = jumps[high[several]] - jumps[low[several]]
-    for row in several:  # few pieces pass a way-point
+    for row in several:  # few pieces contain a way-point
         inside = slice(low[row] + 1, high[row] + 1)
         bend[row] = np.maximum(bend[row], np.abs(spline.bend[inside]).max(axis=0))
         sharp[row] = np.maximum(sharp[row], np.abs(third[low[row] : high[row] + 1]).max(axis=0))
-    # a cubic passes a place once, or, where it turns back, three times at most
+    # A cubic passes a place once, or at most three times if it turns back.
     jump *= np.where((ds.min(axis=1) < 0.0) & (ds.max(axis=1) > 0.0), 3.0, 1.0)[:, None]
     change: Array = 6.0 * s1 * s1 * s2 * sharp + (3.0 * s2 * s2 + 4.0 * s1 * s3) * bend
     rest: Array = HERMITE * d[:, None] ** 4 * change + JUMP * d[:, None] ** 3 * s1**3 * jump
@@ -234,7 +256,10 @@ def _remainder(spline: NaturalSpline, bezier_s: Array, d: Array) -> Array:
 
 
 def _steepest(spline: NaturalSpline, beyond: float) -> Array:
-    """Max |y'| of each joint (n,) on the spline and `beyond` it, by the Bezier points of y' on each span."""
+    """Return max |y'| of each joint (n,) on the spline and up to `beyond` outside of it.
+
+    The Bezier points of y' bound it.
+    """
     chord = np.diff(spline.s)[:, None]
     b0, b1 = spline.bend[:-1], spline.bend[1:]
     slope = np.diff(spline.y, axis=0) / chord - chord * (2.0 * b0 + b1) / 6.0

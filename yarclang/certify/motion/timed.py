@@ -1,8 +1,9 @@
-"""How far all joints are from a timetable at the same time.
+"""Deviation of all joints from a timetable at the same time.
 
-Between two rows the table asks for a polynomial in time, and each segment of the text is one. On each interval that neither a row nor a knot divides, the difference of both is a
-polynomial as well, and lies in the convex hull of its Bezier points: nothing is sampled. Where the hull is larger than what is allowed, the interval is
-halved, which brings the hull nearer to the curve; not where the curve itself is found to be beyond.
+Between two rows the timetable defines a polynomial in time, and each segment of the text is one too. On each
+interval without a row or a knot inside, their difference is therefore a polynomial, which lies in the convex
+hull of its Bezier points: nothing is sampled. If the hull exceeds the allowed deviation, the interval is
+halved, which brings the hull nearer to the curve, unless the curve itself already exceeds it.
 """
 
 from __future__ import annotations
@@ -20,10 +21,13 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array, Robot, Tolerance
 
 LATE = 1e-3
-"""The times of the text may be those of the table times a factor, by which the motion takes longer or shorter by up to so much [s]."""
+"""Largest difference between the durations of the text and of the timetable [s].
+
+All times are scaled by one factor.
+"""
 
 HALVINGS = 8
-"""How often intervals are halved at most."""
+"""Largest number of times that an interval is halved."""
 
 _SAME = 1e-9
 """Rounding of positions [rad or m]."""
@@ -31,14 +35,19 @@ _SAME = 1e-9
 
 @frozen(eq=False)
 class Way:
-    """What a table asks for: `times` (m + 1,) from 0 [s], and the Bezier points (m, d + 1, n) of the piece from each to the next [rad or m]."""
+    """The motion that a timetable defines.
+
+    Attributes:
+        times: (m + 1,) times of the rows, from 0 [s].
+        bezier: (m, d + 1, n) Bezier points of the polynomial from each row to the next [rad or m].
+    """
 
     times: Array
     bezier: Array
 
 
 def programmed(table: hir.Timetable, stands: Array) -> Way:
-    """Return the way of a table for a robot that stands at `stands` (n,) [rad or m] first."""
+    """Return the motion of a timetable for a robot that starts at `stands` (n,) [rad or m]."""
     rows = slice(int(table.begins), None)
     times = np.concatenate(([0.0], table.times[rows]))
     q = np.vstack((stands, table.positions[rows]))
@@ -49,11 +58,14 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
     else:
         v = np.vstack((rest, table.velocities[rows]))
     if table.accelerations is None:
+        # A cubic's second Bezier point is a third of the interval along the tangent; likewise at the end.
         of_cubic = (q[:-1], q[:-1] + v[:-1] * h / 3.0, q[1:] - v[1:] * h / 3.0, q[1:])
         return Way(times, np.stack(of_cubic, axis=1))
     first = table.accelerations[:1] if table.begins else rest
     a = np.vstack((first, table.accelerations[rows]))
     left, right = v[:-1] * h / 5.0, v[1:] * h / 5.0
+    # A quintic's first three Bezier points follow from position, velocity and acceleration at the start,
+    # where the k-th derivative is 5! / (5 - k)! / h^k times their k-th difference. Likewise at the end.
     of_quintic = (
         q[:-1],
         q[:-1] + left,
@@ -66,9 +78,15 @@ def programmed(table: hir.Timetable, stands: Array) -> Way:
 
 
 def _velocities_of_clamped(h: Array, q: Array) -> Array:
-    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` (m + 1, n) that rests at both ends, from its second derivatives there."""
+    """Return the velocities (m + 1, n) of the C2 cubic spline through `q` that rests at both ends.
+
+    The tridiagonal system has the second derivatives as unknowns (the clamped spline); the velocities follow
+    from them.
+    """
     from scipy.linalg import solve_banded
 
+    # The second derivatives M satisfy h M + 2 (h + h') M' + h' M'' = 6 (slope' - slope). At both ends, the
+    # row contains only one interval, and the outer slope is the given velocity, zero.
     slope = np.diff(q, axis=0) / h[:, None]
     right = 6.0 * np.diff(np.vstack((np.zeros((1, q.shape[1])), slope, np.zeros((1, q.shape[1])))), axis=0)
     band = np.zeros((3, len(q)))
@@ -77,21 +95,23 @@ def _velocities_of_clamped(h: Array, q: Array) -> Array:
     band[1, 1:] += 2.0 * h
     bend = solve_banded((1, 1), band, right, check_finite=False)
     v = np.zeros_like(q)
+    # The velocity at the end of an interval with the slope s: s + h (M + 2 M') / 6.
     v[1:] = slope + h[:, None] * (bend[:-1] + 2.0 * bend[1:]) / 6.0
     v[-1] = 0.0
     return v
 
 
 def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array, Array]:
-    """Bound how far the joints are from a way at the same time.
+    """Bound the deviation of the joints from a timetable at the same time.
 
     Args:
         cubics: the segments of one command.
-        way: what the table asks for. If both don't take the same time, its times are scaled.
-        allowed: (n,) [rad or m]; up to there the bound needn't be close.
+        way: the motion of the timetable; its times are scaled to the duration of the segments.
+        allowed: (n,) allowed deviation [rad or m]. Smaller bounds need not be sharp.
 
     Returns:
-        The largest difference of each joint (n,) [rad or m], proved, and when it may be there (n,) [s].
+        The proved largest deviation of each joint (n,) [rad or m], and the time at which it may occur (n,)
+        [s].
     """
     knots = np.concatenate(([0.0], np.cumsum(cubics.h)))
     rows = way.times * (knots[-1] / way.times[-1])
@@ -104,13 +124,14 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
     executed = _part(_bezier_of(cubics)[segment], *_shares(knots, segment, begin, end))
     asked = _part(way.bezier[piece], *_shares(rows, piece, begin, end))
     go_on()
+    # Raise the executed cubics to the degree of the timetable, so that their Bezier points can be subtracted.
     while executed.shape[1] < asked.shape[1]:
         executed = _elevated(executed)
     off = executed - asked
     most, when = np.zeros(off.shape[2]), np.zeros(off.shape[2])
     for _ in range(HALVINGS + 1):
         hull = np.abs(off).max(axis=1)
-        # where it is too far at an end already, a closer bound changes nothing
+        # If the curve is too far off at an end of the interval, a sharper bound changes nothing.
         is_beyond = (np.abs(off[:, [0, -1]]) > allowed).any(axis=(1, 2))
         far = (hull > allowed).any(axis=1) & ~is_beyond
         is_last = _ == HALVINGS
@@ -131,7 +152,14 @@ def largest_difference(cubics: Cubics, way: Way, allowed: Array) -> tuple[Array,
 
 
 def _shares(borders: Array, number: Array, begin: Array, end: Array) -> tuple[Array, Array]:
-    """Return which shares (N,) of their pieces, between `borders`, intervals begin and end at."""
+    """Return the shares (N,) of their pieces at which intervals begin, and at which they end.
+
+    Args:
+        borders: (k + 1,) borders of the pieces [s].
+        number: (N,) piece of each interval.
+        begin: (N,) begin of each interval [s].
+        end: (N,) end of each interval [s].
+    """
     start = borders[number]
     width = borders[number + 1] - start
     return np.clip((begin - start) / width, 0.0, 1.0), np.clip((end - start) / width, 0.0, 1.0)
@@ -147,14 +175,14 @@ def _bezier_of(cubics: Cubics) -> Array:
 
 
 def _part(bezier: Array, begin: Array, end: Array) -> Array:
-    """Return the Bezier points (N, d + 1, n) of the parts from the share `begin` (N,) to the share `end` (N,), by de Casteljau's construction."""
+    """Return the Bezier points (N, d + 1, n) between two shares (N,) of each polynomial (de Casteljau)."""
     left = bezier.copy()
     u = end[:, None, None]
-    for level in range(1, bezier.shape[1]):  # the points before `end`
+    for level in range(1, bezier.shape[1]):  # the part before `end`
         left[:, level:] = left[:, level - 1 : -1] * (1.0 - u) + left[:, level:] * u
     with np.errstate(invalid="ignore", divide="ignore"):
         u = np.where(end > 0.0, begin / end, 0.0)[:, None, None]
-    for level in range(1, bezier.shape[1]):  # those behind `begin`
+    for level in range(1, bezier.shape[1]):  # of this, the part after `begin`
         left[:, : bezier.shape[1] - level] = (
             left[:, : bezier.shape[1] - level] * (1.0 - u) + left[:, 1 : bezier.shape[1] - level + 1] * u
         )
@@ -162,7 +190,7 @@ def _part(bezier: Array, begin: Array, end: Array) -> Array:
 
 
 def _elevated(bezier: Array) -> Array:
-    """Return the same polynomials with one Bezier point more (N, d + 2, n)."""
+    """Return the Bezier points (N, d + 2, n) of the same polynomials, with the degree raised by one."""
     degree = bezier.shape[1]
     share = (np.arange(1, degree) / degree)[:, None]
     inner = bezier[:, :-1] * share + bezier[:, 1:] * (1.0 - share)
@@ -176,21 +204,24 @@ def _halves(bezier: Array) -> tuple[Array, Array]:
 
 
 def timed_tolerance(motion: hir.TimedMove, robot: Robot) -> Tolerance:
-    """Return how far the joints of a motion may be from its table, prismatic and revolute ones."""
+    """Return the tolerance of a timed motion for prismatic and for revolute joints.
+
+    Each is the largest of its `within` values.
+    """
     position, angle = by_kind(motion.within, robot)
     default = robot.tolerance
     return Tolerance(position or default.position, angle or default.angle)
 
 
 def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Array) -> Deviation:
-    """Prove how far a motion is from its timetable, and report what is beyond its tolerance.
+    """Prove the deviation of a motion from its timetable, and report a deviation beyond its tolerance.
 
     Args:
-        judged: by what it is judged.
-        layout: the text's commands.
-        row: the number of the motion.
+        judged: the context of the judgement.
+        layout: the commands of the text.
+        row: row of the motion in the layout.
         place: the motion.
-        start: (n,) where the robot stands before it [rad or m].
+        start: (n,) robot's position before the motion [rad or m].
     """
     motion, robot = place.motion, judged.robot
     assert isinstance(motion, hir.TimedMove)
@@ -225,7 +256,7 @@ def timed_move(judged: Judged, layout: Layout, row: int, place: Place, start: Ar
 
 
 def _report(judged: Judged, place: Place, code: str, form: str, off: Array) -> None:
-    """Report the joint that is farthest beyond what is allowed."""
+    """Report the joint that exceeds its allowed deviation most."""
     motion, robot = place.motion, judged.robot
     assert isinstance(motion, hir.TimedMove)
     joint = int(np.argmax(off / motion.within))

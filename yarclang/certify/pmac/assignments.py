@@ -1,4 +1,4 @@
-"""Which variables a text may assign: each has a reason, and any other is refused."""
+"""Variables that a text may assign. Each has a reason; any other is rejected."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from yarclang.robot.model import Robot
 
 
 def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | None) -> Iterator[str]:
-    """Compare what is assigned and what is waited for with what may be.
+    """Yield the variables that a text must not assign or wait for, with reasons.
 
-    The marks of the buffer (I16, I17) and the guard's flag (P8100) are judged with the guard; the reader takes them nowhere else. A program
-    buffer assigns P8101, P8102 and a timer to itself, in lines that are fixed to the last character. All that is left are outputs.
+    The marks of the buffer (I16, I17) and the guard's flag (P8100) are judged with the guard, and the reader
+    accepts them nowhere else. A program buffer assigns P8101, P8102 and a timer to itself, in lines that are
+    fixed to the last character. Only outputs remain.
 
     Args:
-        text: what was read.
-        robot: the variables in which it reports its positions aren't outputs.
-        outputs: the variables of the program's outputs; None where the program isn't known: then any variable that an output could have.
+        text: the text that was read.
+        robot: the variables in which it reports its positions are not outputs.
+        outputs: variables of the program's outputs; None if the program is unknown, to allow any variable
+            that an output may have.
     """
     seen: set[str] = set()
     computed = [
@@ -52,7 +54,7 @@ def check_assignments(text: ControllerText, robot: Robot, outputs: Set[str] | No
 
 
 def _why_not(variable: str, robot: Robot) -> str:
-    """Why a variable is no input or output; empty if it can be one."""
+    """Return the reason why a variable cannot be an input or output; empty if it can."""
     found = signal_variable(variable, turbo_pmac(robot).feedback)
     if found.name is None:
         return found.fault

@@ -1,4 +1,4 @@
-"""Reads what stands between the start and CLOSE: sequences of moves, dwells, outputs, barriers."""
+"""Reading of the text between the start and CLOSE: sequences of moves, dwells, outputs, barriers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.robot.model import Array
 LARGEST_TM_MS = 4096
 
 CONDITION = re.compile(r"([MPQ][0-9]{1,4})=(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
-"""A variable and the value that it gets, or is compared with."""
+"""A variable with the value that it is given, or compared with."""
 
 _TRIGGER = re.compile(r"(M[0-9]{1,4})==(-?[0-9]{1,10}(?:\.[0-9]{1,9})?)")
 _TM = re.compile(r"TM([0-9]{1,4}(?:\.[0-9]{1,12})?)")
@@ -32,7 +32,10 @@ _ASSIGNMENT = re.compile(r"([IPQM][0-9]+)={1,2}.*")
 def read_course(
     cursor: Cursor, barriers: dict[int, Barred], target: Target, system: int
 ) -> tuple[tuple[Run | Dwelt | Put | Barred | Stood, ...], tuple[Armed, ...]]:
-    """Everything from the first TM up to CLOSE, and where the guard is armed and disarmed."""
+    """Read everything from the first TM up to CLOSE.
+
+    Returns the course, and the lines that arm and disarm the guard.
+    """
     course, arms = _Course(), list[Armed]()
     while True:
         line = cursor.line
@@ -71,7 +74,7 @@ def read_course(
 
 
 def _why_not(content: str) -> str:
-    """Say why a line may not stand between the start and CLOSE."""
+    """Return the reason why a line is not allowed between the start and CLOSE."""
     if (found := _ASSIGNMENT.fullmatch(content)) is not None:
         if found[1].startswith("I"):
             return "a program assigns no I-variable after its start"
@@ -80,7 +83,7 @@ def _why_not(content: str) -> str:
 
 
 class _Course:
-    """What was read so far, and the sequence that isn't finished."""
+    """The items read so far, and the sequence in progress."""
 
     def __init__(self) -> None:
         self.items: list[Run | Dwelt | Put | Barred | Stood] = []
@@ -90,31 +93,35 @@ class _Course:
         self.puts: list[Put] = []
 
     def moves_on(self, cursor: Cursor) -> bool:
-        """Whether moves of the sequence stand before this place and right behind it: elsewhere an output that is set in step with a
-        move is set at no known time, or not at all.
+        """Return True if moves of the sequence are before this place and directly after it.
+
+        Elsewhere, an output that is set in step with a move is set at an unknown time, or not at all.
         """
         return bool(self._blocks) and cursor.move_follows()
 
     @property
     def rests(self) -> bool:
-        """Whether the robot stands, and what comes next is calculated only then."""
+        """True if the robot stands still, so that the controller computes the next line only then."""
         return self._ms is None
 
     def segment(self, ms: float, line: int, printed: str) -> None:
-        """A new segment time ends a sequence; the same one isn't known to."""
+        """Begin a sequence with a new segment time.
+
+        An unchanged segment time is not known to end a sequence.
+        """
         if ms == self._ms:
             raise Refusal(line, f"repeats TM{printed}: not known to end a sequence", "Y1151")
         self.finish()
         self._ms, self._tm_line = ms, line
 
     def moves(self, line: int, points: Array) -> None:
-        """Move lines of the sequence."""
+        """Add move lines to the sequence."""
         if self._ms is None:
             raise Refusal(line, "is a move line before the first TM", "Y1151")
         self._blocks.append((line, points))
 
     def finish(self) -> None:
-        """The sequence ends here."""
+        """End the sequence."""
         if self._ms is None:
             return
         if not self._blocks:
@@ -132,7 +139,7 @@ def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
 
 
 def _read_stand(cursor: Cursor, line: int) -> Stood:
-    """The rest of RAPID, ABS, a point, DWELL0, SPLINE1."""
+    """Read the rest of a slow RAPID: ABS, a point, DWELL0, SPLINE1."""
     cursor.expect("ABS")
     point = cursor.block()
     if point is None or len(point) != 1:
@@ -142,7 +149,7 @@ def _read_stand(cursor: Cursor, line: int) -> Stood:
 
 
 def _expect_barrier(cursor: Cursor, barrier: Barred, target: Target, system: int) -> None:
-    """The lines that keep the program from going on."""
+    """Read the lines of a barrier, which stop the program."""
     if target == "rotary":
         cursor.expect("STOP")
         return
@@ -192,7 +199,7 @@ def _expect_text(cursor: Cursor) -> None:
 
 
 def _segment_ms(printed: str, cursor: Cursor) -> float:
-    """TM [ms], where the controller can keep it exactly."""
+    """Return TM [ms], if the controller can represent it exactly."""
     exact = Decimal(printed)
     steps = exact * TM_STEPS_PER_MS
     if not 0 < exact < LARGEST_TM_MS or steps != steps.to_integral_value():
@@ -206,5 +213,5 @@ def _segment_ms(printed: str, cursor: Cursor) -> float:
 
 
 def why_worse(line: str) -> str:
-    """What is worst about a line that doesn't belong here."""
+    """Return an additional warning about a line that does not belong here; empty without one."""
     return ": an R starts the motion by itself" if re.search(r"(^|[^A-Z])R", line) else ""

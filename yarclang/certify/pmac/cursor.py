@@ -1,4 +1,7 @@
-"""The place in a text for a Turbo PMAC: its lines one by one, and blocks of move lines as numbers."""
+"""The position in a text for a Turbo PMAC.
+
+It returns single lines, and blocks of move lines as numbers.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +20,17 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Array
 
 _NUMBER = r"-?[0-9]{1,7}+(?:\.[0-9]{1,12}+)?+"
-"""Possessive: a line that has matched is never tried again, so that the time is linear."""
+"""Number in a move line. The quantifiers are possessive: nothing is matched twice, so the time is linear."""
 
 _PIECE, _MOST, _MARK = 1000, 50_000, "777"
-"""Move lines are remembered in pieces of so many characters at least and at most, up to a line in which these digits stand."""
+"""Least and most characters of a cached piece of move lines, and the digits in its last line."""
 
 
 class Cursor(Lines):
-    """The place in the text: hands out lines, and blocks of move lines as numbers. `sent` collects what was taken, as it stands in the text."""
+    """A position in the text that returns single lines, and blocks of move lines as numbers.
+
+    `sent` collects the lines that were read, as they are in the text.
+    """
 
     def __init__(self, text: str, controller: TurboPmac, memory: Memory = NO_MEMORY) -> None:
         super().__init__(text)
@@ -36,10 +42,10 @@ class Cursor(Lines):
         self._block = re.compile(f"(?:{move})++")
 
     def take(self) -> str:
-        """The next line, which the controller is sent.
+        """Return the next line, which will be sent to the controller, and move on.
 
         Raises:
-            Refusal: there is none, it is a comment, or it is longer than the controller takes.
+            Refusal: there is no line, it is a comment, or it is too long for the controller.
         """
         content = self.peek()
         if self.at_end:
@@ -53,7 +59,7 @@ class Cursor(Lines):
         return content
 
     def block(self) -> Array | None:
-        """The move lines from here on (k, n), or None where the next line is none."""
+        """Return the move lines from here on (k, n); None if the next line is not a move line."""
         pieces: list[Array] = []
         while self._text.startswith(self._axes[0], self._place):
             if isinstance(self._memory, Forgetful):
@@ -76,31 +82,39 @@ class Cursor(Lines):
         return np.concatenate(pieces) if pieces else None
 
     def _piece_end(self) -> int:
-        """Up to where lines are remembered together: to the end of a short sequence, else to a line with a mark that moves with the text when it is edited."""
+        """Return the end of the lines that are cached together.
+
+        This is the end of a short sequence, or else a line with a mark, which moves with the text when it is
+        edited.
+        """
         begin, most = self._place + _PIECE, self._place + _MOST
-        end = self._text.find("\nT", self._place, begin)  # a TM, which is no move line
+        end = self._text.find("\nT", self._place, begin)  # a TM ends the move lines
         if end >= 0:
             return end + 1
         mark = self._text.find(_MARK, begin, most)
         return self._text.find("\n", most if mark < 0 else mark) + 1 or len(self._text)
 
     def _moves(self, text: str, place: int = 0) -> tuple[Array, int, int]:
-        """The move lines from a place in a text on (k, n), how long they are, and how many decimals they have at most."""
+        """Read the move lines from a place in a text on.
+
+        Returns:
+            The numbers (k, n), the length of the lines in characters, and the largest number of decimals.
+        """
         found = self._block.match(text, place)
         if found is None:
             return np.empty((0, len(self._axes))), 0, 0
         points, decimals = read_numbers(found.group(), len(self._axes))
-        points.setflags(write=False)  # it is remembered
+        points.setflags(write=False)  # the array may be cached
         return points, found.end() - place, decimals
 
     def move_follows(self) -> bool:
-        """Whether a move line comes next, other outputs and the guard's flag left out."""
+        """Return True if the next line is a move line, apart from other outputs and the guard's flag."""
         rest = re.compile(r"(?:P8100=[01]\n|M[0-9]{1,4}==[^\n]*\n)*+")
         found = rest.match(self._text, self._place)
         return self._block.match(self._text, found.end() if found else self._place) is not None
 
     def expect(self, *lines: str) -> None:
-        """The next lines are these."""
+        """Read lines that must equal the given ones."""
         for line in lines:
             if (found := self.take()) != line:
                 self.refuse(f"is {shown(found)} where {shown(line)} belongs", back=1)

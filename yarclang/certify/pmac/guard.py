@@ -1,6 +1,9 @@
-"""The guard of the rotary buffer: a text arms it before the first move, and disarms it only when its last lines are in the buffer.
+"""The guard of the rotary buffer.
 
-While it is armed, the controller's PLC 29 holds the motion on its path as soon as fewer than I16 lines lie ahead: whoever feeds the buffer has died.
+A text arms it before the first move, and disarms it only when its last lines are in the buffer.
+
+While the guard is armed, the controller's PLC 29 holds the motion on its path as soon as fewer than I16 lines
+are ahead: the computer that feeds the buffer has failed.
 """
 
 from __future__ import annotations
@@ -19,10 +22,13 @@ from yarclang.robot.model import Robot
 from yarclang.units import MS
 
 LATE = 0.1
-"""How late the guard's PLC may notice that the buffer runs low [s]."""
+"""Largest delay with which the guard's PLC notices that the buffer runs low [s]."""
 
 AHEAD = 2
-"""Lines that the controller takes out of the buffer before it executes them (TUM 289: a spline needs the next two points)."""
+"""Lines that the controller takes out of the buffer before it executes them.
+
+A spline needs the next two points (TUM 289).
+"""
 
 _ROUNDING = 1e-9
 
@@ -30,14 +36,15 @@ Fault = str
 
 
 def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """Compare the guard with what the motion needs to come to rest on its path.
+    """Check that the guard leaves enough lines for the motion to come to rest on its path.
 
-    A hold slows the program to a stop within the robot's hold time, and uses up half of that of the program; the PLC may notice
-    late by `LATE`. So many lines must be ahead at any time while there are more to come.
+    A hold slows the program to a stop within the robot's hold time, and uses half of this time of the
+    program. The PLC may be late by `LATE`. This much of the program must be ahead at any time while more
+    lines follow.
 
     Args:
-        text: what was read.
-        robot: its hold time, and how many words a line takes in the buffer.
+        text: the text that was read.
+        robot: defines the hold time, and the number of words of a line in the buffer.
     """
     marks = own_of(text).marks
     if marks is None:
@@ -52,7 +59,7 @@ def check_guard(text: ControllerText, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
-    """The marks, for segments of which the shortest lasts `segment` [s]."""
+    """Check the marks. The shortest segment takes `segment` [s]."""
     controller = turbo_pmac(robot)
     needed = controller.hold_time / 2.0 + LATE
     if marks.low * segment < needed * (1.0 - _ROUNDING):
@@ -70,7 +77,10 @@ def _check_marks(marks: Marks, segment: float, robot: Robot) -> Iterator[Fault]:
 
 
 def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Iterator[Fault]:
-    """The guard between two barriers: armed over all of a leg that isn't loaded as a whole before it starts."""
+    """Check the guard between two barriers.
+
+    It must be armed during any leg that does not fit into the buffer as a whole.
+    """
     count = len(moves)
     if count <= marks.full + AHEAD:
         if arms:
@@ -99,7 +109,7 @@ def _check_leg(moves: NDArray[np.int64], arms: list[Armed], marks: Marks) -> Ite
 
 
 def _legs(text: ControllerText) -> Iterator[tuple[NDArray[np.int64], list[Armed]]]:
-    """The move lines between two barriers, by their numbers, and where the guard is armed and disarmed among them."""
+    """Yield for each leg between two barriers its move lines, and the lines that arm and disarm the guard."""
     barriers = [item.line for item in text.course if isinstance(item, Barred)]
     lines = np.concatenate([run.lines for run in text.runs]) if text.runs else np.empty(0, dtype=np.int64)
     for begin, end in pairwise((0, *barriers, sys.maxsize)):

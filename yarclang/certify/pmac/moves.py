@@ -1,4 +1,4 @@
-"""The judge's reading of single move lines, as live motions have them."""
+"""The judge's reader of single move lines, which live motions use."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _WORD = re.compile(r"([A-Z])(-?\d+(?:\.\d*)?)")
 
 
 def read_moves(robot: Robot, lines: tuple[str, ...]) -> Array | str:
-    """Return the points of move lines (k, n) [rad or m], or what is wrong with one of them."""
+    """Return the points of move lines (k, n) [rad or m], or the fault of the first wrong line."""
     axes = robot.controller.axes
     rows = []
     for line in lines:

@@ -1,4 +1,4 @@
-"""What only a text for a Turbo PMAC says."""
+"""Content that only a text for a Turbo PMAC has."""
 
 from __future__ import annotations
 
@@ -7,12 +7,18 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Array
 
 TM_STEPS_PER_MS = 4096
-"""TM is a fixed-point number of 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
+"""Steps of TM in 1 ms: a fixed-point number with 12 integer and 12 fraction bits (TSRM 476, I42 = 0)."""
 
 
 @frozen
 class Marks:
-    """The rotary buffer as the text defines it: `words` long; it counts as low below `low` lines (I16), as full from `full` on (I17)."""
+    """The rotary buffer as the text defines it.
+
+    Attributes:
+        low: lines below which it counts as low (I16).
+        full: lines from which on it counts as full (I17).
+        words: its length.
+    """
 
     low: int
     full: int
@@ -21,7 +27,7 @@ class Marks:
 
 @frozen
 class Armed:
-    """The guard's flag P8100 is set (`on`) or cleared in a line of the text."""
+    """A line of the text that sets (`on`) or clears the guard's flag P8100."""
 
     line: int
     on: bool
@@ -29,8 +35,15 @@ class Armed:
 
 @frozen(eq=False)
 class Guard:
-    """A fixed program begins nowhere but at its start: it waits until each motor is within `width` of `place` (n,), both in 1/(Ixx08 * 32) count as the register of
-    the commanded position is; `step` (n,) is the last printed digit of `place`.
+    """The guard of a program buffer, which ensures that the program begins only at its start.
+
+    The program waits until each motor is near its place. Positions are in 1/(Ixx08 * 32) count, as in the
+    register of the commanded position.
+
+    Attributes:
+        place: (n,) positions at the start.
+        width: (n,) largest distances from `place`.
+        step: (n,) value of the last printed digit of `place`.
     """
 
     place: Array
@@ -40,14 +53,16 @@ class Guard:
 
 @frozen(eq=False)
 class PmacText:
-    """What only a text for a Turbo PMAC says.
+    """Content that only a text for a Turbo PMAC has.
 
     Attributes:
         marks: the rotary buffer; None for a program buffer.
-        guard: how a program buffer begins at its start; None for a rotary, which a RAPID leads there.
-        arms: where the guard is armed and disarmed, in order.
-        setup: the lines in front of `OPEN ROT`; empty for a program buffer.
-        loaded: the lines that are stored in the rotary, between `CLEAR` and `CLOSE`; empty for a program buffer.
+        guard: the guard of the start of a program buffer; None for a rotary buffer, where a RAPID leads to
+            the start.
+        arms: the lines that arm and disarm the guard, in order.
+        setup: the lines before `OPEN ROT`; empty for a program buffer.
+        loaded: the lines stored in the rotary buffer, between `CLEAR` and `CLOSE`; empty for a program
+            buffer.
     """
 
     marks: Marks | None
@@ -58,6 +73,6 @@ class PmacText:
 
 
 def own_of(content: ControllerText) -> PmacText:
-    """Return what only a text for a Turbo PMAC says."""
+    """Return the content that only a text for a Turbo PMAC has."""
     assert isinstance(content.own, PmacText)
     return content.own

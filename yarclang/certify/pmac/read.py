@@ -1,7 +1,7 @@
-"""Reads the controller text that yarcc emits, and nothing else.
+"""Reader of the controller texts that yarcc emits, and of nothing else.
 
-The judge has a reader of its own: what a writer believes to have written is no evidence. Every
-line must have the one form that is allowed in its place, so that no line can do what nobody checked.
+The judge has a reader of its own, since the writer's intention is no evidence. Every line must have the one
+form that is allowed in its place, so that no unchecked line can have an effect.
 """
 
 from __future__ import annotations
@@ -35,12 +35,12 @@ def read(text: str, controller: TurboPmac, memory: Memory = NO_MEMORY) -> Contro
     """Read a whole text.
 
     Args:
-        text: what yarcc emitted.
-        controller: whose axes, motors and coordinate system the text must name.
-        memory: keeps what move lines say, by their very text.
+        text: the text that yarcc emitted.
+        controller: defines the axes, motors and coordinate system that the text must name.
+        memory: cache of parsed move lines, keyed by their text.
 
     Returns:
-        What it says, or the first place that isn't what yarcc emits.
+        The content, or the first place that differs from what yarcc emits.
     """
     cursor = Cursor(text, controller, memory)
     try:
@@ -88,7 +88,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
 
 
 def _target(header: Header) -> Target:
-    """The buffer that the text is for, with what the header says of loading it."""
+    """Return the buffer that the text is for, and check the header's advice on loading."""
     for target, loading in LOADING.items():
         form = re.escape(loading).replace(re.escape("{system}"), "[0-9]{1,2}")
         if header.target == target and re.fullmatch(form, header.loading):
@@ -99,7 +99,7 @@ def _target(header: Header) -> Target:
 
 
 def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
-    """A PLC that does nothing but give outputs their safe values when the guard has held the motion."""
+    """Read the PLC that only gives outputs their safe values after the guard has held the motion."""
     if cursor.peek() != "OPEN PLC 28 CLEAR":
         return ()
     cursor.expect("OPEN PLC 28 CLEAR", "IF(P8100=2)")
@@ -112,7 +112,7 @@ def _read_outputs(cursor: Cursor) -> tuple[tuple[str, float], ...]:
 
 
 def _read_rotary(cursor: Cursor, controller: TurboPmac) -> Marks:
-    """The rotary buffer is defined anew, with the marks of its guard."""
+    """Read the definition of the rotary buffer, with the marks of its guard."""
     cursor.expect("".join(f"#{motor}J/" for motor in controller.motors), "DELETE ROT")
     low, full, words = (
         int(_expected(cursor, form, what)[1])
@@ -157,7 +157,7 @@ def _read_prog_start(cursor: Cursor, controller: TurboPmac) -> tuple[Start, Guar
             cursor.refuse(
                 f"is {shown(compare)} where the comparison of M{motor}61 with the start belongs", back=1
             )
-        # the register minus x: x is negative for a plus sign or one in parentheses
+        # The text compares the register minus x: x is negative after a plus sign, or in parentheses.
         negative = (found[2] == "+") != bool(found[3])
         places.append(-float(found[4]) if negative else float(found[4]))
         widths.append(float(found[6]))

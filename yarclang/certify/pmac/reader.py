@@ -1,4 +1,4 @@
-"""The judge's reader of texts for a Turbo PMAC, and what such a text must fulfil whatever its program."""
+"""The judge's reader of texts for a Turbo PMAC, with the checks that need no program."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import MS
 
 GUARD_SHARE = 0.05
-"""A fixed program may start so far off that it adds this share of the acceleration limit."""
+"""Largest additional acceleration due to an inexact start of a fixed program, as a share of its limit."""
 
 
 def _read(text: str, controller: Controller, memory: Memory) -> ControllerText | Unreadable:
@@ -39,12 +39,15 @@ def _start(content: ControllerText, robot: Robot) -> StartPlace:
 
 def _guard_of(content: ControllerText) -> Guard:
     guard = own_of(content).guard
-    assert guard is not None  # the reader has found one of both
+    assert guard is not None  # a text has either a printed start or a guard
     return guard
 
 
 def _per_step(robot: Robot) -> Array:
-    """How far each joint moves with a step of each motor's register (n, n) [rad or m per 1/(Ixx08 32) count]."""
+    """Return the movement of each joint per step of each motor's register (n, n).
+
+    Its unit is rad or m per 1/(Ixx08 32) count.
+    """
     steps: Array = np.abs(joints_per_count(robot)) / (32.0 * turbo_pmac(robot).ixx08)
     return steps
 
@@ -64,7 +67,10 @@ def _faults(content: ControllerText, robot: Robot, outputs: Set[str] | None) -> 
 
 
 def _start_faults(content: ControllerText, robot: Robot) -> Iterator[Fault]:
-    """The guard of a fixed program must be narrow: a start off by x adds x / TM^2 of acceleration."""
+    """Check that the guard of a fixed program is narrow.
+
+    A start that is off by x adds an acceleration of x / TM^2.
+    """
     if not content.runs or content.start.printed is not None:
         return
     width = _guard_of(content).width

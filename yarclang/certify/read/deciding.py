@@ -1,4 +1,7 @@
-"""Reads the values that are computed while a program is carried out, as the map of a text has them: every operation inside another one in brackets, and nothing else in brackets."""
+"""Reading of computed values in the map of a text, in canonical form.
+
+Every operation inside another one is in brackets, and nothing else is.
+"""
 
 from __future__ import annotations
 
@@ -44,18 +47,21 @@ _COMPARISONS = ("=", "<>", "<", "<=", ">", ">=")
 
 
 def read_value(text: str) -> Value | None:
-    """Return the value that a text says; None if it isn't in the canonical form."""
+    """Return the value that a text denotes; None if it is not in canonical form."""
     return _Reading(text).whole()
 
 
 def read_condition(text: str) -> Value | None:
-    """Return the condition that a text says; None if it isn't in the canonical form, or is a number."""
+    """Return the condition that a text denotes; None if it is not in canonical form, or is a number."""
     value = read_value(text)
     return value if value is not None and _is_condition(value) else None
 
 
 def read_assignment(text: str) -> tuple[RegisterValue | InputValue, Value] | None:
-    """Return the register or the variables of an output, and the number that it gets; None if the text isn't in the canonical form."""
+    """Return the target of an assignment and the number assigned; None if the text is not in canonical form.
+
+    The target is a register, or the variables of an output.
+    """
     into, _, rest = text.partition(":=")
     target, value = read_value(into), read_value(rest)
     if not isinstance(target, RegisterValue | InputValue) or value is None or _is_condition(value):
@@ -71,11 +77,11 @@ def _is_condition(value: Value) -> bool:
 
 
 class _Strange(Exception):  # noqa: N818 - ends the reading
-    """The text isn't in the canonical form."""
+    """The text is not in canonical form."""
 
 
 class _Reading:
-    """A text, and how far it was read."""
+    """A text and the position up to which it has been read."""
 
     def __init__(self, text: str) -> None:
         self._text = text
@@ -104,7 +110,7 @@ class _Reading:
         sign = self._sign()
         if sign not in _BETWEEN:
             if isinstance(left, Before | Between):
-                raise _Strange  # brackets round all of it
+                raise _Strange  # superfluous brackets round the whole value
             return left
         self._at += len(sign)
         right = self._operand(depth)
@@ -114,7 +120,7 @@ class _Reading:
         return Between(operator, left, right)
 
     def _sign(self) -> str:
-        """Return the sign that stands next; empty if there is none."""
+        """Return the sign at the current position; empty if there is none."""
         found = _SIGN.match(self._text, self._at)
         return found[0] if found is not None else ""
 
@@ -137,7 +143,7 @@ class _Reading:
 
 
 def _fits(value: Value, *, wants_condition: bool) -> None:
-    """Refuse a number where a condition belongs, and the other way round; 0 and 1 are both."""
+    """Reject a number in place of a condition, and the other way round; 0 and 1 count as both."""
     is_known = isinstance(value, Constant) and value.number in (0.0, 1.0)
     if _is_condition(value) != wants_condition and not is_known:
         raise _Strange

@@ -1,4 +1,4 @@
-"""Reads the comments at the top of a controller text: its header, and the map of its commands and barriers."""
+"""Reading of the comments at the top of a controller text: header, and map of commands and barriers."""
 
 from __future__ import annotations
 
@@ -73,7 +73,16 @@ _SEARCH = re.compile(
 
 @frozen
 class Preamble:
-    """All that stands above the first line that the controller reads: the header, the map's commands, and its barriers by their lines."""
+    """Everything before the first line that the controller reads.
+
+    Attributes:
+        header: the header.
+        entries: the commands of the map.
+        barriers: the barriers of the map, by their lines.
+        registers: the registers that the runtime keeps.
+        watches: inputs that hold the motion.
+        searches: motions that an input ends.
+    """
 
     header: Header
     entries: tuple[Entry, ...]
@@ -84,13 +93,13 @@ class Preamble:
 
 
 def header_of(text: str) -> Preamble | Unreadable:
-    """Read the comments at the top of a controller text. The robot needn't be known, and the rest of the text isn't read.
+    """Read only the comments at the top of a controller text, without knowing the robot.
 
     Args:
-        text: what yarcc has written.
+        text: a text written by yarcc.
 
     Returns:
-        What they say, or the first place that isn't what yarcc writes.
+        The comments, or the first place that differs from what yarcc writes.
     """
     try:
         check_characters(text)
@@ -103,7 +112,7 @@ def read_preamble(lines: Lines) -> Preamble:
     """Read the comments at the top, from the first line on.
 
     Raises:
-        Refusal: a line isn't what yarcc writes in its place.
+        Refusal: a line differs from what yarcc writes in its place.
     """
     header = _read_header(lines)
     entries: list[Entry] = []
@@ -177,7 +186,7 @@ def _read_header(lines: Lines) -> Header:
 
 
 def _matched(lines: Lines, form: re.Pattern[str], what: str) -> tuple[str, ...]:
-    """The groups of a line that must have a form; what is missing is empty."""
+    """Return the groups of a line that must have a form; groups without a match are empty."""
     line = lines.peek()
     found = form.fullmatch(line)
     if found is None:
@@ -227,7 +236,7 @@ def _read_barrier(lines: Lines) -> Barred:
 def _decided(
     lines: Lines, kind: str, condition: str
 ) -> tuple[Value | None, bool, RegisterValue | InputValue | None]:
-    """Return what a barrier decides by, whether that was read before, and the register or output that gets it."""
+    """Return a barrier's value, whether its inputs were read before, and the register or output it sets."""
     if kind == "when":
         again = condition.startswith(AGAIN)
         found = read_condition(condition.removeprefix(AGAIN))
@@ -251,14 +260,17 @@ def _decided(
 
 
 def _can_change(condition: Value, registers: Mapping[str, Register]) -> bool:
-    """Return True if a condition may change while a program waits: by an input, or by a register that is filled from outside."""
+    """Return True if a condition may change while a program waits.
+
+    An input may change it, or a register filled from outside.
+    """
     return bool(inputs_of(condition)) or any(
         name in registers and registers[name].outside for name in registers_of(condition)
     )
 
 
 def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Register, ...]:
-    """The registers that the runtime keeps: each that is used, in its range."""
+    """Read the registers that the runtime keeps, and check that each one in use is declared."""
     registers: dict[str, Register] = {}
     while lines.peek().startswith("; register"):
         found = _REGISTER.fullmatch(lines.peek())
@@ -284,7 +296,7 @@ def _read_registers(lines: Lines, barriers: Mapping[int, Barred]) -> tuple[Regis
 
 
 def _read_watches(lines: Lines) -> tuple[Watch, ...]:
-    """The inputs that hold the motion, each once with each of its values."""
+    """Read the inputs that hold the motion; each may appear once with each of its values."""
     watches: list[Watch] = []
     while lines.peek().startswith("; watch"):
         found = _WATCH.fullmatch(lines.peek())
@@ -305,7 +317,7 @@ def _read_watches(lines: Lines) -> tuple[Watch, ...]:
 def _read_searches(
     lines: Lines, moves: Container[int], registers: tuple[Register, ...]
 ) -> tuple[Searched, ...]:
-    """The motions that an input ends, in order, each with a flag of its own."""
+    """Read the motions that an input ends, in order; each has a flag of its own."""
     searches: list[Searched] = []
     flags = {one.name for one in registers if (one.low, one.high, one.first, one.kept) == (0, 1, 0, False)}
     known = {"-", *(one.name for one in registers)}

@@ -1,10 +1,10 @@
-"""From the lines of the text to spline segments, each with the command that it belongs to.
+"""Conversion of the lines of a text to spline segments, each with its command.
 
-The controller's law (SPLINE1, TUM 289-290): the control points of one sequence are
-S, S, S, c1 ... cM, cM, cM, with S where the robot stands and ci the programmed points; segment k, of
-duration TM, is the uniform cubic B-spline of the points k to k + 3. It starts and ends at rest. Three equal
-points inside a sequence are a full stop, and so a command ends there and the next one begins. Commands that flow into each other
-stand in one sequence; the header's map says where, and how many segments belong to both.
+The control points of one sequence in the controller's spline mode (SPLINE1, TUM 289-290) are S, S, S, c1 ...
+cM, cM, cM, with S the current position and ci the programmed points. Segment k, of duration TM, is the
+uniform cubic B-spline of the points k to k + 3. The sequence starts and ends at rest. Three equal points
+inside a sequence are a full stop, where one command ends and the next begins. Commands that flow into each
+other are in one sequence; the header's map tells where, and how many segments belong to both.
 """
 
 from __future__ import annotations
@@ -35,19 +35,32 @@ _BARRIERS: dict[type, str] = {
     hir.Exit: "exit",
     hir.EndLoop: "endloop",
 }
-"""The barriers at which ways part, meet, end and begin anew."""
+"""Barriers at which branches and loops begin, merge, end or repeat."""
 
 CHUNK = 8192
-"""Segments that are judged at once: enough for whole-array work, few enough for the processor's cache."""
+"""Segments that are judged in one step.
+
+They are enough for whole-array work, and few enough for the processor's cache.
+"""
 
 
 @frozen(eq=False)
 class Place:
-    """The segments `first` to `last` (not included) of `motion`, step `step` of the program.
+    """The segments of one motion.
 
-    `lines` are the first and the last of its move lines in the text; None for a step without. `before` and `behind` are the
-    segments of the blends at its start and its end, half of which belong to it; None where it starts or ends at rest. `any_jerk` says that the
-    map gives its jerk no limit, `beside_any_jerk` so of the motions which it flows out of, and into.
+    Attributes:
+        step: index of the motion in the program's steps.
+        motion: the motion.
+        first: its first segment.
+        last: the segment after its last one.
+        lines: its first and its last move line in the text; None without moves.
+        before: number of segments of the blend at its start, half of which belong to it; None if it starts at
+            rest.
+        behind: number of segments of the blend at its end, half of which belong to it; None if it ends at
+            rest.
+        any_jerk: True if the map lifts the limit of its jerk.
+        beside_any_jerk: True if the map does so for the motion that it flows out of, and for the motion that
+            it flows into.
     """
 
     step: int
@@ -62,23 +75,26 @@ class Place:
 
     @property
     def size(self) -> int:
-        """How many segments."""
+        """Number of segments."""
         return self.last - self.first
 
     @property
     def last_line(self) -> str:
-        """The last line as text."""
+        """The last line in words."""
         return str(self.lines[1]) if self.lines else "none"
 
 
 @frozen(eq=False)
 class Layout:
-    """All segments of the text, in order, and the commands that they belong to.
+    """All N segments of the text in order, and the commands that they belong to.
 
-    `control` (G, n) has the control points of all sequences [rad or m], `at` (N,) where
-    the four of a segment begin in it, `time` (N,) the duration of a segment [s]. `places` has one
-    entry for each motion of the program, in order; `begins` and `ends` (len(places), n) are where the robot
-    is before and behind each of them.
+    Attributes:
+        control: (G, n) control points of all sequences [rad or m].
+        at: (N,) index of the first of the four control points of each segment.
+        time: (N,) duration of each segment [s].
+        places: the motions of the program in order, with their segments.
+        begins: (len(places), n) robot's position before each motion [rad or m].
+        ends: (len(places), n) robot's position after each motion [rad or m].
     """
 
     control: Array
@@ -89,17 +105,17 @@ class Layout:
     ends: Array
 
     def points(self, place: Place) -> Array:
-        """The control points of one command (segments + 3, n) [rad or m]."""
+        """Return the control points of one command (segments + 3, n) [rad or m]."""
         if place.size == 0:
             return self.control[:0]
         return self.points_of(place.first, place.last)
 
     def points_of(self, begin: int, stop: int) -> Array:
-        """The control points of the segments `begin` up to `stop` (not included) of one sequence [rad or m]."""
+        """Return the control points of segments `begin` up to `stop` (excluded) of a sequence [rad or m]."""
         return self.control[self.at[begin] : self.at[stop - 1] + 4]
 
     def cubics(self, begin: int, stop: int) -> Cubics:
-        """The segments `begin` up to `stop` (not included)."""
+        """Return the segments `begin` up to `stop` (not included)."""
         return Cubics.of_spline(self.control, self.at[begin:stop], self.time[begin:stop])
 
     def cubics_of(self, rows: NDArray[np.int64]) -> Cubics:
@@ -110,17 +126,17 @@ class Layout:
 def lay_out(
     text: ControllerText, program: hir.Program, start: Array, axis_units: Array, *, any_line: bool = False
 ) -> Layout | tuple[int | None, str]:
-    """Give every segment to its command.
+    """Assign every segment to its command.
 
     Args:
-        text: what was read.
-        program: whose steps the map in the text's header must name, one by one.
-        start: (n,) [rad or m], where the text starts.
-        axis_units: (n,), the axis unit of each joint in SI.
-        any_line: whether the map may place commands in other lines of the source.
+        text: the text that was read.
+        program: the program; the map in the text's header must list exactly its steps.
+        start: (n,) start of the text [rad or m].
+        axis_units: (n,) axis unit of each joint in SI units.
+        any_line: True if the map may place commands in other lines of the source.
 
     Returns:
-        The segments, or the step and the reason why map, moves and program don't fit together.
+        The segments, or the step and the reason why map, moves and program do not match.
     """
     if problem := _compare(text.entries, program, any_line=any_line):
         return problem
@@ -133,7 +149,7 @@ def lay_out(
     if problem := _blends(moving, spans, lines, program):
         return problem
     control, sizes = _sequences(text, runs, start, axis_units)
-    # each sequence has three points more than segments
+    # Each sequence has three control points more than segments.
     at = np.arange(sizes.sum()) + np.repeat(3 * np.arange(len(sizes)), sizes)
     everything = Layout(
         control,
@@ -149,7 +165,7 @@ def lay_out(
 def _sequences(
     text: ControllerText, runs: list[Run], start: Array, axis_units: Array
 ) -> tuple[Array, NDArray[np.int64]]:
-    """The control points of all sequences (G, n) [rad or m], and how many segments each of them has."""
+    """Return the control points of all sequences (G, n) [rad or m], and each one's number of segments."""
     if not runs:
         return np.empty((0, len(start))), np.empty(0, dtype=np.int64)
     counts = np.array([len(run.points) for run in runs], dtype=np.int64)
@@ -164,7 +180,7 @@ def _sequences(
             stand = ends[len(stands) - 1]
         else:
             stand = _flow(item, stand, ways, axis_units)
-    # where it stands, and each last point, three times
+    # The position before a sequence, and its last point, appear three times.
     each = np.insert(points, behind - counts, np.array(stands), axis=0)
     times = np.ones(len(each), dtype=np.int64)
     first = behind - counts + np.arange(len(runs))
@@ -173,7 +189,14 @@ def _sequences(
 
 
 def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], axis_units: Array) -> Array:
-    """Where the robot stands behind something that isn't a sequence: elsewhere only where a second way begins."""
+    """Return the position after an item other than a sequence. Only the start of a second branch changes it.
+
+    Args:
+        item: the item of the course.
+        stand: (n,) position before the item [rad or m].
+        ways: positions at the start of the open WHENs; updated.
+        axis_units: (n,) axis unit of each joint in SI units.
+    """
     match item:
         case Barred(kind="when"):
             ways.append(stand)
@@ -190,7 +213,7 @@ def _flow(item: Dwelt | Put | Barred | Stood, stand: Array, ways: list[Array], a
 def _compare(
     entries: tuple[Entry, ...], program: hir.Program, *, any_line: bool
 ) -> tuple[int | None, str] | None:
-    """Where the map names other steps than the program has."""
+    """Return the first place at which the map lists other steps than the program; None if there is none."""
     for step, entry in zip(range(len(program.steps)), entries, strict=False):
         meant_step = program.steps[step]
         if isinstance(meant_step, hir.Gap):
@@ -216,7 +239,10 @@ def _compare(
 def _spans(
     moving: list[Entry], lines: list[NDArray[np.int64]]
 ) -> dict[int, tuple[int, int]] | tuple[int, str]:
-    """The segments of each step that moves: its lines, and two more where the sequence ends behind it."""
+    """Return the range of segments of each step with moves.
+
+    There is one segment for each line, and two more at the end of a sequence.
+    """
     spans: dict[int, tuple[int, int]] = {}
     rest = iter(moving)
     segment = 0
@@ -251,7 +277,10 @@ def _blends(
     lines: list[NDArray[np.int64]],
     program: hir.Program,
 ) -> tuple[int, str] | None:
-    """Blends that the sequences can't hold, or that run over what the robot does at rest."""
+    """Return the first blend that its sequence has no room for, or that covers an action at rest.
+
+    None if there is no such blend.
+    """
     last_lines = {int(run[-1]) for run in lines}
     before = 0
     for place, entry in enumerate(moving):
@@ -291,7 +320,7 @@ def _with_places(
             kind = _BARRIERS.get(type(step))
             if kind is not None:
                 standing.at = stand
-                with suppress(ValueError):  # which the text's flow is refused for
+                with suppress(ValueError):  # reported by the check of the text's flow
                     standing.pass_(kind)
                 stand = standing.at
             continue
@@ -300,7 +329,7 @@ def _with_places(
         if last == first:
             places.append(Place(entry.step, step, first, last, None))
         else:
-            assert entry.first is not None and entry.last is not None  # noqa: PT018 - as it has a span
+            assert entry.first is not None and entry.last is not None  # noqa: PT018 - since it has a span
             lines = (entry.first, entry.last)
             places.append(Place(entry.step, step, first, last, lines, before, entry.blend, entry.any_jerk))
             stand = closing[last]
@@ -318,7 +347,7 @@ def _with_places(
 
 
 def _with_neighbours(places: list[Place]) -> list[Place]:
-    """The same places, with what they say of those beside them."""
+    """Return the places with the jerk limits of their neighbours filled in."""
     if not any(place.any_jerk for place in places):
         return places
     moving = [(row, place) for row, place in enumerate(places) if place.size]
@@ -331,16 +360,16 @@ def _with_neighbours(places: list[Place]) -> list[Place]:
 
 
 def _closing(segments: Layout, stops: list[int]) -> dict[int, Array]:
-    """Where the robot is (n,) behind some segments, by the number of the next one."""
+    """Return the position (n,) after segments, by the number of the next segment."""
     at = segments.at[np.array(stops, dtype=np.int64) - 1]
     first, middle, last = (segments.control[at + i] for i in (1, 2, 3))
-    # exact where the command ends at rest; where it doesn't, the knot
+    # The point itself if the command ends at rest, which is exact; otherwise the knot.
     rests = (first == last).all(axis=1)[:, None]
     return dict(zip(stops, np.where(rests, last, (first + 4.0 * middle + last) / 6.0), strict=True))
 
 
 def moving_at_ends(layout: Layout) -> list[Place]:
-    """The commands that don't end at rest, and shall: their last three control points differ."""
+    """Return the commands that should end at rest but do not: their last three control points differ."""
     if not (moving := [place for place in layout.places if place.size and place.behind is None]):
         return []
     last = layout.at[np.array([place.last for place in moving]) - 1] + 3
@@ -350,13 +379,13 @@ def moving_at_ends(layout: Layout) -> list[Place]:
 
 
 def chunks(places: list[Place]) -> Iterator[list[Place]]:
-    """Neighbouring commands together, up to about `CHUNK` segments."""
+    """Yield groups of neighbouring commands with up to about `CHUNK` segments."""
     for rows in row_chunks(list(enumerate(places))):
         yield [place for _, place in rows]
 
 
 def row_chunks(rows: list[tuple[int, Place]]) -> Iterator[list[tuple[int, Place]]]:
-    """The same for commands with a number each."""
+    """Yield groups of numbered neighbouring commands with up to about `CHUNK` segments."""
     chunk: list[tuple[int, Place]] = []
     size = 0
     go_on(0, len(rows))

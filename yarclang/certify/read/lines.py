@@ -1,4 +1,4 @@
-"""The place in a controller text that is read, line by line, and what ends the reading."""
+"""The position in a controller text that is read line by line, and the exception that ends the reading."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ class Refusal(Exception):  # noqa: N818 - never leaves the reader
 
 
 def check_characters(text: str) -> None:
-    """Refuse any character but printable ASCII and line feed: others end a line for some readers and not for others.
+    """Reject any character except printable ASCII and line feed, since some readers take others as line ends.
 
     Raises:
-        Refusal: at the first such character; or the text doesn't end with a line feed.
+        Refusal: there is such a character, or the text does not end with a line feed.
     """
-    clean = text.isascii() and text.replace("\n", "").isprintable()  # quicker than the search
+    clean = text.isascii() and text.replace("\n", "").isprintable()  # faster than the search
     if not clean and (found := _FOREIGN.search(text)):
         place = found.start()
         line, column = text.count("\n", 0, place) + 1, place - text.rfind("\n", 0, place)
         code = ord(found[0])
         name = _CONTROLS.get(code) or unicodedata.name(found[0], "control character").lower()
-        if 0xA0 < code <= 0xFF:  # of a file's bytes, each is a character
+        if 0xA0 < code <= 0xFF:  # the text of a file has one character for each byte
             name = "byte that is no ASCII"
         raise Refusal(
             line, f"has a {name} (0x{code:02X}) in column {column}: only printable ASCII is allowed", "Y1151"
@@ -37,36 +37,41 @@ def check_characters(text: str) -> None:
 
 
 class Lines:
-    """The place in the text: hands out lines."""
+    """A text with a position, which returns its lines one by one."""
 
     def __init__(self, text: str) -> None:
         self._text = text
         self._place = 0
-        self.line = 1  # of the line that comes next
+        self.line = 1  # number of the next line
 
     @property
     def at_end(self) -> bool:
-        """True if all lines were taken."""
+        """True if all lines have been read."""
         return self._place == len(self._text)
 
     def peek(self) -> str:
-        """The next line, left where it is; empty at the end."""
+        """Return the next line without moving on; empty at the end."""
         return self._text[self._place : self._text.find("\n", self._place)] if not self.at_end else ""
 
     def skip(self) -> None:
-        """Go over a line."""
+        """Move on by one line."""
         self._place = self._text.find("\n", self._place) + 1
         self.line += 1
 
     def refuse(self, reason: str, *, back: int = 0, code: str = "Y1151") -> NoReturn:
-        """Read no further.
+        """End the reading.
+
+        Args:
+            reason: what is wrong with the line.
+            back: number of lines before the next line.
+            code: code of the finding.
 
         Raises:
-            Refusal: for the line that comes next, or `back` lines before it.
+            Refusal: always, for that line.
         """
         raise Refusal(self.line - back, reason, code)
 
 
 def shown(line: str) -> str:
-    """A line in a message, cut short."""
+    """Return a line for a message, shortened if necessary."""
     return f"'{line[:60]}...'" if len(line) > 63 else f"'{line}'"

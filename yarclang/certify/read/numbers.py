@@ -1,7 +1,7 @@
-"""The numbers of move lines, eight digits at a time.
+"""Fast reading of the numbers in move lines, eight digits at a time.
 
-A number without its point is an integer below 2^53, which its point divides by a power of ten: one division of two exact floats, so that the result is
-the float nearest to what is written, as of any other correct reader.
+A number without its decimal point is an integer below 2^53. Dividing it by a power of ten is one operation on
+two exact floats, so the result is correctly rounded, as with any other correct reader.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 from yarclang.robot.model import Array
 
 _AT_ONCE = 1 << 18
-"""Characters that are read together: what is worked out of them stays in the processor's cache."""
+"""Characters that are read in one step, so that intermediate arrays stay in the processor's cache."""
 
 _FEW = 6000
-"""Of fewer characters, each number is read by itself: that takes less time."""
+"""Below this number of characters, reading each number by itself is faster."""
 
 _DIGITS = 15
-"""An integer of so many digits is a float exactly."""
+"""Digits of an integer that a float always represents exactly."""
 
 _LINE_FEED, _POINT, _MINUS, _NINE = b"\n.-9"
 _BLANK = {one: " " for one in range(128) if one > _NINE or one == _LINE_FEED}
@@ -31,11 +31,12 @@ def read_numbers(block: str, axes: int) -> tuple[Array, int]:
     """Read move lines.
 
     Args:
-        block: whole lines, each of a letter and a number `[-]digits[.digits]` for every axis, and nothing else; the caller has checked that.
-        axes: how many numbers there are in a line.
+        block: whole lines, each with a letter and a number `[-]digits[.digits]` for every axis. The caller
+            has checked this form.
+        axes: count of numbers in a line.
 
     Returns:
-        The numbers (k, axes), and how many decimals they have at most.
+        The numbers (k, axes), and the largest number of decimals.
     """
     if len(block) < _FEW:
         return _read_few(block, axes)
@@ -67,7 +68,7 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
     last = marks[:, 1:].ravel()
     digits = last - marks[:, :-1].ravel() - 1
     decimals = np.zeros(len(digits), np.int64)
-    # the points come in the order of the numbers that have one
+    # Points come in the order of those numbers that have one.
     decimals[ends - begins - negative > digits] = np.flatnonzero(points)
     decimals = np.where(decimals > 0, ends - decimals - 1, 0)
     windows = np.lib.stride_tricks.sliding_window_view(bare, 8)
@@ -81,14 +82,15 @@ def _read_part(raw: NDArray[np.uint8], axes: int) -> tuple[Array, int]:
 
 
 def _marks(raw: NDArray[np.uint8], axes: int) -> NDArray[np.int64]:
-    """Return the places of the letters of each line, and of its end (k, axes + 1)."""
+    """Return the positions of the letters and the end of each line (k, axes + 1)."""
     return np.flatnonzero((raw > _NINE) | (raw == _LINE_FEED)).reshape(-1, axes + 1)
 
 
 def _integers(windows: NDArray[np.uint8], ends: NDArray[np.int64], digits: NDArray[np.int64]) -> Array:
-    """Return the integers of up to eight digits before some places (N,)."""
+    """Return the integers of up to eight digits that end at some positions (N,)."""
     eight = windows[ends - 8].view("<u8")[:, 0]
-    # the first digit is the lowest byte: characters before it become zeros
+    # The first digit is in the lowest byte; clear the bytes of characters before it, then keep the value of
+    # each digit.
     eight &= _ONES << ((8 - digits) * 8).astype(np.uint64)
     eight &= np.uint64(0x0F0F0F0F0F0F0F0F)
     for factor, width, mask in _PAIRS:
@@ -97,7 +99,7 @@ def _integers(windows: NDArray[np.uint8], ends: NDArray[np.int64], digits: NDArr
 
 
 _ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
-# neighbours are joined: digits to pairs, these to fours, and these to all eight
+# Join neighbours: digits to pairs, pairs to fours, fours to eight digits.
 _PAIRS = (
     (np.uint64(10 * 2**8 + 1), np.uint64(8), np.uint64(0x00FF00FF00FF00FF)),
     (np.uint64(100 * 2**16 + 1), np.uint64(16), np.uint64(0x0000FFFF0000FFFF)),

@@ -1,4 +1,4 @@
-"""How the judge reads the texts for a kind of controller: with a reader of its own, found by the kind's name."""
+"""The judge's readers of controller texts, found by the kind of the controller."""
 
 from __future__ import annotations
 
@@ -15,7 +15,13 @@ from yarclang.robot.model import Array, Robot
 
 @frozen(eq=False)
 class StartPlace:
-    """Where a text starts: joint positions `q` (n,), and how exact the text says that, `exact` (n,) [rad or m]; `is_printed` if it prints the positions themselves."""
+    """Start of a text.
+
+    Attributes:
+        q: (n,) joint positions [rad or m].
+        exact: (n,) precision with which the text gives them [rad or m].
+        is_printed: True if the text prints the positions themselves.
+    """
 
     q: Array
     exact: Array
@@ -24,7 +30,13 @@ class StartPlace:
 
 @frozen
 class Fault:
-    """What is wrong with a text whatever its program: the code of the finding, and whether it is about the start, which is the first motion's."""
+    """A fault of a text that is independent of its program.
+
+    Attributes:
+        code: code of the finding.
+        reason: the fault in words.
+        at_start: True if it concerns the start, and thus the first motion.
+    """
 
     code: str
     reason: str
@@ -33,13 +45,16 @@ class Fault:
 
 @frozen(eq=False)
 class Reader:
-    """The judge's reader of the texts for a kind of controller. It shares no code with what writes them.
+    """The judge's reader of the texts for a kind of controller.
+
+    It shares no code with the writer of these texts.
 
     Attributes:
         read: reads a whole text; every line must have the one form that is allowed in its place.
-        start: tells where a text starts.
-        faults: yields what is wrong with a text for this kind, whatever its program: segment times, the guard, what is assigned. The set has the variables of the
-            program's outputs; None where the program isn't known.
+        start: returns the start of a text.
+        faults: yields faults of a text that are independent of its program: segment times, the guard,
+            assignments. The set contains the variables of the program's outputs; None if the program is
+            unknown.
     """
 
     read: Callable[[str, Controller, Memory], ControllerText | Unreadable]

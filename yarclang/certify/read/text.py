@@ -1,4 +1,7 @@
-"""What a controller text says, as the judge reads it: commands of its header, sequences of moves, and what stands between them."""
+"""The content of a controller text, as the judge reads it.
+
+It has commands in the header, sequences of moves, and items between them.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +35,13 @@ _MARKS: dict[str, Mark] = {
 
 @frozen
 class Unreadable:
-    """The first place of the text that isn't what yarcc emits: its line (from 1), the reason, the code."""
+    """The first place of the text that differs from what yarcc emits.
+
+    Attributes:
+        line: number of the line, from 1.
+        reason: the difference in words.
+        code: code of the finding.
+    """
 
     line: int
     reason: str
@@ -41,11 +50,19 @@ class Unreadable:
 
 @frozen
 class Entry:
-    """A line `; command` of the header: which move lines belong to which step of the program.
+    """A line `; command` of the header, which lists the move lines of a step.
 
-    `first` and `last` are lines of the text, from 1; None for a step without move lines. `blend` is the number of segments, half
-    of them before and half behind the command's end, in which it flows into the next one; None where it ends at rest. `any_jerk`
-    says that its law has no limit of the jerk.
+    Attributes:
+        at: number of this line in the text.
+        step: index of the step in the program.
+        index: the command's label; empty without one.
+        name: the command's name.
+        source_line: line in the source.
+        first: first move line in the text, from 1; None without moves.
+        last: last move line in the text; None without moves.
+        blend: number of segments in which it flows into the next command, half of them before its end and
+            half after; None if it ends at rest.
+        any_jerk: True if its law has no limit of the jerk.
     """
 
     at: int
@@ -61,7 +78,12 @@ class Entry:
 
 @frozen
 class Sent:
-    """Lines that the controller is sent, as they stand in the text from line `first` on: one, or neighbouring move lines joined by line feeds."""
+    """Lines to send to the controller: one line, or neighbouring move lines joined by line feeds.
+
+    Attributes:
+        first: number of the first line in the text.
+        text: the lines.
+    """
 
     first: int
     text: str
@@ -73,7 +95,14 @@ class Sent:
 
 @frozen
 class Put:
-    """A variable gets a value: at rest, or, where it is `synchronous`, when the move of the next line begins."""
+    """An assignment to a variable.
+
+    Attributes:
+        line: number of the line in the text.
+        variable: the controller's variable.
+        value: the value assigned.
+        synchronous: True if it happens when the move of the next line begins; False if at rest.
+    """
 
     line: int
     variable: str
@@ -85,8 +114,12 @@ class Put:
 class Run:
     """One spline sequence: the move lines between two values of TM.
 
-    `segment_ms` is TM [ms], exact; `points` (M, n) are the printed numbers [deg or mm];
-    `lines` (M,) are their lines in the text. `puts` are the outputs set between them, while the robot moves.
+    Attributes:
+        segment_ms: TM [ms], exact.
+        tm_line: number of the line that sets TM.
+        points: (M, n) printed numbers [deg or mm].
+        lines: (M,) numbers of the move lines in the text.
+        puts: outputs that are set between the move lines, during the motion.
     """
 
     segment_ms: float
@@ -102,13 +135,13 @@ class Run:
 
     @property
     def duration(self) -> float:
-        """The time that it takes [s]. A sequence begins and ends with a segment of its own (TUM 289)."""
+        """Duration [s]. A sequence begins and ends with a segment of its own (TUM 289)."""
         return (len(self.lines) + 2) * self.segment
 
 
 @frozen
 class Dwelt:
-    """DWELL: the sequence ends, and the robot stands for `milliseconds` more."""
+    """A DWELL: the sequence ends, and the robot stands still for `milliseconds` more."""
 
     line: int
     milliseconds: float
@@ -116,10 +149,20 @@ class Dwelt:
 
 @frozen
 class Barred:
-    """A barrier: the program goes no further by itself. As the header's map says: what kind, which step, what is waited for
-    (`condition`, or -), how long [s] (None: for ever), and the input's name or the operator's text.
+    """A barrier, at which the program waits for the runtime, as listed in the header's map.
 
-    `decided` is the condition of a `when`, or of a `wait` that isn't for one value of one input, and `again` says that it is decided with what was read before; of a `set` it is the number that `register` gets, or `output`, the variable of one or of all bits of a group; of a `hold` the operator's answer goes into `register`.
+    Attributes:
+        line: number of the line in the text.
+        kind: kind of the barrier.
+        step: index of the step in the program.
+        condition: the condition as written, or -.
+        timeout: longest wait [s]; None: no limit.
+        name: name of the input, or the operator's text.
+        decided: condition of a `when`, or of a `wait` other than for one value of one input; for a `set`, the
+            value assigned.
+        again: True if the condition is decided with the inputs as they were read before.
+        register: for a `set`, the register assigned; for a `hold`, the register for the operator's answer.
+        output: for a `set`, the variable of the output assigned, or those of all bits of a group.
     """
 
     line: int
@@ -136,7 +179,7 @@ class Barred:
 
 @frozen(eq=False)
 class Stood:
-    """A slow RAPID to where the robot stands: `point` (n,) [deg or mm]."""
+    """A slow RAPID to the current position: `point` (n,) [deg or mm]."""
 
     line: int
     point: Array
@@ -144,7 +187,13 @@ class Stood:
 
 @frozen(eq=False)
 class Start:
-    """Where the motion starts: `printed` (n,) [deg or mm] in line `line`; None where only the kind's reader knows how the text says it (`Reader.start`)."""
+    """Start of the motion.
+
+    Attributes:
+        line: number of the line in the text.
+        printed: (n,) joint positions [deg or mm]; None if only the reader of the controller's kind can find
+            them (`Reader.start`).
+    """
 
     line: int
     printed: Array | None
@@ -152,20 +201,20 @@ class Start:
 
 @frozen(eq=False)
 class ControllerText:
-    """What the text makes the controller do, and the very lines that are sent to have it done.
+    """The actions that a text makes the controller do, with the exact lines to send.
 
     Attributes:
-        header: what the text says about itself.
+        header: the header.
         entries: the map of commands.
-        start: where the motion starts.
-        course: what is done, in order.
-        outputs: variables and the values that they take when the guard has held the motion.
-        decimals: the most that a move line prints.
-        quantum: the step in which the controller keeps segment times [s].
+        start: start of the motion.
+        course: the actions in order.
+        outputs: variables of outputs, with the values they take after the guard has held the motion.
+        decimals: largest number of decimals in a move line.
+        quantum: step size of segment times in the controller [s].
         registers: integers that the runtime keeps, with their ranges and first values.
         watches: inputs that hold the motion while they have a value.
         searches: motions that an input ends.
-        own: what else it says, for the rooms of its kind alone.
+        own: further content for rooms of the controller's kind only.
     """
 
     header: Header
@@ -182,7 +231,7 @@ class ControllerText:
 
     @property
     def target(self) -> str:
-        """What the text is for, as its header says."""
+        """Name of the target in the header."""
         return self.header.target
 
     @property
@@ -192,7 +241,7 @@ class ControllerText:
 
     @property
     def schedule(self) -> Schedule:
-        """When each item of the course begins, and how long all of it takes."""
+        """Start of each item of the course, and duration of the whole text."""
         return schedule_of(_part(item) for item in self.course)
 
 
@@ -201,7 +250,7 @@ Assignment = tuple[int | None, str, float]
 
 
 def assignments_of(text: ControllerText) -> Iterator[Assignment]:
-    """Yield what the text assigns to outputs, in the order of its lines."""
+    """Yield the assignments of the text to outputs, in the order of its lines."""
     for variable, value in text.outputs:
         yield None, variable, value
     for item in text.course:
@@ -213,7 +262,7 @@ def assignments_of(text: ControllerText) -> Iterator[Assignment]:
 
 
 def _part(item: Run | Dwelt | Put | Barred | Stood) -> Part:
-    """Return the time that an item of the course takes [s], or what it waits for."""
+    """Return the time that an item of the course takes [s], or the mark of a wait, a branch or a loop."""
     match item:
         case Run():
             return item.duration

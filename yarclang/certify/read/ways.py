@@ -1,4 +1,4 @@
-"""Where the robot stands while a text's ways part, meet, end and begin anew, as the judge follows them."""
+"""The robot's position along the branches and loops of a text, as the judge follows it."""
 
 from __future__ import annotations
 
@@ -9,9 +9,15 @@ from yarclang.robot.model import Array
 
 @dataclass(slots=True)
 class _Open:
-    """A WHEN, or a loop if it `begins` anew, that isn't ended: where the robot stood in front of it; where its first way ends, or where it was left first (None: not yet known).
+    """A WHEN or a loop that has not ended yet.
 
-    Of a WHEN `parted` says that its second way has begun, and `over` that the program doesn't get to the end of its first one.
+    Attributes:
+        begins: True for a loop.
+        before: (n,) position before it.
+        other: (n,) position at the end of a WHEN's first branch, or at a loop's first exit; None if not known
+            yet.
+        parted: True if the second branch of a WHEN has begun.
+        over: True if the program does not reach the end of the first branch of a WHEN.
     """
 
     begins: bool
@@ -23,20 +29,30 @@ class _Open:
 
 @dataclass(slots=True)
 class Standing:
-    """Where the robot stands (n,); `over` if no way leads here."""
+    """The robot's current position.
+
+    Attributes:
+        at: (n,) position.
+        over: True if this place cannot be reached.
+        open: the open WHENs and loops, outermost first.
+    """
 
     at: Array
     over: bool = False
     open: list[_Open] = field(default_factory=list)
 
     def pass_(self, kind: str) -> tuple[Array, str] | None:
-        """Go through a barrier of a kind.
+        """Pass a barrier.
+
+        Args:
+            kind: kind of the barrier.
 
         Returns:
-            What must be where the robot stands now and needn't be, and what is wrong if it isn't; `at` is then where it stood before. None if there is nothing to compare.
+            A position that must equal the current one, and the fault if it does not; `at` is then the
+            position before the barrier. None if there is nothing to compare.
 
         Raises:
-            ValueError: a barrier ends or parts what isn't open, and why.
+            ValueError: the barrier has no matching open WHEN or loop.
         """
         match kind:
             case "when" | "loop":

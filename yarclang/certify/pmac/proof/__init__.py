@@ -1,1 +1,4 @@
-"""Writes a proof that `yarclang.verify` can follow without search: `document.py` the whole of it, `shares.py` s(t) of each motion."""
+"""Writer of proofs that `yarclang.verify` checks without search.
+
+`document.py` writes the whole proof, `shares.py` s(t) of each motion.
+"""

@@ -1,4 +1,7 @@
-"""The proof of a certified text as JSON: the robot's numbers, the program, and what makes its motions checkable without search."""
+"""The proof of a certified text as JSON.
+
+It contains the robot, the program, and the data with which motions are checked without search.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +30,7 @@ from yarclang.verify.verdict import FORM, verify
 
 
 class NoProofError(Exception):
-    """A text of which no proof can be written: the text of the exception says why."""
+    """No proof of a text can be written; the message is the reason."""
 
 
 def proof_of(
@@ -41,15 +44,16 @@ def proof_of(
     """Return the proof of a certified text as JSON.
 
     Args:
-        text: the whole text as it is written, with its seal.
-        content: the same as the judge has read it.
-        program: what it was certified against.
+        text: the whole text as written, with its seal.
+        content: the text as the judge has read it.
+        program: the program that it was certified against.
         robot: the arm.
-        tolerance: of motions that have none of their own.
-        claims: the planner's.
+        tolerance: tolerance of motions without their own.
+        claims: the planner's claims.
 
     Raises:
-        NoProofError: the text is for another buffer, the arm has joints that the checker doesn't know, or the checker doesn't follow the proof.
+        NoProofError: the text is for another buffer, the arm has joints that the checker does not know, or
+            the checker rejects the proof.
     """
     if content.target != "rotary":
         raise NoProofError(

@@ -1,4 +1,4 @@
-"""What the checker is told of each motion, and what makes it checkable."""
+"""Description of each motion in a proof, with the data that make it checkable."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from yarclang.verify.paths import GRID
 
 @frozen(eq=False)
 class Begin:
-    """Where a motion begins: joints `q` (n,) and `flange` (4, 4)."""
+    """Start of a motion: joints `q` (n,) [rad or m], and `flange` (4, 4) in {B}."""
 
     q: Array
     flange: Array
@@ -35,8 +35,8 @@ class Motions:
     """All motions of a text.
 
     Attributes:
-        told: by a command's step, what the program says of it.
-        proofs: by its step as it is printed, what makes a motion checkable.
+        told: the description of each motion in the proof, by its step.
+        proofs: the data that make a motion checkable, by its step as a text.
     """
 
     def __init__(self, judged: Judged, layout: Layout, firsts: Mapping[int, int]) -> None:
@@ -67,7 +67,10 @@ class Motions:
             self.proofs[str(place.step)] = proof
 
     def _proof(self, row: int, place: Place, begin: Begin) -> dict[str, Any] | str | None:
-        """Return what makes a motion checkable; why it can't be checked; None for one that needs nothing."""
+        """Return the data that make a motion checkable; None if no data are needed.
+
+        If it cannot be checked, a text with the reason is returned.
+        """
         motion, layout, robot = place.motion, self._layout, self._judged.robot
         if isinstance(motion, hir.LineMove | hir.ArcMove):
             start, goal = goal_pose(motion.goal, begin.flange)
@@ -84,7 +87,7 @@ class Motions:
         return None
 
     def _own(self, row: int, place: Place) -> Own:
-        """Return the segments along the path of a line or an arc."""
+        """Return the segments that follow the path of a line or an arc."""
         flows, layout = self._flows, self._layout
         begin, end = (int(x) for x in flows.follow[row])
         if (place.before, place.behind) == (None, None):
@@ -105,7 +108,7 @@ class Motions:
         return Own(flows.cubics(layout, row), ends, told)
 
     def _add_corner(self, corner: Corner) -> None:
-        """Say into how many pieces the segments of a blend are cut."""
+        """Add to a proof the number of pieces into which the segments of a blend are cut."""
         layout, judged = self._layout, self._judged
         first, second = (layout.places[row] for row in (corner.first, corner.second))
         proof = self.proofs.get(str(first.step))
@@ -123,7 +126,7 @@ class Motions:
 
 
 def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims: Claims) -> dict[str, Any]:
-    """Return what the program says of a motion."""
+    """Return the description of a motion in the proof."""
     motion = place.motion
     own = tolerance_of(motion, tolerance)
     told: dict[str, Any] = {"tolerance": in_units(np.array([own.position / MM, own.angle / DEG]))}
@@ -160,13 +163,13 @@ def _told(place: Place, begin: Begin, robot: Robot, tolerance: Tolerance, claims
 
 
 def _speed(speed: hir.Reading) -> list[float | None]:
-    """Return a speed as one of the frame's origin [mm/s] and as one of its turn [deg/s]."""
+    """Return a speed read as that of the frame's origin [mm/s], and as that of its turn [deg/s]."""
     read_as = (speed.length, MM), (speed.angle, DEG)
     return [None if number is None else float(f"{number / unit:.13g}") for number, unit in read_as]
 
 
 def _through(place: Place, begin: Begin, robot: Robot, claims: Claims) -> Iterator[dict[str, Any]]:
-    """Yield the way-points of a joint motion: joints [deg or mm], and the poses that these are chosen for."""
+    """Yield the way-points of a joint motion [deg or mm], with the poses that they were chosen for."""
     motion = place.motion
     claimed = claims.witnesses.get(place.step)
     goals = motion.goals

@@ -1,7 +1,10 @@
-"""Planes that keep bodies apart, for the small checker: the longest stretches of a text on which one plane a pair is enough.
+"""Planes that keep bodies apart, for the small checker.
 
-A stretch begins as the whole text. A pair of bodies that no plane keeps apart on it is looked at on both halves of it: between commands first, then between segments, then within one.
-The bounds are the checker's (`yarclang.verify.apart`), in floating point and with a little left over.
+They cover the longest stretches of a text on which one plane per pair is enough.
+
+The first stretch is the whole text. If no plane keeps a pair of bodies apart on a stretch, both halves are
+examined: it is divided first between commands, then between segments, then within a segment. The bounds are
+those of the checker (`yarclang.verify.apart`), in floating point and with a small reserve.
 """
 
 from __future__ import annotations
@@ -30,23 +33,23 @@ from yarclang.verify.reader import PRINTED
 from yarclang.verify.room import Room
 
 _LEFT = 2e-6
-"""What a gap must have above its margin [m]: floating point, and the grid of meshes' corners, cost less."""
+"""Reserve of a gap above its margin [m], more than the effects of rounding and of meshes' grid."""
 _SCALES = (100, 10_000, 10_000_000)
-"""Normals are integers of about this size: the smallest one that does."""
+"""Sizes of the integers in normals; the smallest sufficient one is used."""
 
 Planes = list[list[object]]
 
 
 @frozen(eq=False)
 class Segments:
-    """All segments of a text, N of them.
+    """All N segments of a text.
 
     Attributes:
-        control: (N, 4, n) the control points [rad or m].
-        h: (N,) how long each lasts [s].
-        run: (N,) in which sequence it is.
-        row: (N,) of which command it is.
-        steps: the command's step of each segment (N,).
+        control: (N, 4, n) control points [rad or m].
+        h: (N,) durations [s].
+        run: (N,) sequence of each segment.
+        row: (N,) row of the command of each segment.
+        steps: (N,) step of the command of each segment.
     """
 
     control: Array
@@ -57,7 +60,7 @@ class Segments:
 
     @classmethod
     def of(cls, rows: Sequence[Moved], robot: Robot) -> Segments:
-        """Read the control points of a text as the checker does."""
+        """Return the control points of a text as the checker reads them."""
         rows = [row for row in rows if row.last > row.first]
         control = [np.empty((0, 4, robot.size))]
         for row in rows:
@@ -74,7 +77,7 @@ class Segments:
         )
 
     def at(self, segment: Rows, share: Array) -> Array:
-        """Return the joints (P, n) at a share (P,) of segments (P,)."""
+        """Return the joints (P, n) at shares (P,) of segments (P,)."""
         t = share[:, None]
         c = self.control[segment].transpose(1, 0, 2)
         found: Array = (
@@ -86,7 +89,7 @@ class Segments:
         return found
 
     def rate(self, segment: Rows, share: Array) -> Array:
-        """Return the joints' velocities (P, n) there."""
+        """Return the joint velocities (P, n) at shares (P,) of segments (P,)."""
         t = share[:, None]
         one, two, three = np.diff(self.control[segment], axis=1).transpose(1, 0, 2)
         found: Array = ((1 - t) ** 2 * one + (1 + 2 * t - 2 * t**2) * two + t**2 * three) / 2.0
@@ -116,7 +119,7 @@ class _Search:
         self.failed: set[int] = set()
 
     def found(self) -> Planes:
-        """Halve stretches until a plane keeps each pair apart, or they are too short."""
+        """Halve stretches until a plane keeps each pair apart, or they are too short; return the planes."""
         begin, end, pair, margin = self.needed.stretches()
         while len(pair):
             go_on()
@@ -145,7 +148,7 @@ class _Search:
         return found
 
     def _middle(self, begin: Rows, end: Rows) -> Rows:
-        """Return where stretches are cut: between commands, between segments, or within a segment."""
+        """Return the places that divide stretches between commands, between segments, or within one."""
         middle = (begin + end) // 2
         cut = np.where(end - begin > PARTS, (middle + PARTS // 2) // PARTS * PARTS, middle)
         row = self.segments.row
@@ -158,7 +161,7 @@ class _Search:
         return cut
 
     def _settled(self, begin: Rows, end: Rows, pair: Rows, margin: Array, *, bent: bool) -> NDArray[np.bool_]:
-        """Return which pairs a plane keeps apart on stretches; note the planes."""
+        """Return True for pairs that a plane keeps apart on stretches, and store the planes."""
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -209,7 +212,7 @@ class _Search:
             turn = self.turns[item.joint]
             toward = center[:, hope] / np.maximum(apart[hope], 1e-12)
             for number, scale in enumerate((_SCALES[0], *_SCALES)):
-                if number == 1:  # the way from middle to middle doesn't do
+                if number == 1:  # the direction from middle to middle is not sufficient
                     toward, _ = nearest(item, moving, arms[0].take(hope))
                 normal = np.round(turn.T @ toward * scale)
                 gap = _gap(item, moving, [arm.take(hope) for arm in arms[bent:]], turn @ normal)
@@ -223,7 +226,7 @@ class _Search:
         return settled
 
     def _slow(self, begin: Rows, end: Rows, pair: Rows) -> NDArray[np.bool_]:
-        """Return which pairs of a slow zone and a body are slow enough on stretches of a sequence; note them."""
+        """Return True for pairs of slow zone and body that are slow enough on stretches; store them."""
         nodes, at = np.unique(np.stack([begin, end]), axis=1, return_inverse=True)
         first, last = nodes[0] // PARTS, (nodes[1] - 1) // PARTS
         bounds = np.stack([first, last + 1], axis=1).ravel()
@@ -264,7 +267,7 @@ def _third(reach: Array, is_turn: NDArray[np.bool_], w: Array, a: Array, j: Arra
 
 
 def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
-    """Return the least gap (P,) [m] along normals (3, P) of any length; without bound below where there is none."""
+    """Return the least gap (P,) [m] along normals (3, P) of any length; minus infinity for a zero normal."""
     size = np.sqrt((normal**2).sum(axis=0))
     unit = normal / np.maximum(size, 1e-300)
     still = Joints(np.eye(3)[:, :, None], np.zeros((3, 1)), np.zeros((3, 1)), np.zeros((3, 1)))
@@ -273,7 +276,7 @@ def _gap(item: Item, moving: Item, arms: list[Joints], normal: Array) -> Array:
 
 
 def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
-    """Return how far a body stays before a border (P,) [m]."""
+    """Return the least distance of a body from a border that it must not cross (P,) [m]."""
     offset = float(item.axis @ item.middle)
     gaps = [
         offset + arm.lowest(moving, np.broadcast_to(-item.axis[:, None], arm.shift.shape)) for arm in arms
@@ -283,7 +286,7 @@ def _before(item: Item, moving: Item, arms: list[Joints]) -> Array:
 
 
 def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Array, a: Array) -> Array:
-    """Return the checker's K (P,) for |q'| and |q''| (P, n)."""
+    """Return the checker's bound K of a body's second derivatives (P,) for |q'| and |q''| (P, n)."""
     sum_w, sum_a, before, bend = (np.zeros(len(w)) for _ in range(4))
     for joint in range(first, last):
         if not is_turn[joint]:
@@ -297,7 +300,10 @@ def _bend(reach: Array, is_turn: NDArray[np.bool_], first: int, last: int, w: Ar
 
 
 def _reach(robot: Robot, item: Item, far: Array) -> Array:
-    """Return how far a body can be from the axis of each joint that moves it (joint,) [m], as the checker bounds it."""
+    """Bound the distance of a body from the axis of each joint that moves it (joint,) [m].
+
+    The bound is that of the checker.
+    """
     steps = steps_of(robot.chain)
     is_turn = axes_of(robot.chain).turn == 1.0
     frame = np.eye(4)
@@ -317,17 +323,17 @@ def _reach(robot: Robot, item: Item, far: Array) -> Array:
 
 
 def _ended(numbers: Array) -> Array:
-    """Return rows with one more, so that a stretch may end with the last of them."""
+    """Return rows with a copy of the last one, so that a stretch may end with the last row."""
     return np.concatenate([numbers, numbers[-1:]])
 
 
 def planes_of(rows: Sequence[Moved], cell: dict[str, Any], items: list[Item], robot: Robot) -> Planes:
-    """Return planes, as the checker takes them, for all pairs of bodies that planes keep apart.
+    """Return planes in the checker's form for all pairs of bodies that planes keep apart.
 
     Args:
-        rows: the text's commands, as the checker has read them.
-        cell: what the checker is told of bodies.
-        items: the same bodies, and the regions that zones keep bodies out of.
+        rows: the commands of the text, as the checker has read them.
+        cell: the description of the bodies in the proof.
+        items: these bodies, and the regions that zones keep bodies out of.
         robot: the arm.
     """
     arm, told = Arm(exactly(told_arm(robot))), exactly(cell)

@@ -1,4 +1,7 @@
-"""Bodies around the arm as the small checker is told of them: where each is, during which commands, and which pairs may touch."""
+"""Description of the bodies around the arm in a proof.
+
+It contains their places, the commands during which they are there, and the pairs that may touch.
+"""
 
 from __future__ import annotations
 
@@ -27,12 +30,19 @@ from yarclang.robot.model import Array, Robot
 from yarclang.verify.room import Pair
 
 _GRID = 1e-6
-"""Corners of meshes are told on a grid of this [m]; a ball of this radius covers what that moves them."""
+"""Grid of the corners of meshes in a proof [m]; a ball of this radius covers the rounding."""
 
 
 @frozen(eq=False)
 class Needed:
-    """The bodies (as items, in the order in which the checker is told of them), their pairs, where each pair must stay apart by how much, and how fast it may be otherwise (K,) [m/s]."""
+    """The pairs of bodies that must be proved apart.
+
+    Attributes:
+        items: the bodies, in the order of the proof.
+        pairs: the pairs of bodies.
+        needs: for each pair, the stretches (begin, end, margin [m]) on which it must stay apart.
+        speeds: (K,) speed that each pair may have otherwise [m/s].
+    """
 
     items: list[Item]
     pairs: list[tuple[int, int]]
@@ -48,7 +58,14 @@ class Needed:
 
     @classmethod
     def of(cls, items: list[Item], pairs: Sequence[Pair], speeds: Sequence[int], unit: int) -> Needed:
-        """Take over the checker's pairs, and the speed in the region of each; `unit` is 1 m, and 1 m/s."""
+        """Return the checker's pairs as floating-point data.
+
+        Args:
+            items: the bodies, in the order of the proof.
+            pairs: the checker's pairs.
+            speeds: speed in the region of each pair.
+            unit: the checker's integer for 1 m, and for 1 m/s.
+        """
         needs = [[(begin, end, least / unit) for begin, end, least in pair.needs] for pair in pairs]
         fast = np.array([speed / unit for speed in speeds])
         return cls(items, [(pair.one, pair.other) for pair in pairs], needs, fast)
@@ -56,25 +73,25 @@ class Needed:
 
 @frozen(eq=False)
 class During:
-    """What is around the arm during a command: the cell as it is then, and the frame that the command moves."""
+    """Surroundings of the arm during a command: the cell's state, and the frame that the command moves."""
 
     cell: Cell | None
     moving: Moving
 
 
 def commands_of(layout: Layout, program: hir.Program, robot: Robot) -> dict[int, During]:
-    """Return what is around the arm during each command that moves, by the command's step."""
+    """Return the surroundings of the arm during each command with moves, by the command's step."""
     handled, _ = follow(layout, program, robot)
     places = [place for place in layout.places if place.size]
     return {place.step: During(handled.at(place.step), moving_of(place.motion, robot)) for place in places}
 
 
 class Room:
-    """What the checker is told of bodies and zones, from what is around the arm during each command.
+    """Description of bodies and zones in a proof, from the surroundings of the arm during each command.
 
     Attributes:
         told: `bodies`, `exceptions` from their margins, and `zones`.
-        items: the bodies, and after them the regions that zones keep bodies out of, as the search takes them.
+        items: the bodies, followed by the regions that zones keep bodies out of, for the search.
     """
 
     def __init__(self, commands: Mapping[int, During], robot: Robot) -> None:
@@ -94,12 +111,12 @@ class Room:
 
     def _scene(self, cell: Cell | None) -> Scene:
         made = scene_of(self.robot, cell).value
-        if made is None:  # the judge has refused a text with such a mesh
+        if made is None:  # the judge rejects a text with such a mesh earlier
             raise ValueError("the bodies can't be read")
         return made
 
     def _number(self, key: Hashable, item: Item, step: int, told: Callable[[], dict[str, Any]]) -> int:
-        """Return the number of a body that is there during a command."""
+        """Return the number of a body that is present during a command; add the body if it is new."""
         if key not in self._numbers:
             self._numbers[key] = len(self.bodies)
             self._there[len(self.bodies)] = []
@@ -116,7 +133,7 @@ class Room:
         return self._number(key, room_of(body), step, lambda: _told(body, self.robot))
 
     def _exceptions(self) -> list[list[Any]]:
-        """Return which pairs may come nearer than their margins, or touch, and from which command to which."""
+        """Return the pairs that may come closer than their margins, or touch, with the ranges of commands."""
         found: dict[tuple[int, int, float | None], list[int]] = {}
         for step, scene in zip(self.moving, self._scenes, strict=True):
             own = [self._body(body, step) for body in scene.bodies]
@@ -139,7 +156,7 @@ class Room:
         ]
 
     def _zones(self) -> tuple[list[dict[str, Any]], list[Item]]:
-        """Return the zones as they are told, and their regions as items."""
+        """Return the descriptions of the zones, and their regions as items."""
         told: dict[str, dict[str, Any]] = {}
         regions: dict[str, list[Item]] = {}
         for step, scene, during in zip(self.moving, self._scenes, self.commands.values(), strict=True):
@@ -172,28 +189,31 @@ class Room:
 
 
 def told_arm(robot: Robot) -> dict[str, Any]:
-    """Return what the checker is told of an arm: what its joints do, and the steps between them."""
+    """Return the description of an arm: the kinds of its joints, and the frames between them."""
     kinds = ["turns" if one else "slides" for one in (axes_of(robot.chain).turn == 1.0).tolist()]
     return {"kinds": kinds, "arm": [told_frame(step) for step in steps_of(robot.chain)]}
 
 
 def told_frame(pose: Array) -> list[float]:
-    """Return the three rows of a frame (4, 4)."""
+    """Return the three upper rows of a frame (4, 4)."""
     return [float(one) for one in pose[:3].ravel()]
 
 
 def in_units(numbers: Array) -> list[float | None]:
-    """Return numbers of robot.toml as it writes them, without the last digits that the way to SI and back has changed."""
+    """Return numbers as robot.toml writes them.
+
+    The last digits, which conversion to SI units and back has changed, are left out.
+    """
     return [float(f"{one:.13g}") if np.isfinite(one) else None for one in numbers.tolist()]
 
 
 def exactly(told: Any) -> Any:
-    """Return what is told as the checker reads it."""
+    """Return a description as the checker reads it, with exact numbers."""
     return json.loads(json.dumps(told), parse_float=Fraction, parse_int=Fraction)
 
 
 def _ranges(steps: Iterable[int], moving: Sequence[int]) -> list[list[int]]:
-    """Return first and last of the steps that follow each other among those that move."""
+    """Return the first and last steps of the runs of consecutive steps with moves."""
     place = {step: number for number, step in enumerate(moving)}
     found: list[list[int]] = []
     for step in steps:
@@ -205,7 +225,7 @@ def _ranges(steps: Iterable[int], moving: Sequence[int]) -> list[list[int]]:
 
 
 def _solid(point: Item) -> Item:
-    """Return a point with a shape for distances: a ball that is as good as none."""
+    """Return a point with a tiny ball as its shape, which distances need."""
     import coal
 
     placed = np.eye(4)
@@ -214,7 +234,7 @@ def _solid(point: Item) -> Item:
 
 
 def _link(joint: int, robot: Robot) -> Array:
-    """Return base_from_link (4, 4), with all joints at zero, of what so many joints move."""
+    """Return base_from_link (4, 4) with all joints at zero of the link that the first `joint` joints move."""
     link = np.eye(4)
     for step in steps_of(robot.chain)[:joint]:
         link = link @ step
@@ -222,7 +242,7 @@ def _link(joint: int, robot: Robot) -> Array:
 
 
 def _told(body: Body, robot: Robot) -> dict[str, Any]:
-    """Return a body on the link that carries it [m]."""
+    """Return the description of a body on the link that carries it [m]."""
     back = np.linalg.inv(_link(body.joint, robot))
     geometry, item = body.geometry, room_of(body)
     told: dict[str, Any] = {"name": body.name, "joint": body.joint, "margin": body.margin}
@@ -236,7 +256,7 @@ def _told(body: Body, robot: Robot) -> dict[str, Any]:
 
 
 def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
-    """Return a simple shape at a pose (4, 4)."""
+    """Return the description of a simple shape at a pose (4, 4)."""
     placed = pose.copy()
     placed[:3, 3] += pose[:3, :3] @ geometry.middle
     shape = {"core": geometry.core.tolist(), "disc": geometry.disc, "radius": geometry.radius}
@@ -244,7 +264,7 @@ def told_shape(pose: Array, geometry: Geometry) -> dict[str, Any]:
 
 
 def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
-    """Return a zone as it is told, and the regions that it keeps bodies out of, in the checker's order."""
+    """Return the description of a zone, and the regions to stay out of, in the checker's order."""
     told: dict[str, Any] = {"name": zone.name, "rule": zone.rule, "margin": zone.margin, "region": None}
     told["watched"] = []
     if zone.speed is not None:
@@ -271,6 +291,9 @@ def told_zone(zone: Zone) -> tuple[dict[str, Any], list[Item]]:
 
 
 def border(name: str, normal: Array, offset: float) -> Item:
-    """Return what lies beyond a plane, the points p with normal . p >= offset, as an item: `axis` is the normal, `bound` infinite, and `points` one of the plane's."""
+    """Return the half-space normal . p >= offset as an item.
+
+    Its `axis` is the normal, `bound` is infinite, and `points` has one point of the plane.
+    """
     point = normal[None] * offset
     return Item(name, 0, point, normal, 0.0, 0.0, point, point[0], np.inf)

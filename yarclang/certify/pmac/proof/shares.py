@@ -1,4 +1,7 @@
-"""The shares of programmed paths over time that a proof carries. Any that grow from 0 to 1 prove something: good ones prove most."""
+"""Shares of programmed paths over time for a proof.
+
+Any that grow from 0 to 1 are accepted; good ones give sharp bounds.
+"""
 
 from __future__ import annotations
 
@@ -20,24 +23,24 @@ from yarclang.robot.model import Array, Robot, Tolerance
 from yarclang.verify.paths import SHARE
 
 _REMAINDER = 0.2
-"""Pieces are so short that what lies between their ends costs at most about this share of the tolerance."""
+"""Largest share of the tolerance, approximately, that bounds between the ends of pieces may cost."""
 _MOST_PIECES = 64
 _BESIDE = 0.011
-"""The share of an arc that the checker wants between its via point and its ends, and a little more."""
+"""Least share of an arc that the checker requires between its via point and its ends, with a reserve."""
 _NEAREST = 2e-4
-"""The distance that the checker wants between way-points of a spline [rad or m], and a little more."""
+"""Least distance that the checker requires between way-points of a spline [rad or m], with a reserve."""
 _SHARP = 2e-4
-"""What lies between the ends of pieces costs at most about this share of a programmed speed."""
+"""Approximate share of a programmed speed that the bounds between the ends of pieces may cost."""
 
 
 @frozen(eq=False)
 class Own:
-    """The segments that go along the path of a motion, and what the checker is told of them.
+    """The segments that follow the path of a motion, and their description in the proof.
 
     Attributes:
-        cubics: these segments, without what lies beyond a corner.
-        ends: the shares of the path at both ends; None if the path is joined, or left, elsewhere.
-        told: where the path is joined and left, if that isn't at the motion's ends.
+        cubics: the segments, without parts beyond a corner.
+        ends: shares of the path at both ends; None if the path is joined, or left, elsewhere.
+        told: the places at which the path is joined and left, if not at the motion's ends.
     """
 
     cubics: Cubics
@@ -53,15 +56,17 @@ def frame_proof(
     robot: Robot,
     tolerance: Tolerance,
 ) -> dict[str, Any] | str:
-    """Return the proof of a line or an arc; why there is none, for an arc whose via point doesn't say exactly where its circle is.
+    """Return the proof of a line or an arc; a text with the reason if there is none.
+
+    There is none for an arc whose via point is too close to one of its ends to define its circle exactly.
 
     Args:
-        own: the segments along its path.
-        motion: as programmed.
-        start: base_from_moving (4, 4) where the path begins.
-        goal: base_from_moving (4, 4) where it ends.
+        own: the segments that follow its path.
+        motion: the motion as programmed.
+        start: (4, 4) base_from_moving at the start of the path.
+        goal: (4, 4) base_from_moving at its end.
         robot: the arm.
-        tolerance: of this motion.
+        tolerance: tolerance of this motion.
     """
     cubics, frame = own.cubics, motion.goal.flange_from_moving
     told: dict[str, Any] = {}
@@ -77,16 +82,16 @@ def frame_proof(
     if not axis.any():
         axis, angle = np.array([0.0, 0.0, 1.0]), 0.0
     told |= {"axis": axis.tolist(), "angle": angle, **own.told}
-    if not len(cubics.h):  # blends take all of the path
+    if not len(cubics.h):  # blends take the whole path
         share = own.ends[0] if own.ends[0] is not None else own.ends[1]
         return told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
     owner = np.zeros(len(cubics.h), dtype=np.int64)
     origin, rotation = arm_bounds(cubics, owner, frame[None], robot)
-    # a chord is about sqrt 2 times the angle, and the programmed turn adds as much as the executed one
+    # A chord is about sqrt 2 times the angle; the programmed turn adds as much again as the executed one.
     need = np.maximum(origin / tolerance.position, math.sqrt(2.0) * rotation / tolerance.angle)
     count = _pieces(float((HERMITE * cubics.h**4 * need).max()))
     if (speed := motion.timing.speed) is not None and speed.length:
-        # the bounds of a speed are within a part of what it may be off
+        # The bounds of a speed must be within a part of its allowed error.
         most = float((cubics.h * np.cbrt(HERMITE_RATE * origin / (_SHARP * speed.length))).max())
         count = min(max(count, math.ceil(most)), _MOST_PIECES)
     cut = Pieces.cut(cubics, owner, np.full(len(cubics.h), count))
@@ -96,7 +101,10 @@ def frame_proof(
 
 
 def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle: float) -> int:
-    """Return into how many pieces the segments of a blend are cut, so that what lies between their ends is small beside its ball [m] and angle [rad]."""
+    """Return the number of pieces of a blend's segments.
+
+    The bounds between the ends of pieces must be small compared with the blend's ball [m] and angle [rad].
+    """
     origin, rotation = arm_bounds(cubics, np.zeros(len(cubics.h), dtype=np.int64), frame[None], robot)
     need = np.maximum(origin / ball, math.sqrt(2.0) * rotation / angle)
     return min(4 * _pieces(float((HERMITE * cubics.h**4 * need).max())), _MOST_PIECES)
@@ -125,14 +133,17 @@ def _projected(
 def spline_proof(
     layout: Layout, place: Place, points: Array, weights: Array, claims: Claims
 ) -> dict[str, Any] | str | None:
-    """Return the proof of a natural spline in joint space; None for one that leads nowhere; why there is none, for way-points side by side.
+    """Return the proof of a natural spline in joint space.
+
+    It is None if the spline has length zero, and a text with the reason if its way-points are too close to
+    each other.
 
     Args:
-        layout: the text's segments.
+        layout: the segments of the text.
         place: the motion, with segments.
-        points: (m, n) where it begins, and its way-points [rad or m].
-        weights: (n,) one over the tolerance of each joint.
-        claims: the planner's; a claimed law is taken if it covers the motion.
+        points: (m, n) start of the motion, and its way-points [rad or m].
+        weights: (n,) reciprocal of the tolerance of each joint.
+        claims: the planner's claims; a claimed law is used if it covers the motion.
     """
     spline = NaturalSpline.through(points)
     if len(spline.y) == 1:
@@ -154,7 +165,7 @@ def spline_proof(
 
 
 class _Weighed:
-    """A spline in joints that count the same."""
+    """A spline in joint coordinates of equal weight."""
 
     def __init__(self, spline: NaturalSpline, weights: Array) -> None:
         self._spline, self._weights = spline, weights
@@ -166,7 +177,7 @@ class _Weighed:
 
 
 def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float:
-    """Return about what lies between the ends of whole segments, as a share of the tolerance."""
+    """Return the approximate bound between the ends of whole segments, as a share of the tolerance."""
     steepest = np.maximum(np.abs(np.diff(spline.y, axis=0)).max(axis=1) / np.diff(spline.s), 1e-3).min()
     w = cubics.velocity_peaks().max(axis=1) / steepest
     a = cubics.acceleration_peaks().max(axis=1) / steepest
@@ -178,14 +189,25 @@ def _spline_need(cubics: Cubics, spline: NaturalSpline, weights: Array) -> float
 
 
 def _pieces(need: float) -> int:
-    """Return into how many pieces segments are cut, so that `need`, which falls with the fourth power of it, is small."""
+    """Return the number of pieces of a segment that makes `need` small.
+
+    It falls with the fourth power of this number.
+    """
     return int(np.clip(math.ceil((need / _REMAINDER) ** 0.25), 1, _MOST_PIECES))
 
 
 def _growing(
     s: Array, rate: Array, d: Array, pieces: int, ends: tuple[float | None, float | None] = (0.0, 1.0)
 ) -> dict[str, Any]:
-    """Return s and s' as integers, changed by little so that the cubics between them grow, from 0 to 1 or between the ends that are given."""
+    """Return s and s' as integers, changed slightly so that the cubics between them never decrease.
+
+    Args:
+        s: (P + 1,) shares at the ends of pieces.
+        rate: (P + 1,) their rates [1/s].
+        d: (P,) durations of the pieces [s].
+        pieces: number of pieces of each segment.
+        ends: shares at both ends; None: as they are.
+    """
     share = np.clip(s, 0.0, 1.0)
     share[0], share[-1] = (
         old if end is None else end for old, end in zip((share[0], share[-1]), ends, strict=True)
@@ -193,7 +215,8 @@ def _growing(
     share = np.round(np.maximum.accumulate(share) * SHARE)
     if ends[1] is not None:
         share = np.minimum(share, round(ends[1] * SHARE))
-    # the inner Bezier points of a piece lie in order if both rates take no more than all of the way between them
+    # The inner Bezier points of a piece are in order if both rates together need at most the whole way
+    # between its ends.
     rate = np.maximum(rate, 0.0) * SHARE
     way, both = 3.0 * np.diff(share) / d, rate[:-1] + rate[1:]
     allowed = np.minimum(1.0, way * (1.0 - 1e-12) / np.maximum(both, 1e-300))

@@ -1,9 +1,9 @@
-"""The judge of the controller's settings: reads their text back and proves that they are what certificates rest on.
+"""The judge of the controller's settings: reads their text and proves that certificates can rely on them.
 
-`judge.py` is the door; `read.py` reads, `text.py` is what was read. `system.py` judges the I-variables of
-coordinate system and controller, `motors.py` and `rates.py` those of the motors, `positions.py` the axis
-definitions and PLC 0, whose expressions are in `expression.py`; `coupling.py` has the robot's matrices in
-exact numbers.
+`judge.py` is the entry point; `read.py` reads, `text.py` defines the content. `system.py` judges the
+I-variables of the coordinate system and the controller, `motors.py` and `rates.py` those of the motors,
+`positions.py` the axis definitions and PLC 0, whose expressions `expression.py` evaluates. `coupling.py` has
+the robot's matrices in exact numbers.
 """
 
 from yarclang.certify.pmac.settings.judge import ProvedSettings, certify_settings

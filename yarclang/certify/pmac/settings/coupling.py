@@ -1,4 +1,4 @@
-"""The robot's K J and a0 in exact numbers: what motors do with joints, and which of them belong together."""
+"""The robot's K J and a0 in exact numbers, and the motors and joints that are coupled."""
 
 from __future__ import annotations
 
@@ -10,18 +10,19 @@ from yarclang.robot.model import Array, Robot
 
 Row = list[Fraction]
 ENDLESS = Fraction(36_000)
-"""Reach of a joint without limits to either side [deg or mm]: 100 turns."""
+"""Assumed reach of a joint without limits to either side [deg or mm]: 100 turns."""
 
 
 @dataclass(frozen=True)
 class Coupling:
-    """Counts of motors by joints in axis units (deg, mm).
+    """Motor counts as a function of the joints in axis units (deg, mm).
 
     Attributes:
-        matrix: K J, a row for each motor, counts per axis unit.
+        matrix: K J, with one row for each motor [counts per axis unit].
         offset: a0 [counts].
-        inverse: of the matrix: axis units per count, a row for each joint.
-        lower, upper: the joints' limits [axis units], None for a joint without one.
+        inverse: inverse of the matrix, with one row for each joint [axis units per count].
+        lower: lower limits of the joints [axis units]; None for a joint without one.
+        upper: upper limits of the joints [axis units]; None for a joint without one.
     """
 
     matrix: list[Row]
@@ -32,7 +33,7 @@ class Coupling:
 
     @cached_property
     def reach(self) -> Row:
-        """Largest position of each joint to either side [axis units]."""
+        """Largest distance of each joint from zero [axis units]."""
         return [
             max(ENDLESS if low is None else abs(low), ENDLESS if high is None else abs(high))
             for low, high in zip(self.lower, self.upper, strict=True)
@@ -40,7 +41,7 @@ class Coupling:
 
     @cached_property
     def range(self) -> Row:
-        """Bound of each motor's position to either side [counts]."""
+        """Bound of the absolute position of each motor [counts]."""
         return [
             sum(
                 (abs(share) * reach for share, reach in zip(row, self.reach, strict=True) if share),
@@ -51,12 +52,12 @@ class Coupling:
 
     @cached_property
     def slack(self) -> Row:
-        """Error that each motor's position may have from rounding [counts]: a thousandth of a count, and 1e-11 of its range."""
+        """Allowed rounding error of each motor [counts]: 1/1000 count, plus 1e-11 of its range."""
         return [Fraction(1, 1000) + range_ / 10**11 for range_ in self.range]
 
     @cached_property
     def joint_slack(self) -> Row:
-        """Error that each joint's position may have from that of the motors [axis units]."""
+        """Resulting error of each joint's position [axis units]."""
         return [
             sum(
                 (abs(share) * slack for share, slack in zip(row, self.slack, strict=True) if share),
@@ -67,7 +68,7 @@ class Coupling:
 
     @cached_property
     def groups(self) -> list[tuple[list[int], list[int]]]:
-        """Motors and joints that belong together: rows and columns that entries other than 0 connect."""
+        """Groups of coupled motors and joints: rows and columns connected by entries other than 0."""
         left = list(range(len(self.matrix)))
         found = []
         while left:
@@ -84,7 +85,7 @@ class Coupling:
 
 
 def coupling_of(robot: Robot) -> Coupling | None:
-    """Return the coupling of a robot; None if K J can't be inverted."""
+    """Return the coupling of a robot; None if K J is singular."""
     actuation, limits, units = robot.actuation, robot.limits, exact(robot.axis_units)
     matrix = [
         [gear * share for share in exact(row)]
@@ -101,7 +102,7 @@ def coupling_of(robot: Robot) -> Coupling | None:
 
 
 def exact(values: Array) -> Row:
-    """Return the numbers without rounding."""
+    """Return the numbers as exact fractions."""
     return [Fraction(float(value)) for value in values]
 
 
@@ -110,7 +111,7 @@ def _finite(values: Array) -> list[Fraction | None]:
 
 
 def _inverse(matrix: list[Row]) -> list[Row] | None:
-    """Invert by Gauss and Jordan; None for a singular matrix."""
+    """Return the inverse of a matrix (Gauss-Jordan elimination); None if it is singular."""
     size = len(matrix)
     rows = [[*row, *(Fraction(int(at == other)) for other in range(size))] for at, row in enumerate(matrix)]
     for at in range(size):

@@ -1,4 +1,4 @@
-"""The expressions of PLC 0: sums of variables times constants, evaluated exactly."""
+"""Expressions of PLC 0: sums of variables times constants, evaluated exactly."""
 
 from __future__ import annotations
 
@@ -10,57 +10,59 @@ from yarclang.frozen import frozen
 
 _TOKEN = re.compile(r"[0-9]{1,15}(?:\.[0-9]{1,30})?|[A-Z][0-9]{1,4}|[-+*/()]")
 _DEEPEST = 8
-"""Most parentheses in each other."""
+"""Most levels of nested parentheses."""
 
 
 class NotAffineError(Exception):
-    """Error for a text that isn't a sum of variables times constants; the argument says why."""
+    """A text is not a sum of variables times constants; the argument is the reason."""
 
 
 @frozen
 class Affine:
-    """A constant and a factor for each variable."""
+    """A constant plus a factor for each variable."""
 
     constant: Fraction
     factors: Mapping[str, Fraction]
 
     def plus(self, other: Affine, sign: int = 1) -> Affine:
-        """Add, or with `sign` -1 subtract."""
+        """Return the sum, or with `sign` -1 the difference."""
         factors = dict(self.factors)
         for name, factor in other.factors.items():
             factors[name] = factors.get(name, Fraction(0)) + sign * factor
         return Affine(self.constant + sign * other.constant, factors)
 
     def times(self, factor: Fraction) -> Affine:
-        """Multiply by a constant."""
+        """Return the product with a constant."""
         return Affine(self.constant * factor, {name: old * factor for name, old in self.factors.items()})
 
 
 def constant(value: Fraction) -> Affine:
-    """Return a value without variables."""
+    """Return a constant without variables."""
     return Affine(value, {})
 
 
 def variable(name: str) -> Affine:
-    """Return a variable by itself."""
+    """Return a single variable."""
     return Affine(Fraction(0), {name: Fraction(1)})
 
 
 def evaluate(text: str, meaning: Callable[[str], Affine | None]) -> Affine:
-    """Evaluate an expression as the controller does: * and / before + and -, from left to right (TUM, mathematical operators).
+    """Evaluate an expression as the controller does.
+
+    * and / come before + and -, from left to right (TUM, mathematical operators).
 
     Args:
         text: the expression, without spaces.
-        meaning: the value of a variable, or None if the expression must not name it.
+        meaning: returns the value of a variable; None for a variable that is not allowed.
 
     Raises:
-        NotAffineError: the text is no expression, isn't affine, or names another variable.
+        NotAffineError: the text is no expression, is not affine, or contains a variable that is not allowed.
     """
     return _Reader(text, meaning).whole()
 
 
 class _Reader:
-    """The place in an expression."""
+    """An expression with a position up to which it has been read."""
 
     def __init__(self, text: str, meaning: Callable[[str], Affine | None]) -> None:
         self._tokens: list[str] = []
@@ -75,7 +77,7 @@ class _Reader:
             place = found.end()
 
     def whole(self) -> Affine:
-        """Evaluate everything."""
+        """Evaluate the whole expression."""
         value = self._sum(0)
         if self._next():
             raise NotAffineError(self._odd())
@@ -130,17 +132,17 @@ class _Reader:
         raise NotAffineError(self._odd())
 
     def _next(self) -> str:
-        """Return the next token and leave it where it is; empty at the end."""
+        """Return the next token without moving on; empty at the end."""
         return self._tokens[self._place] if self._place < len(self._tokens) else ""
 
     def _take(self, token: str) -> str:
-        """Take the next token if it is this one; else return nothing."""
+        """Move past the next token and return it if it is the given one; else return an empty text."""
         if self._next() != token:
             return ""
         self._place += 1
         return token
 
     def _odd(self) -> str:
-        """Say what is wrong with the next token."""
+        """Return the fault of the next token in words."""
         token = self._next()
         return f"'{token}' is out of place" if token else "it ends too early"

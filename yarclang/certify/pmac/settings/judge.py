@@ -1,4 +1,4 @@
-"""The judgement of a settings text: text and robot in; findings, and bounds of what was proved, out."""
+"""Judgement of a settings text: text and robot in; findings and proved bounds out."""
 
 from __future__ import annotations
 
@@ -21,10 +21,13 @@ from yarclang.source import SourceFile, Span
 
 @frozen(eq=False)
 class ProvedSettings:
-    """Settings that are what certificates rest on: their text, and what it says.
+    """Proved settings, on which certificates can rely.
 
-    `commanded` (n,) is how far each joint is from where the axis definitions send it, `feedback` (n,) how far PLC 0 is from its position, at most within
-    the joints' limits [axis units].
+    Attributes:
+        text: the settings text.
+        content: its content.
+        commanded: (n,) largest error of the axis definitions within the limits of the joints [axis units].
+        feedback: (n,) largest error of the positions from PLC 0 within the limits of the joints [axis units].
     """
 
     text: str
@@ -34,14 +37,14 @@ class ProvedSettings:
 
 
 def certify_settings(source: SourceFile, robot: Robot) -> Result[ProvedSettings]:
-    """Prove that a settings text makes a controller what the certificates of a robot's programs assume.
+    """Prove that a settings text configures a controller as the certificates of a robot's programs assume.
 
     Args:
-        source: the text, under the name by which findings speak of it.
-        robot: whose controller it is for.
+        source: the text, under the name that findings use.
+        robot: the robot of the controller.
 
     Returns:
-        What was proved; None, with findings, if the text can't be read or something in it is wrong.
+        The proved settings; None, with findings, if the text cannot be read or is wrong.
     """
     findings = Collector(source)
 

@@ -1,4 +1,4 @@
-"""The motors' I-variables but for their rates: where they end, the scale of their positions, and how RAPID takes its speed."""
+"""I-variables of the motors except rates: software limits, the scale of positions, and the speed of RAPID."""
 
 from __future__ import annotations
 
@@ -12,21 +12,21 @@ from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
 _BEYOND = 3
-"""Counts by which a software limit may be beyond the reach of its motor."""
+"""Most counts by which a software limit may exceed the reach of its motor."""
 _LARGEST_LIMIT = 2**35
-"""The largest constant that the controller takes for Ixx13 and Ixx14 [counts] (TSRM 96)."""
+"""Largest constant that the controller accepts for Ixx13 and Ixx14 [counts] (TSRM 96)."""
 _REGISTER = 2**42
-"""A position register holds this many counts, divided by Ixx08 (TSRM 96)."""
+"""Range of a position register in counts, times Ixx08 (TSRM 96)."""
 _LONGEST_TIME = 2**23 - 1
-"""The largest value of Ixx20 and Ixx21 [ms] (TSRM 101)."""
+"""Largest value of Ixx20 and Ixx21 [ms] (TSRM 101)."""
 
 
 def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> None:
-    """Check the I-variables of all motors that aren't rates."""
+    """Check those I-variables of all motors that are not rates."""
     scale = turbo_pmac(robot).ixx08
     wanted = {
         8: (scale, scale, "the position scale is {}, as in robot.toml"),
-        # the acceleration of RAPID is Ixx19 at most, whatever its times, unless both are 0 (TSRM 101)
+        # The acceleration of RAPID is at most Ixx19, whatever its times are, unless both are 0 (TSRM 101).
         20: (0, _LONGEST_TIME, "the time of RAPID's ramps is an integer from {} to {} ms"),
         21: (1, _LONGEST_TIME, "the S-curve time of RAPID's ramps is an integer from {} to {} ms"),
         90: (0, 0, "{} belongs there: RAPID takes the jog speed"),
@@ -44,14 +44,14 @@ def check_motors(content: SettingsText, robot: Robot, coupling: Coupling, say: S
 
 
 def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: Coupling) -> str:
-    """Say what is wrong with the software limit of a motor; empty if it is right.
+    """Return the fault of a motor's software limit in words; empty if it is right.
 
     Args:
         limit: the limit, times `sign` [counts].
         sign: 1 for the positive limit, -1 for the negative one.
-        row: of the motor.
-        robot: whose motor it is.
-        coupling: its K J, a0, and the joints' limits.
+        row: row of the motor.
+        robot: the robot.
+        coupling: its K J, a0, and the limits of the joints.
     """
     reach = _reach(sign, row, coupling)
     if reach is None:
@@ -71,7 +71,12 @@ def _wrong_limit(limit: Fraction, sign: int, row: int, robot: Robot, coupling: C
 
 
 def _reach(sign: int, row: int, coupling: Coupling) -> Fraction | None:
-    """Return the largest position of a motor in one direction within the joints' limits, times `sign` [counts]; None without an end."""
+    """Return the largest position of a motor in one direction, times `sign` [counts].
+
+    The joints stay within their limits.
+
+    None if it is unlimited.
+    """
     total = sign * coupling.offset[row]
     for share, lower, upper in zip(coupling.matrix[row], coupling.lower, coupling.upper, strict=True):
         if not share:

@@ -1,4 +1,7 @@
-"""Joint positions to motor positions and back: the axis definitions are K J and a0, and PLC 0 is their inverse."""
+"""Conversion of joint to motor positions and back.
+
+The axis definitions must be K J and a0, and PLC 0 their inverse.
+"""
 
 from __future__ import annotations
 
@@ -14,19 +17,19 @@ from yarclang.pmac.variables import actual_position, motor_variable
 from yarclang.robot.model import Robot
 
 Say = Callable[[str, int, str], None]
-"""Function that adds a finding: its code, the line, the message."""
+"""Function that adds a finding with a code, a line and a message."""
 
 _FLOAT = Fraction(1, 2**50)
-"""How far a product of two floating-point numbers may be off, as a share of it."""
+"""Largest relative error of a product of two floating-point numbers."""
 _UNITS_PER_COUNT = 32
-"""A position register counts in 1/(Ixx08 32) count (TSRM 281)."""
+"""Units of a position register in one count, divided by Ixx08: it counts in 1/(Ixx08 32) count (TSRM 281)."""
 
 
 def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> Row | None:
     """Check that the axis definitions are K J and a0, to the printed digits.
 
     Returns:
-        How far each joint is from where it is sent, at most within its limits [axis units]; None after a finding.
+        The largest error of each joint within its limits [axis units]; None after a finding.
     """
     problems = False
     for row, definition in enumerate(content.definitions):
@@ -48,7 +51,7 @@ def check_definitions(content: SettingsText, robot: Robot, coupling: Coupling, s
 
 
 def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: Coupling) -> str:
-    """Say what is wrong with a motor's definition; empty if it is right."""
+    """Return the fault of a motor's definition in words; empty if it is right."""
     error = Fraction(0)
     for axis, unit, true, reach in zip(
         robot.controller.axes, robot.axis_unit_names, coupling.matrix[row], coupling.reach, strict=True
@@ -80,17 +83,17 @@ def _wrong_definition(definition: Definition, row: int, robot: Robot, coupling: 
 def check_feedback(
     content: SettingsText, robot: Robot, coupling: Coupling, say: Say, *, as_printed: bool
 ) -> Row | None:
-    """Check that PLC 0 gives back the joint positions of the axis definitions, each in its variable.
+    """Check that PLC 0 computes the joint positions of the axis definitions, each in its variable.
 
     Args:
-        content: what was read.
-        robot: whose feedback variables they are.
+        content: the settings that were read.
+        robot: defines the feedback variables.
         coupling: its K J and a0.
         say: adds findings.
-        as_printed: True to take the motors' positions from the printed definitions, False from K J and a0.
+        as_printed: True to compute the motors' positions from the printed definitions, False from K J and a0.
 
     Returns:
-        How far each variable is from its joint's position, at most within its limits [axis units]; None after a finding.
+        The largest error of each variable within the limits of the joint [axis units]; None after a finding.
     """
     matrix, offset = _printed(content, robot) if as_printed else (coupling.matrix, coupling.offset)
     controller = turbo_pmac(robot)
@@ -123,7 +126,7 @@ def check_feedback(
 def _feedback_error(
     value: Affine, joint: int, matrix: list[Row], offset: Row, robot: Robot, coupling: Coupling
 ) -> Fraction:
-    """Bound the difference between what is computed of the motors' positions and the joint's position."""
+    """Bound the difference between an expression of the motors' positions and the joint's position."""
     scale = turbo_pmac(robot).ixx08 * _UNITS_PER_COUNT
     shares = [
         value.factors.get(actual_position(motor)[0], Fraction(0)) * scale for motor in robot.controller.motors

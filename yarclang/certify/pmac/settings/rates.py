@@ -1,4 +1,8 @@
-"""Speeds and accelerations of motors: no joint exceeds its limits in an abort or a RAPID, whatever the motors do, and no motor is needlessly slow."""
+"""Speeds and accelerations of motors.
+
+No joint may exceed its limits in an abort or a RAPID, whatever the motors do, and no motor may be slower than
+necessary.
+"""
 
 from __future__ import annotations
 
@@ -13,25 +17,25 @@ from yarclang.pmac.variables import motor_variable
 from yarclang.robot.model import Robot
 
 _ROUNDING = Fraction(1, 1000)
-"""Error of a printed rate, as a share of what is allowed."""
+"""Allowed error of a printed rate, as a share of the largest allowed rate."""
 _SPEED, _ACCELERATION = 1000, 1_000_000
-"""Counts/s in a count/ms, counts/s^2 in a count/ms^2."""
+"""Counts/s in one count/ms, and counts/s^2 in one count/ms^2."""
 
 _Rates = Mapping[int, Fraction]
-"""Counts/s or counts/s^2 of motors, by their rows."""
+"""Rates of motors by their rows [counts/s or counts/s^2]."""
 
 
 @frozen
 class _Quantity:
-    """What one Ixx of all motors sets.
+    """A quantity that one Ixx sets for all motors.
 
     Attributes:
-        number: of the I-variable.
-        unit: counts/s or counts/s^2 in the unit of the I-variable.
-        limits: of the joints [axis units/s or s^2].
-        most: the motors' own limits [counts/s]; None if they have none.
-        does: what the motors do at this rate, in messages.
-        limit: what a joint's limit is called.
+        number: number of the I-variable.
+        unit: counts/s or counts/s^2 in one unit of the I-variable.
+        limits: limits of the joints [axis units/s or axis units/s^2].
+        most: the motors' own limits [counts/s]; None without such limits.
+        does: the action with this rate, in messages.
+        limit: the name of a joint's limit, in messages.
     """
 
     number: int
@@ -48,7 +52,7 @@ class _Quantity:
 
 
 def check_rates(content: SettingsText, robot: Robot, coupling: Coupling, say: Say) -> None:
-    """Check speeds and accelerations of all motors, those that move the same joints together."""
+    """Check speeds and accelerations of all motors, group by group of coupled motors."""
     gears = dict(enumerate(exact(abs(robot.actuation.gear))))
     quantities = tuple(_quantities(robot))
     for motors, joints in coupling.groups:
@@ -79,20 +83,20 @@ def _quantities(robot: Robot) -> Iterator[_Quantity]:
 
 @frozen
 class _Group:
-    """Motors and joints that belong together."""
+    """Coupled motors and joints, by their rows."""
 
     coupling: Coupling
     motors: list[int]
     joints: list[int]
 
     def worst(self, joint: int, rates: _Rates) -> Fraction:
-        """Return the largest rate of one joint [axis units/s or s^2], whatever the directions in which the motors go."""
+        """Return the largest rate of one joint [axis units/s or /s^2] for any directions of the motors."""
         shares = self.coupling.inverse[joint]
         return sum((abs(shares[row] * rate) for row, rate in rates.items() if shares[row]), Fraction(0))
 
 
 def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
-    """Return the largest rates in proportion to the gears at which no joint exceeds its limit, and no motor its own."""
+    """Return the largest rates in proportion to the gears that exceed no limit of a joint or motor."""
     largest = min(quantity.limits[joint] / group.worst(joint, gears) for joint in group.joints)
     even = {row: gear * largest for row, gear in gears.items()}
     return (
@@ -103,7 +107,7 @@ def _even(quantity: _Quantity, gears: _Rates, group: _Group) -> _Rates:
 def _wrong(
     quantity: _Quantity, settings: Mapping[int, Setting], even: _Rates, group: _Group, robot: Robot
 ) -> tuple[Setting, str] | None:
-    """Return the setting that is to blame, and what is wrong; None if all are right."""
+    """Return the setting that is to blame and its fault in words; None if all are right."""
     rates = {row: setting.value * quantity.unit for row, setting in settings.items()}
     shares = {row: rate / even[row] for row, rate in rates.items()}
     loads = {joint: group.worst(joint, rates) / quantity.limits[joint] for joint in group.joints}

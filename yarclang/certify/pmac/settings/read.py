@@ -1,6 +1,8 @@
-"""Reads the settings text that yarc prints, and nothing else: every line must have the one form that is allowed in its place.
+"""Reader of the settings text that yarc prints, and of nothing else.
 
-Comments (after `;`) and empty lines may stand anywhere: they are taken out before a line is sent.
+Every line must have the one form that is allowed in its place.
+
+Comments (after `;`) and empty lines are allowed anywhere: they are removed before a line is sent.
 """
 
 from __future__ import annotations
@@ -31,7 +33,7 @@ from yarclang.pmac.variables import (
 from yarclang.robot.model import Robot
 
 MOTOR_VARIABLES = (8, 13, 14, 15, 16, 17, 19, 20, 21, 22, 90)
-"""The Ixx of each motor that the text must set, in this order."""
+"""The Ixx that the text must set for each motor, in this order."""
 
 _ODD = re.compile(r"[^\x20-\x7E\n]")
 _TITLE = re.compile(r"; settings of a Turbo PMAC for (\S+):(?: .*)?")
@@ -47,11 +49,12 @@ def read_settings(text: str, robot: Robot) -> SettingsText | Unreadable:
     """Read a whole text.
 
     Args:
-        text: what yarc has printed, or somebody has saved or edited.
-        robot: who the text must be for, and whose motors, axes and coordinate system it must name.
+        text: a text that yarc has printed, and that may have been saved or edited.
+        robot: the robot that the text must be for, with the motors, axes and coordinate system that it must
+            name.
 
     Returns:
-        What it says, or the first place that isn't what yarc prints.
+        The content, or the first place that differs from what yarc prints.
     """
     if found := _ODD.search(text):
         line = text.count("\n", 0, found.start()) + 1
@@ -128,7 +131,7 @@ def _pointers(lines: _Lines, controller: TurboPmac) -> list[Pointer]:
 
 
 def _names(controller: TurboPmac) -> list[str]:
-    """List the I-variables that the text must set, in order, except I5."""
+    """Return the I-variables that the text must set, in order, except I5."""
     system = controller.coordinate_system
     return [
         *(motor_variable(motor, number) for motor in controller.motors for number in MOTOR_VARIABLES),
@@ -162,8 +165,10 @@ def _feedback(lines: _Lines, size: int) -> Listing:
 
 
 def _guard(lines: _Lines, system: int) -> Listing:
-    """Read the PLC that counts its scans, and holds once when a program is armed and the rotary isn't full any more, and once when the
-    computer that streams is watched and its timer, Isx12, has run down.
+    """Read the PLC that counts its scans and holds the motion.
+
+    It holds once when a program is armed and the rotary buffer is no longer full, and once when the streaming
+    computer is watched and its timer, Isx12, has run down.
     """
     lines.expect(f"OPEN PLC {GUARD_PLC} CLEAR", code="Y1175")
     hold = f'CMD"&{system}H"'
@@ -191,7 +196,12 @@ def _guard(lines: _Lines, system: int) -> Listing:
 
 
 class _Lines:
-    """The place in the text: hands out its lines without comments. `last` is the line that was taken, from 1, `remark` its comment."""
+    """A position in the text that returns lines without comments.
+
+    Attributes:
+        last: number of the last line returned, from 1.
+        remark: the comment of this line.
+    """
 
     def __init__(self, text: str) -> None:
         self._lines = text.split("\n")[:-1]
@@ -201,7 +211,7 @@ class _Lines:
         self.remark = ""
 
     def header(self, shape: re.Pattern[str], wanted: str) -> str:
-        """Take a line of the header, which has no other lines before it, and return its first group."""
+        """Read a line of the header, which must be the very next line, and return its first group."""
         content = self._lines[self._place] if self._place < len(self._lines) else ""
         found = shape.fullmatch(content)
         self._place += 1
@@ -211,14 +221,14 @@ class _Lines:
         return found[1]
 
     def take(self, wanted: str) -> str:
-        """Take the next line that says something; `wanted` is what belongs there."""
+        """Return the next line with content; `wanted` describes the expected line."""
         if not self._go_on():
             self.last = len(self._lines)
             self.refuse(f"is the last one, and {shown(wanted)} belongs after it")
         return self._taken
 
     def expect(self, *wanted: str, code: str = "Y1170") -> None:
-        """Take lines that must be these; `code` is the finding if they aren't."""
+        """Read lines that must equal the given ones; `code` is the finding if they do not."""
         for line in wanted:
             if not self._go_on():
                 self.last = len(self._lines)
@@ -227,24 +237,24 @@ class _Lines:
                 self.misplaced(line, code)
 
     def end(self) -> None:
-        """Check that nothing is left."""
+        """Check that no content is left."""
         if self._go_on():
             self.refuse(f"is {shown(self._taken)}, after the end of the settings")
 
     def misplaced(self, wanted: str, code: str = "Y1170") -> NoReturn:
-        """Refuse the line that was taken: another one belongs there."""
+        """Refuse the last line: another one belongs there."""
         self.refuse(f"is {shown(self._taken)} where {shown(wanted)} belongs", code)
 
     def refuse(self, reason: str, code: str = "Y1170") -> NoReturn:
-        """Read no further.
+        """End the reading.
 
         Raises:
-            Refusal: for the line that was taken.
+            Refusal: always, for the last line.
         """
         raise Refusal(self.last, reason, code)
 
     def _go_on(self) -> bool:
-        """Take the next line that isn't empty without its comment; False at the end."""
+        """Move to the next line with content, without its comment; return False at the end."""
         while self._place < len(self._lines):
             line = self._lines[self._place]
             self._place += 1

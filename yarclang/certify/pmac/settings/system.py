@@ -1,4 +1,4 @@
-"""The I-variables of the coordinate system and the controller: servo clock, spline, hold, and the guard's marks."""
+"""I-variables of the coordinate system and the controller: servo clock, spline, hold, guard."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from yarclang.pmac.variables import GUARD_PLC, system_variable
 from yarclang.robot.model import Robot
 
 _CLOCK = 2**23
-"""I10 counts in 1/8388608 ms (TSRM 43)."""
+"""Units of I10 in 1 ms (TSRM 43)."""
 _MS = Fraction(1, 1000)
 _GUARD_DELAY = Fraction(1, 10)
-"""Longest delay until the guard PLC notices that the rotary runs low [s]."""
+"""Longest delay until the guard PLC notices that the rotary buffer runs low [s]."""
 _WITHIN = Fraction(1, 100)
-"""Error of the time of a hold, as a share of the robot's."""
+"""Allowed error of the duration of a hold, as a share of the robot's hold time."""
 _MOST_LINES = 2**23 - 1
-"""The largest value of I16 and I17 (TSRM 46)."""
+"""Largest value of I16 and I17 (TSRM 46)."""
 
 
 def check_system(content: SettingsText, robot: Robot, say: Say) -> None:
-    """Check the I-variables that aren't the motors'."""
+    """Check the I-variables that do not belong to motors."""
     controller = turbo_pmac(robot)
     system = controller.coordinate_system
     wanted = {
@@ -43,13 +43,16 @@ def check_system(content: SettingsText, robot: Robot, say: Say) -> None:
 
 
 def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: Say) -> None:
-    """Check the time from 100 % to 0: the time base is I10, and changes by Isx94 or Isx95 in each servo cycle (TSRM 191)."""
+    """Check the time from 100 % to 0.
+
+    The time base is I10, and changes by Isx94 or Isx95 in each servo cycle (TSRM 191).
+    """
     setting, i10 = content.settings[name], turbo_pmac(robot).i10
     hold = Fraction(robot.controller.hold_time)
     cycle = Fraction(i10, _CLOCK) * _MS
     slew = setting.value
     time = i10 / slew * cycle if slew > 0 else None
-    # the nearest that an integer gives
+    # The slew must be the integer nearest to the exact value.
     half_step = time is not None and abs(slew - i10 * cycle / hold) < Fraction(501, 1000)
     if time is None or not half_step or slew.denominator != 1 or abs(time - hold) > _WITHIN * hold:
         told = "never ends" if time is None else f"takes {float(time / _MS):.6g} ms"
@@ -60,7 +63,7 @@ def _check_slew(content: SettingsText, name: str, what: str, robot: Robot, say: 
 
 
 def _check_marks(content: SettingsText, robot: Robot, say: Say) -> None:
-    """Check that the guard notices early enough: in the program's time, a hold goes on for half of its own time."""
+    """Check that the guard reacts early enough: a hold uses half of its own time of the program's time."""
     low, full = content.settings["I16"], content.settings["I17"]
     controller = turbo_pmac(robot)
     ahead = Fraction(controller.hold_time) / 2 + _GUARD_DELAY

@@ -1,4 +1,4 @@
-"""What a settings text says, as the judge reads it. Numbers are exact."""
+"""The content of a settings text, as the judge reads it, in exact numbers."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.frozen import frozen
 
 @frozen
 class Number:
-    """A printed number: its value, and what 1 in its last digit is worth."""
+    """A printed number: its value, and the value of 1 in its last digit."""
 
     value: Fraction
     step: Fraction
@@ -18,7 +18,15 @@ class Number:
 
 @frozen
 class Definition:
-    """The axis definition of a motor: counts by axis, and the offset, in `line` (from 1); `terms` as they are printed."""
+    """The axis definition of a motor.
+
+    Attributes:
+        line: number of the line in the text, from 1.
+        motor: number of the motor.
+        terms: the terms as printed.
+        counts: counts per axis unit, by axis.
+        offset: the offset [counts].
+    """
 
     line: int
     motor: int
@@ -29,7 +37,7 @@ class Definition:
 
 @frozen
 class Pointer:
-    """An M-variable and the register that it stands for."""
+    """An M-variable and the register that it refers to."""
 
     line: int
     variable: str
@@ -38,7 +46,7 @@ class Pointer:
 
 @frozen
 class Setting:
-    """An I-variable: its value, as it is printed too, and the remark after it."""
+    """An I-variable with its printed value, the exact value, and the remark after it."""
 
     line: int
     name: str
@@ -49,7 +57,13 @@ class Setting:
 
 @frozen
 class Listing:
-    """A PLC: its number, and its statements from `line` on. `places` are the lines in the text of the statements."""
+    """A PLC.
+
+    Attributes:
+        number: its number.
+        statements: its statements.
+        places: the line of each statement in the text.
+    """
 
     number: int
     statements: tuple[str, ...]
@@ -58,7 +72,7 @@ class Listing:
 
 @frozen
 class SettingsText:
-    """Everything that the text tells the controller, in order. `settings` are by their names, I5 the last."""
+    """Everything that the text sends to the controller, in order. `settings` are by name, I5 last."""
 
     definitions: tuple[Definition, ...]
     pointers: tuple[Pointer, ...]

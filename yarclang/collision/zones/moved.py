@@ -219,7 +219,7 @@ class Pieces:
 
     @property
     def middle(self) -> Array:
-        """The times (P,) half way."""
+        """The times (P,) in the middle of the pieces, after the segments' starts [s]."""
         return (self.begin + self.end) / 2.0
 
     def take(self, rows: Rows) -> Pieces:

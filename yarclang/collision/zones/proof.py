@@ -125,13 +125,16 @@ class _Search:
                 waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
-        """The segments on which balls don't settle a watch; of the others it is kept what they say."""
+        """Return the segments on which balls around the item don't settle a watch; record the bounds of the
+        others.
+        """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow)
-        # all instants once, not each as an end and as a begin
+        # each instant once, though it is both an end and a beginning
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
+            # convexity and the deviation from the chord: see gaps.py
             least = -np.maximum(before, behind) - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
             least = (before + behind - bounds.first * pieces.end) / 2.0 - item.bound
@@ -178,7 +181,7 @@ class _Search:
     def _learn(
         self, number: int, segment: Rows, found: tuple[Array, Array, Array], margin: float, hit: Flags
     ) -> Rows:
-        """Keep what pieces of segments tell; those that aren't settled."""
+        """Record the bounds of pieces of segments, and return the pieces that aren't settled."""
         least, seen, when = found
         motion = self.motion[segment]
         self._break(number, segment, seen < margin - SLACK / 2.0, when, hit)
@@ -208,7 +211,7 @@ class _Search:
             pieces = pieces.take(np.flatnonzero(open_)).halves()
 
     def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
-        """Keep the first place of each motion where a watch is broken."""
+        """Record the first place of each motion at which a watch is broken."""
         for row in np.flatnonzero(broken).tolist():
             motion = int(self.motion[segment[row]])
             if not hit[motion]:

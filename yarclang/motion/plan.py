@@ -132,28 +132,34 @@ class MotionPlan:
 
     @cached_property
     def begins(self) -> Array:
-        """The time [s] at which each motion begins (m,)."""
+        """The time at which each motion begins (m,) [s]."""
         return np.array([self.schedule.places[motion.step] for motion in self.motions], dtype=np.float64)
 
     @cached_property
     def ends(self) -> Array:
-        """The time [s] at which each motion ends (m,)."""
+        """The time at which each motion ends (m,) [s]."""
         return self.begins + np.array([motion.curve.duration for motion in self.motions], dtype=np.float64)
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions whose law has no limit of the jerk, or that have no law but a timetable."""
+        """The steps of the motions whose law has no limit of jerk, or that follow a timetable instead of a
+        law.
+        """
         return frozenset(
             motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
         )
 
     @property
     def duration(self) -> float:
-        """The last time of the plan [s]: all motions and dwells, with the ways of a WHEN one after the other. `lasting` is how long a run takes."""
+        """The last time of the plan [s]: all motions and dwells, with the branches of a WHEN one after the
+        other. `lasting` is how long a run takes.
+        """
         return self.schedule.places[-1]
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration of the joints, each (N, n), at `times` (N,) [s], in SI."""
+        """Return position, velocity and acceleration of the joints, (N, n) each, at `times` (N,) [s], in
+        SI.
+        """
         q = np.tile(self.program.start, (len(times), 1))
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
@@ -164,5 +170,5 @@ class MotionPlan:
 
     @cached_property
     def sampler(self) -> Sampler:
-        """Samples the curves of the motions, of which there is at least one."""
+        """The sampler of the motions' curves, of which there must be at least one."""
         return Sampler([motion.curve for motion in self.motions])

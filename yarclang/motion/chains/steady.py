@@ -1,7 +1,9 @@
-"""Chains that keep their speed through corners: the ramps of both motions there are just as long as their overlap.
+"""Make chains that keep their speed through corners: the ramps of both motions there are exactly as long as
+their overlap.
 
-What the first loses in its last ramp the second gains in its first one: two lines in one direction are passed at one speed, and a corner is
-the change of one velocity to another over the whole of the overlap. Only laws with a cruise can do that.
+What the first motion loses in its last ramp, the second gains in its first one. Two lines in one direction
+are traversed at one speed, and at a corner one velocity changes into the other over the whole overlap. Only
+laws with a cruise can do that.
 """
 
 from __future__ import annotations
@@ -25,30 +27,34 @@ from yarclang.motion.trials import Trials
 from yarclang.robot.model import Chain
 
 _SLOWER = 1.08
-"""By how much a motion that asks too much is slowed down."""
+"""Factor by which a motion that demands too much is slowed down."""
 
 _CAUTIOUS = 0.9
-"""Which share of what a motion asks too much it is slowed down by at once: slower, its ramps and corners are others."""
+"""Share of its excess by which a motion is slowed down at once: when it is slower, its ramps and corners
+change.
+"""
 
 _MOST_ROUNDS = 40
-"""How often a chain is slowed down before it is given up."""
+"""Number of times that a chain is slowed down before it is given up."""
 
 _TOO_SLOW = 3.0
-"""A motion that would take so many times as long as by itself is better done with stops."""
+"""A motion that would take this many times as long as by itself is better done with stops."""
 
 _OUTER = (1 / 3, 0.45, 0.6)
-"""The shares of a given time that speeding up from rest, or slowing down to it, may take."""
+"""Shares of a given time that speeding up from rest, or slowing down to rest, may take."""
 
 _BESIDE_ZONES = 1.005
-"""How much slower than a slow zone allows a cruise is at first: ramps and corners are rounded otherwise than its way."""
+"""Factor by which a cruise is first slower than a slow zone allows: ramps and corners are rounded differently
+from its path.
+"""
 
 _ROUNDING = 1e-9
-"""A speed that is less than asked for by no more than this share is as asked."""
+"""Share by which a speed may miss the requested one and still counts as exact."""
 
 
 @frozen
 class Beaten:
-    """A chain that takes at least `least` [s], longer than is of use."""
+    """The result of a chain that takes at least `least` [s], which is too long."""
 
     least: float
 
@@ -61,25 +67,26 @@ def steady(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | Beaten | None:
-    """The pieces of a chain that keeps its speed through its corners.
+    """Return the pieces of a chain that keeps its speed through its corners.
 
     Args:
         chain: the arm.
         links: the motions, with laws that have a cruise.
-        inside: as of `find_inside`, for each corner.
-        at_most: a chain that isn't as asked, and takes longer than this [s], is of no use.
+        inside: for each corner, as returned by `find_inside`.
+        at_most: duration above which a chain that isn't as requested is of no use [s].
         segment: the segment time [s].
-        middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
+        middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
 
     Returns:
-        The pieces; or a shorter segment time to try; or how long it takes at least, if it is of no use; or None where the limits don't allow it.
+        The pieces; or a shorter segment time to try; or a lower bound of its duration, if it is of no use; or
+        None if the limits don't allow it.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
     if any(changes_speed(one, other) for one, other in pairwise(links)):
         return None
     maker = _Maker(links, Overlaps(chain, links, segment), segment, middles, inside, at_most)
-    # only given times know a share of theirs
+    # only given times depend on this share
     given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
     shares = _OUTER if given else _OUTER[:1]
     beaten_ones = list[Beaten]()
@@ -93,7 +100,7 @@ def steady(
 
 
 class _Maker:
-    """The making of one chain."""
+    """Make one chain."""
 
     def __init__(
         self,
@@ -110,7 +117,7 @@ class _Maker:
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
     def made(self, outer: float) -> list[Piece] | float | Beaten | None:
-        """The pieces, where given times begin and end with ramps of the share `outer`."""
+        """Return the pieces, where given times begin and end with ramps of the share `outer`."""
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
         for _ in range(_MOST_ROUNDS):
@@ -136,7 +143,7 @@ class _Maker:
                 slow = self._slow_corners(parts, taken)
             if not slow:
                 return self._finished(parts, taken, cruises)
-            # what is given can't be slowed down, but what it flows into may be
+            # a motion with a given time can't be slowed down, but the one that it flows into may be
             free = [place for place in slow if self._is_free(place)]
             if not free:
                 return None

@@ -153,7 +153,9 @@ class _Maker:
         return None
 
     def _keep_together(self, cruises: list[float]) -> None:
-        """Where a corner may not be left, both motions keep one share of their speeds: it is passed without a change."""
+        """Give both motions at each corner that may not be left the same share of their speeds, so that it is
+        passed without a change.
+        """
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
             for place in order:
                 corner, pair = self.links[place].corner, self.links[place : place + 2]
@@ -164,7 +166,7 @@ class _Maker:
                 cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
-        """About the fastest speeds at which the corners can be passed, from the directions there alone."""
+        """Estimate the fastest speeds at which the corners can be passed, from the directions there alone."""
         for _ in range(_MOST_ROUNDS):
             asked = [1.0] * len(cruises)
             for place in range(len(cruises) - 1):
@@ -181,7 +183,9 @@ class _Maker:
         return cruises
 
     def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
-        """The motions on both sides of the corners that ask too much, and how much slower they should be."""
+        """Return the motions on both sides of the corners that demand too much, and the factors by which they
+        should be slower.
+        """
         slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
             first, second = parts[place], parts[place + 1]
@@ -212,11 +216,14 @@ class _Maker:
         return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
 
     def _is_too_slow(self, place: int, cruise: float) -> bool:
-        """Whether a motion would go so slowly that a stop at both its ends takes less time."""
+        """Return True if a motion would be so slow that a stop at both its ends takes less time."""
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
     def _least(self, cruises: list[float]) -> float | None:
-        """Return the time [s] that the chain takes at least: from middle to middle of its corners a motion goes its way at its cruise; None as long as it is as asked."""
+        """Return a lower bound of the chain's duration [s]; None as long as everything is as requested.
+
+        From middle to middle of its corners a motion covers its path at its cruise.
+        """
         taken, is_as_asked = 0.0, True
         for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
             if middle is not None:
@@ -230,11 +237,13 @@ class _Maker:
         return self.middles[place] is None
 
     def _is_outer(self, place: int) -> tuple[bool, bool]:
-        """Whether a motion starts from rest, and ends at rest."""
+        """Return True for a motion that starts from rest, and for one that ends at rest."""
         return place == 0, place == len(self.links) - 1
 
     def _first_cruise(self, place: int, outer: float) -> float:
-        """In how many segments the whole way would go at full speed: as given, or about the fewest."""
+        """Return the number of segments in which the whole path is traversed at full speed: as given, or
+        approximately the fewest.
+        """
         link, middle = self.links[place], self.middles[place]
         if link.full is not None:
             return link.full / self.segment
@@ -250,11 +259,13 @@ class _Maker:
         return max(limits, _BESIDE_ZONES * zones) / self.segment
 
     def _turn(self, place: int, cruises: list[float]) -> Turn | None:
-        """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""
+        """Return the widest overlap that has room at these speeds, with the ramps that suit the limits best;
+        None if there is no room.
+        """
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
         overlap = 2 * int(min(one * before, other * behind) + 1e-9)
-        # where the ramps begin between two knots, both of them have to find room in the overlap
+        # if ramps begin between two knots, the overlap must have room for both shifted copies
         width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
@@ -264,7 +275,7 @@ class _Maker:
         acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)
         bend = float((change / (width * h**2) / acceleration).max())
         snap = float((change / (width**2 * h**3) / np.maximum(bounds[0].jerk, bounds[1].jerk)).max())
-        # slower motions have wider overlaps, too
+        # slower motions also have wider overlaps
         asked = {
             share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
             for share in STEEPNESS
@@ -273,7 +284,9 @@ class _Maker:
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
     def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
-        """The motions one after the other; for those that their own limits don't allow, how many times slower they had to be."""
+        """Return the motions one after the other; for those that their own limits don't allow, the factor by
+        which they must be slower.
+        """
         parts: list[Part | float] = []
         phase = 0.0
         for place, cruise in enumerate(cruises):
@@ -286,7 +299,7 @@ class _Maker:
 
 
 def _slope(path: Path, s: float) -> Array:
-    """The slope of the joints over s (n,) at one end of a path [rad or m]."""
+    """Return the derivative of the joints with respect to s (n,) at one end of a path [rad or m]."""
     step = 1e-4
     pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
     slope: Array = (pair[1] - pair[0]) / step

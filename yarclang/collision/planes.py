@@ -125,9 +125,9 @@ def _directions(normal: Array, middle: Array) -> Array:
 def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Array, Array]:
     """Turn planes so that they separate pairs by more, and return the best normals (R, 3) and gaps (R,) [m].
 
-    Gilbert's algorithm (Gilbert, Johnson, Keerthi, IEEE J. Robotics and Automation 4(2), 1988): the Minkowski
-    difference of both bodies is convex. From the current point of it, step towards its support point against
-    the current direction, to the point of that segment nearest to the origin.
+    Gilbert's algorithm (E. G. Gilbert, SIAM Journal on Control 4(1), 1966): the Minkowski difference of both
+    bodies is convex. From the current point of it, step towards its support point against the current
+    direction, to the point of that segment nearest to the origin.
 
     Args:
         scene: bodies and pairs.

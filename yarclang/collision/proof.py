@@ -163,7 +163,7 @@ def _blocks(piece: Rows, count: int) -> list[slice]:
 
 
 class _Search:
-    """Collect the results of the search."""
+    """State and results of the search."""
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course

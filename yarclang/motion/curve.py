@@ -8,7 +8,7 @@ three its end, so that it starts and ends at rest. With the control points f, at
 
 Acceleration is linear between knots, and jerk is constant in each segment. The velocity at any instant lies
 in the convex hull of the first differences over h. Therefore limits of velocity, acceleration and jerk hold
-at all instants if they hold for the differences (de Boor, A Practical Guide to Splines).
+at all instants if they hold for the differences (de Boor, B-spline basics).
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Curve:
 
 
 class Sampler:
-    """Sample many curves at once: the cost for each sample doesn't depend on the number and length of the
+    """Sampler of many curves at once: the cost for each sample doesn't depend on the number and length of the
     curves.
     """
 

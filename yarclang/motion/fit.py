@@ -171,7 +171,7 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
 
 @dataclass(slots=True)
 class _Fitter:
-    """Fit one motion.
+    """Fitter of one motion.
 
     `grid` are the segment times that the controller accepts; `quick` is limited to segments short enough to
     rate the shortest duration.

@@ -252,7 +252,7 @@ def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
 
 @frozen(eq=False)
 class _Trial:
-    """Fit a timetable with a fixed number of segments.
+    """Trial of a timetable with a fixed number of segments.
 
     `knots` (n + 1, d) are the wanted positions at the knots, `between` (n * _BETWEEN + 1, d) those at all
     samples; `within` (d,) is the tolerance.

@@ -41,7 +41,7 @@ class Tried:
 
 @dataclass(slots=True)
 class TriedAhead:
-    """Makes the first trials of motions.
+    """Maker of the first trials of motions.
 
     `motions` are those of a program in order, with their paths; None if a path isn't known. `asked` returns
     the limits and the tolerance of a motion.

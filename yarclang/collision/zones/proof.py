@@ -78,7 +78,7 @@ def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequen
 
 
 class _Search:
-    """Collect the results of the search."""
+    """State and results of the search."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course, self.spans = scene, course, spans

@@ -109,7 +109,7 @@ _ASIDE = 1e-3
 
 
 class _Search:
-    """Search the largest speed for one watch on all motions."""
+    """Search for the largest speed of one watch on all motions."""
 
     def __init__(
         self,

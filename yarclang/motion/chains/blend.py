@@ -3,7 +3,7 @@ traversed at once.
 
 Each law starts and ends at rest. While motion 1 is ending and motion 2 begins, the displacements of both are
 added: from the corner back by the rest of 1, and forward by the done part of 2. The curve is therefore smooth
-at any corner, and leaves the programmed path only where laws overlap (spline-recipe 5). Between two paths of
+at any corner, and leaves the programmed path only where laws overlap. Between two paths of
 one moving frame, poses are added, and the frame stays in the plane of its two lines; otherwise joint
 positions are added. If the ball has no size, the paths are tangent: then distances along both are added, and
 the path isn't left at all.

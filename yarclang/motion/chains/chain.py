@@ -109,7 +109,7 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 
 @dataclass(slots=True)
 class _Steady:
-    """Make the chain at steady speed.
+    """Maker of the chain at steady speed.
 
     `_least` are the known lower bounds of its duration [s], by the longest segment allowed [s].
     """

@@ -100,7 +100,7 @@ def steady(
 
 
 class _Maker:
-    """Make one chain."""
+    """Maker of one chain."""
 
     def __init__(
         self,

@@ -88,7 +88,7 @@ def bent(
 
 
 class _Band:
-    """Hold joint positions at the samples of one path."""
+    """Joint positions at the samples of one path, moved as an elastic band."""
 
     __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 

@@ -119,7 +119,7 @@ def form_of(chain: Chain) -> Form | None:
 
 
 NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
-"""How far the axes of a calibrated arm may be from parallel [rad], or miss each other [m]."""
+"""Largest angle of a calibrated arm's axes from parallel [rad], and largest distance from meeting [m]."""
 
 
 @lru_cache(maxsize=256)

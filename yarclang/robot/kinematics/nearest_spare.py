@@ -113,7 +113,7 @@ def nearest_along(
 
 
 class _Seen:
-    """Compute the joint positions of one pose and their costs."""
+    """The joint positions of one pose, and their costs."""
 
     __slots__ = ("chain", "form", "high", "limits", "low", "pose", "reference")
 
@@ -155,7 +155,7 @@ class _Seen:
 
         Args:
             q: the joint position.
-            cost: its cost, as of `costs`.
+            cost: its cost, as returned by `costs`.
 
         Returns:
             The position reached and its cost, or `q` and `cost` if none is nearer.

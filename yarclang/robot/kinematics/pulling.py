@@ -40,7 +40,7 @@ DAMPING = 1e-12
 FAR = 1e-2
 
 HOLDS = 3
-"""How many times joints are held at limits in one step."""
+"""The largest number of times that joints are held at limits in one step."""
 
 SHORTEST, LONGEST = 0.05, 2.0
 """The shortest and the longest step along the self-motion, as a share of the step that would be right if it
@@ -59,7 +59,9 @@ gets.
 """
 
 ROUGH = 1.0
-"""How much nearer to the reference than its seed a solution is assumed to be, at most [joint difference]."""
+"""Largest distance by which a solution is assumed to be nearer to the reference than its seed [joint
+difference].
+"""
 
 CLOSE, TOGETHER, MANY = 2e-4, 0.02, 64
 """A joint position that misses by less than `CLOSE` [m and rad together] will arrive. Two that differ by less
@@ -146,7 +148,7 @@ def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Arra
 
 
 class Pull:
-    """Pull joint positions (k, n) to a pose and a reference.
+    """Target to which joint positions (k, n) are pulled: a pose and a reference.
 
     The pose is (4, 4), or (k, 4, 4) with one for each of them; the reference is (n,) or (k, n), within the
     limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or m], all alike

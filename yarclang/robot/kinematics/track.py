@@ -29,9 +29,9 @@ from yarclang.transforms import sealed
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
 Reason = Literal["any", "kind", "measured"]
-"""How much to find out if a path within joint limits can't be followed: nothing ("any": the reported kind is
-arbitrary), the kind of the break ("kind"), or also by how much the path is out of reach ("measured"). The
-last two are searches of about 0.1 s.
+"""Information wanted about a path within joint limits that can't be followed: nothing ("any": the reported
+kind is arbitrary), the kind of the break ("kind"), or also by how much the path is out of reach ("measured").
+The last two are searches of about 0.1 s.
 """
 
 PathPoses = Callable[[Array], Array]

@@ -172,7 +172,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
 
 
 class _Tree:
-    """Traverse the links of a URDF downwards."""
+    """The links of a URDF, for walks downwards."""
 
     def __init__(self, urdf: Urdf, fingers: re.Pattern[str] | None) -> None:
         self.fingers = fingers

@@ -34,7 +34,7 @@ class Missing:
 
 
 class Lookup:
-    """Find the files of meshes.
+    """A search for the files of meshes.
 
     Args:
         urdf: the URDF's file.

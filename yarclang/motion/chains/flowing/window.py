@@ -109,7 +109,7 @@ def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Ma
 
 @frozen(eq=False)
 class _Maker:
-    """Make one window: `own` are its motions among those of the way, `speeds` those at its ends."""
+    """Maker of one window: `own` are its motions among those of the way, `speeds` those at its ends."""
 
     way: Way
     demands: Demands

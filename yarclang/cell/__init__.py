@@ -1,1 +1,1 @@
-"""The robot's surroundings: cell.toml, read, checked and in SI."""
+"""Read and check cell.toml: the robot's surroundings, in SI."""

@@ -1,4 +1,6 @@
-"""Obstacles of a cell, and what they share with its zones: which keys belong to a shape, and what shapes and places are in SI."""
+"""Read the obstacles of a cell, and what they share with zones: the keys of each shape, and shapes and places
+in SI.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +25,12 @@ Units = Mapping[Kind, Unit] | None
 
 @frozen
 class Surroundings:
-    """What bodies are read with: units and findings, the frames, the names of all that the file tries to declare, its folder, and the
-    robot (None: the file alone is checked, and joint windows are only looked at).
+    """The context in which bodies are read.
+
+    `measures` has units and findings, `frames` the resolved frames, `names` the names of all frames that the
+    file tries to declare. `folder` is the folder of the file. `robot` is None if only the file is checked;
+    joint windows are then checked only as far as possible. `dropped` are the places of keys that couldn't be
+    read.
     """
 
     measures: Measures
@@ -36,7 +42,7 @@ class Surroundings:
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
-    """An obstacle; None with findings."""
+    """Return an obstacle; None with findings."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
@@ -60,14 +66,24 @@ def belong(
     around: Surroundings,
     optional: Sequence[str] = (),
 ) -> bool:
-    """Whether a table has the keys of its shape or rule, and none of another's; findings where it hasn't."""
+    """Return True if a table has the keys of its shape or rule, and none of another's; otherwise report them.
+
+    Args:
+        table: the table.
+        path: its place.
+        what: the shape, rule or kind.
+        needed: the keys that this one needs.
+        every: the keys of all shapes, rules or kinds.
+        around: findings go to its file.
+        optional: the keys that this one may have.
+    """
     keys = Keys(_a(what), needed, optional)
     place = (around.measures.file, CellTable, path)
     return has_its_keys(table, place, keys, every, around.dropped)
 
 
 def _a(what: str) -> str:
-    """How a shape or a rule of a zone is spoken of."""
+    """Return the name of a shape or of a zone's rule with its article."""
     spoken = {
         "joints": "a joint window",
         "allowed": "an allowed zone",
@@ -84,7 +100,7 @@ def _a(what: str) -> str:
 def mounted(
     table: BodyTable | ZoneTable | SensorTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
-    """Where the origin of a body is."""
+    """Return the place of a body's origin; None with findings."""
     pose = around.measures.transform(table, path, units)
     if table.frame is None:
         return None
@@ -98,7 +114,7 @@ def mounted(
 
 
 def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings) -> Shape | None:
-    """The shape of an obstacle [m]; the keys that it needs are there."""
+    """Return the shape of an obstacle [m] whose required keys are present; None with findings."""
     if table.shape == "mesh":
         place = (*path, "file")
         unit = around.measures.factor(units, "length", place)
@@ -109,7 +125,7 @@ def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings
 def simple_shape(
     table: BodyTable | ZoneTable, path: Path, units: Units, around: Surroundings
 ) -> SimpleShape | None:
-    """A shape without a file [m]; the keys that it needs are there."""
+    """Return a shape without a file [m] whose required keys are present; None with findings."""
     measures = around.measures
     first = SIZES[str(table.shape)][0]
     unit = measures.factor(units, "length", (*path, first))

@@ -1,4 +1,4 @@
-"""Reading a cell: its cell.toml becomes a `Cell` for a robot, or findings at its lines.
+"""Read a cell: its cell.toml becomes a `Cell` for a robot, or findings at its lines.
 
 pydantic is imported where it is first used.
 """
@@ -28,24 +28,30 @@ if TYPE_CHECKING:
     from yarclang.toml.draft import Draft
 
 IsWord = Callable[[str], bool]
-"""Whether a name in upper case is a word of the language."""
+"""Returns True if a name in upper case is a word of the language."""
 
 _NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
 
 
 @frozen
 class Names:
-    """What a cell's names are checked against: the language's words, and, where it is known, the robot."""
+    """The things against which a cell's names are checked: the language's words, and the robot if it is
+    known.
+    """
 
     is_word: IsWord
     robot: Robot | None = None
 
 
 def load_cell(path: FilePath, names: Names) -> Result[Cell]:
-    """Reads a cell.toml for the robot of `names`.
+    """Read a cell.toml for the robot of `names`.
+
+    Args:
+        path: of the file.
+        names: the language's words and the robot.
 
     Returns:
-        As `read_cell`. A file that isn't there is a finding without a place.
+        As for `read_cell`. A missing file is a finding without a place.
     """
     source = read_text(path, "Name a cell.toml, seen from the folder of the program.")
     if isinstance(source, Diagnostic):
@@ -54,16 +60,17 @@ def load_cell(path: FilePath, names: Names) -> Result[Cell]:
 
 
 def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell]:
-    """The cell of a text.
+    """Read the cell of a text.
 
     Args:
         source: the text of a cell.toml.
-        folder: where it stands; mesh files are seen from there.
-        names: without a robot, all is checked that holds for any.
+        folder: its folder; mesh files are relative to it.
+        names: the language's words and the robot; without a robot, everything is checked that holds for any.
 
     Returns:
-        The cell as far as it can be read, beside its mistakes: `places` has the names of broken entries too. None where the text isn't
-        TOML, and always without a robot: joint values are those of one.
+        The cell as far as it can be read, with findings about its mistakes: `places` includes the names of
+            broken entries. None if the text isn't TOML, and always without a robot, since joint values belong
+            to one.
     """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
@@ -141,7 +148,7 @@ def _joints(table: CellTable, measures: Measures, robot: Robot | None) -> dict[s
         path: Path = ("joints", name)
         units = measures.of_entry(entry.units, path)
         if entry.values is not None:
-            # the values may stand under the name itself
+            # the values may be given directly under the name
             at = path if (*path, "values") not in measures.file.places.values else (*path, "values")
             q = joint_position(name, entry.values, at, units, measures, robot)
             if q is not None:
@@ -158,7 +165,7 @@ def _output(variable: str, entry: OutputTable, path: Path, around: Surroundings)
 
 
 def _variable(text: str | None, path: Path, file: TomlFile, robot: Robot | None) -> str | None:
-    """The controller's variable of an input or output; None with a finding."""
+    """Return the controller's variable of an input or output; None with a finding."""
     if text is None:
         return None
     variable = robot.controller.signal(text.upper()) if robot else known_signal(text.upper())
@@ -180,7 +187,9 @@ _WHAT = {
 
 
 def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
-    """Names follow the language's rules; what programs see is there once, and so are obstacles and zones."""
+    """Check that names follow the language's rules, and that frames, names for programs, and bodies are
+    unique.
+    """
     from yarclang.cell.frames import FROM_THE_ROBOT
 
     first: dict[tuple[str, str], str] = {}
@@ -218,7 +227,7 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
 
 
 def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
-    """Everything that has a name, and where, in the order of the file's tables."""
+    """Yield the place and the name of everything that has a name, in the order of the file's tables."""
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
     for key in ("obstacles", "zones", "parts", "starts"):
@@ -228,7 +237,7 @@ def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
 
 
 def _places(file: TomlFile, table: CellTable) -> Mapping[tuple[str, str], Span]:
-    """Where the names that programs see stand."""
+    """Return the places of the names that programs can use."""
     return {
         (str(path[0]), name.upper()): file.places.of_key(path)
         for path, name in _named(table)
@@ -237,7 +246,7 @@ def _places(file: TomlFile, table: CellTable) -> Mapping[tuple[str, str], Span]:
 
 
 def _zone_places(file: TomlFile, table: CellTable) -> Mapping[str, Span]:
-    """Where the names of zones stand."""
+    """Return the places of the names of zones."""
     return {
         zone.name.upper(): file.places.of_value(("zones", at, "name"))
         for at, zone in enumerate(table.zones)

@@ -1,4 +1,4 @@
-"""The frames of a cell: chains in any order, each under {B} or {FLANGE}."""
+"""Resolve the frames of a cell: chains in any order, each under {B} or {FLANGE}."""
 
 from __future__ import annotations
 
@@ -20,17 +20,18 @@ ROOTS: Mapping[str, Mount] = {
     "B": Mount(constant(np.eye(4)), on_flange=False, told=()),
     "FLANGE": Mount(constant(np.eye(4)), on_flange=True, told=()),
 }
-"""What a cell's frames hang on at last: they come from the robot, whichever it is."""
+"""The roots of a cell's frames, which every robot has."""
 
 
 FROM_THE_ROBOT = ("B", "FLANGE", "TCP")
-"""Frames that can't be declared: every robot has them."""
+"""Frames that can't be declared, since they come from the robot."""
 
 
 def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict[str, CellFrame]:
-    """The frames by name in upper case, parents first; findings where a chain doesn't end at {B} or {FLANGE}.
+    """Return the frames by name in upper case, parents first; report chains that don't end at {B} or
+    {FLANGE}.
 
-    Frames with mistakes, and what hangs on them, aren't there.
+    Frames with mistakes, and the frames under them, are left out.
     """
     upper = {name.upper(): name for name in reversed([*tables]) if name.upper() not in FROM_THE_ROBOT}
     parents: dict[str, str] = {}
@@ -40,7 +41,7 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
         units = measures.of_entry(table.units, path)
         pose = measures.transform(table, path, units)
         if table.parent is None or upper.get(name.upper()) != name:
-            continue  # it was said that the parent is missing, or that the name is there twice, or the robot's
+            continue  # reported already: the parent is missing, or the name is repeated or the robot's
         parent = known_frame(table.parent, (*path, "parent"), upper, measures.file)
         if parent is not None:
             parents[name.upper()] = parent
@@ -64,9 +65,14 @@ def resolve_frames(tables: Mapping[str, FrameTable], measures: Measures) -> dict
 
 
 def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlFile) -> str | None:
-    """The name in upper case of a frame that the cell has, or that every robot has; else None and a finding.
+    """Return the name, in upper case, of a frame of the cell or of the robot; None with a finding if there is
+    none.
 
-    `frames` are those of the file by their names in upper case.
+    Args:
+        name: the frame's name in any case.
+        path: the place of the name.
+        frames: the frames of the file, by their names in upper case.
+        file: findings go to it.
     """
     wanted = name.upper()
     if wanted in ROOTS or wanted in frames:
@@ -83,5 +89,5 @@ def known_frame(name: str, path: Path, frames: Mapping[str, object], file: TomlF
 
 
 def mount_of(name: str, frames: Mapping[str, CellFrame]) -> Mount:
-    """Where a frame sits that is a root, or among `frames`."""
+    """Return the mount of a frame, which is a root or among `frames`."""
     return ROOTS[name] if name in ROOTS else frames[name].mount

@@ -1,4 +1,4 @@
-"""Numbers of a cell.toml to SI: the units that hold for an entry, and transforms."""
+"""Convert numbers of a cell.toml to SI: the units of an entry, and transforms."""
 
 from __future__ import annotations
 
@@ -19,26 +19,30 @@ from yarclang.units import UNITS, Kind, Unit, units_of
 
 @dataclass(slots=True)
 class Measures:
-    """The units of a file, and what is to say about them."""
+    """The units of a file, and findings about them."""
 
     file: TomlFile
     common: Mapping[Kind, Unit] = field(default_factory=dict)
     """The units at the top of the file."""
     doubtful: bool = False
-    """Whether those couldn't be read, so that a missing unit isn't another mistake."""
+    """True if those couldn't be read, so that a missing unit isn't another mistake."""
 
     def read_common(self, text: str | None) -> None:
-        """The `units` at the top of the file."""
+        """Read the `units` at the top of the file."""
         found = self._parsed(text, ("units",))
         self.common, self.doubtful = found or {}, found is None
 
     def of_entry(self, text: str | None, path: Path) -> Mapping[Kind, Unit] | None:
-        """The units that hold for the table at `path`; None with a finding where its own can't be read."""
+        """Return the units that apply to the table at `path`; None with a finding if its own can't be
+        read.
+        """
         own = self._parsed(text, (*path, "units"))
         return None if own is None else {**self.common, **own}
 
     def factor(self, units: Mapping[Kind, Unit] | None, kind: Kind, path: Path) -> float | None:
-        """What turns the value at `path` into SI; None with a finding where there is no unit."""
+        """Return the factor that converts the value at `path` to SI; None with a finding if there is no
+        unit.
+        """
         if units is None:
             return None
         if kind in units:
@@ -51,7 +55,7 @@ class Measures:
         return None
 
     def transform(self, placed: Placed, path: Path, units: Mapping[Kind, Unit] | None) -> Array | None:
-        """frame_from_it (4, 4) [m] of what has a place in a frame; None with findings."""
+        """Return frame_from_it (4, 4) [m] of an entry with a place in a frame; None with findings."""
         made, sound = np.eye(4), True
         if placed.rpy is not None and placed.quat is not None:
             message = f"{table_name(path)} has rpy and quat: two orientations."
@@ -82,7 +86,9 @@ class Measures:
         return constant(made) if sound else None
 
     def told(self, placed: Placed, units: Mapping[Kind, Unit] | None) -> Array:
-        """Return the numbers of a place in SI, of which `transform` has found no fault: x y z and roll pitch yaw (6,) or qx qy qz qw (7,)."""
+        """Return the numbers of a place without faults as written, in SI: x y z and roll pitch yaw (6,), or x
+        y z and qx qy qz qw (7,).
+        """
         known = units or {}
         length, angle = (known[kind].factor if kind in known else 1.0 for kind in ("length", "angle"))
         origin = [value * length for value in placed.xyz or (0.0, 0.0, 0.0)]
@@ -91,7 +97,7 @@ class Measures:
         return constant(np.array([*origin, *(value * angle for value in placed.rpy or (0.0, 0.0, 0.0))]))
 
     def sized(self, values: Sequence[object] | None, size: int, path: Path) -> bool:
-        """Whether a list has so many entries, if it is there; else a finding."""
+        """Return True if a list has `size` entries or is missing; otherwise report it."""
         if values is None or len(values) == size:
             return True
         message = f"{spoken(path)} must have {size} values, but has {len(values)}."
@@ -99,7 +105,7 @@ class Measures:
         return False
 
     def _parsed(self, text: str | None, path: Path) -> dict[Kind, Unit] | None:
-        """The units of a text such as "mm,deg"; None with a finding."""
+        """Return the units of a text such as "mm,deg"; None with a finding."""
         found: dict[Kind, Unit] = {}
         for name in (text or "").split(",") if text is not None else ():
             unit = UNITS.get(name.strip().lower())

@@ -1,7 +1,8 @@
-"""A cell as the stages see it: plain data in SI units, already checked, for one robot.
+"""Define a cell as the later stages see it: plain data in SI units, already checked, for one robot.
 
-`yarclang.cell.description` makes it from a cell.toml. Arrays are float64 and read-only. Transforms are named so that
-neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flange_from_x` to its {FLANGE}.
+`yarclang.cell.description` makes it from a cell.toml. Arrays are float64 and read-only. Transforms are named
+so that neighbours cancel: `base_from_x` maps coordinates of x to the robot's {B}, `flange_from_x` to its
+{FLANGE}.
 """
 
 from __future__ import annotations
@@ -21,24 +22,25 @@ Array = NDArray[np.float64]
 Rule = Literal["allowed", "forbidden", "slow", "posture"]
 
 PARTS = ("tool", "tcp", "elbow", "arm")
-"""What a zone may watch besides links by their names."""
+"""The things that a zone may watch besides links by their names."""
 
 
 @frozen(eq=False)
 class Mount:
-    """Where something sits: `transform` (4, 4) [m] is base_from_it, or, with `on_flange`, flange_from_it."""
+    """The place of something: `transform` (4, 4) [m] is base_from_it, or flange_from_it if `on_flange`."""
 
     transform: Array
     on_flange: bool
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """The places of which `transform` is made, from the root on, each as it was written, in SI: x y z and roll pitch yaw (6,) or qx qy qz qw (7,); None
-    for a place that was computed.
+    """The places that make up `transform`, from the root on, each as it was written, in SI: x y z and roll
+    pitch yaw (6,), or x y z and qx qy qz qw (7,). None for a place that was computed.
     """
 
 
 @frozen(eq=False)
 class CellFrame:
-    """A frame of the cell: how it sits in its parent, `parent_from_frame` (4, 4) [m], and what that makes in all.
+    """A frame of the cell: its place in its parent, `parent_from_frame` (4, 4) [m], and the resulting
+    `mount`.
 
     `parent` is B, FLANGE, or the name of another frame of the cell.
     """
@@ -50,15 +52,17 @@ class CellFrame:
 
     @property
     def told(self) -> Array | None:
-        """The numbers of `parent_from_frame` as they were written, as in `Mount.told`."""
+        """The numbers of `parent_from_frame` as they were written; see `Mount.told`."""
         return self.mount.told[-1] if self.mount.told else None
 
 
 @frozen(eq=False)
 class Grip:
-    """What an output does to parts: at `value` it closes a gripper whose origin sits at `flange_from_grip` (4, 4) [m], at any other value it opens it.
+    """The effect of an output that moves a gripper.
 
-    A gripper that closes takes the part that is nearest to its origin, if that is no farther away than `reach` [m]. `frame` is the name of the gripper's frame.
+    At `value` it closes a gripper whose origin is at `flange_from_grip` (4, 4) [m]; at any other value it
+    opens it. A gripper that closes takes the part nearest to its origin, if its distance is at most `reach`
+    [m]. `frame` is the name of the gripper's frame.
     """
 
     frame: str
@@ -69,7 +73,11 @@ class Grip:
 
 @frozen(eq=False)
 class Removal:
-    """What an output does to parts that lie within `reach` [m] of a place in the cell, at `base_from_place` (4, 4): at `value` a machine there takes them away."""
+    """The effect of an output at which a machine removes parts.
+
+    At `value`, parts within `reach` [m] of the place `base_from_place` (4, 4) [m] in the cell are taken away.
+    `frame` is the name of the place's frame.
+    """
 
     frame: str
     base_from_place: Array
@@ -79,8 +87,9 @@ class Removal:
 
 @frozen
 class CellOutput:
-    """An output: the controller's variable, and its value at any stop, hold or fault (None: it stays as it is); `grip` if it moves a gripper, `removal` if a
-    machine takes parts away at it.
+    """An output: the controller's variable, and its value after any stop, hold or fault (None: unchanged).
+
+    `grip` is set if the output moves a gripper, `removal` if a machine removes parts at it.
     """
 
     variable: str
@@ -93,8 +102,9 @@ class CellOutput:
 class Obstacle:
     """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
 
-    `margin` [m] is how far everything else stays away from it at least. `is_part` is True for what grippers take, whose `mass` [kg] is None if it isn't known; `is_sure` is False for a part that
-    may be at this place or at another one, as programs decide while they run.
+    `margin` [m] is the distance that everything else keeps from it. `is_part` is True for a part that
+    grippers take; its `mass` [kg] is None if it isn't known. `is_sure` is False for a part that may be at
+    this place or at another one, depending on decisions at run time.
     """
 
     name: str
@@ -108,9 +118,10 @@ class Obstacle:
 
 @frozen(eq=False)
 class Part:
-    """A body that grippers take and put down. `body` is where it lies when a program starts.
+    """A body that grippers take and put down. `body` is its place when a program starts.
 
-    `count` parts of the kind come one after the other: the next one lies there as soon as the one before it was taken away.
+    `count` parts of the kind come one after the other: the next one lies at this place as soon as the one
+    before it was taken away.
     """
 
     body: Obstacle
@@ -119,9 +130,9 @@ class Part:
 
 @frozen
 class Touch:
-    """Two bodies that may come nearer to each other than their margins allow: down to `least` [m].
+    """Two bodies that may come nearer to each other than their margins allow, down to `least` [m].
 
-    `other` is None for all that hangs on the flange. A `least` of minus infinity lets them overlap.
+    `other` is None for everything on the flange. A `least` of minus infinity lets them overlap.
     """
 
     part: str
@@ -131,10 +142,10 @@ class Touch:
 
 @frozen
 class Item:
-    """A part at a place where it is, or, if it isn't `is_sure`, where it may be.
+    """A part at its place, or, if it isn't `is_sure`, at a possible place.
 
-    `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part of a part that a gripper holds; `gripper` is then the variable of the
-    gripper's output. `number` counts the parts of a kind from 1.
+    `pose` has the bytes of a transform (4, 4) [m]: base_from_part, or flange_from_part if a gripper holds the
+    part; `gripper` is then the variable of the gripper's output. `number` counts the parts of a kind from 1.
     """
 
     part: Part
@@ -145,7 +156,7 @@ class Item:
 
     @property
     def name(self) -> str:
-        """Name in messages: BOX, or BOX 3 if several come one after the other."""
+        """The part's name in messages: BOX, or BOX 3 if several come one after the other."""
         return f"{self.part.body.name} {self.number}" if self.part.count > 1 else self.part.body.name
 
     @property
@@ -156,7 +167,9 @@ class Item:
 
 @frozen
 class Expected:
-    """Part `number` of a kind, which comes once the one before it was taken away by the SET that is step `taken`."""
+    """A part that comes once the one before it has been taken away: part `number` of a kind, after the SET at
+    step `taken`.
+    """
 
     part: Part
     number: int
@@ -165,20 +178,26 @@ class Expected:
 
 @frozen
 class Parts:
-    """Where the parts are, which grippers are closed for sure (by the variables of their outputs), and which parts are still to come."""
+    """The places of the parts, the grippers that are certainly closed (by the variables of their outputs),
+    and the parts still to come.
+    """
 
     items: tuple[Item, ...]
     closed: frozenset[str] = frozenset()
     expected: tuple[Expected, ...] = ()
 
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
-        """Return what a gripper holds, or all grippers."""
+        """Return the parts that a gripper holds, or all grippers if it is None."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
 
 
 @frozen
 class Leaving:
-    """A gripper that has taken or put down parts, and hasn't left them yet: the names of the parts, True if it `closes`, and what may touch until it has left."""
+    """A gripper that has taken or put down parts, and hasn't left them yet.
+
+    `moved` are the names of the parts, `closes` is True if it took them, `touches` are the bodies that may
+    touch until it has left.
+    """
 
     moved: tuple[str, ...]
     closes: bool
@@ -187,9 +206,10 @@ class Leaving:
 
 @frozen
 class Present:
-    """The parts of a cell when a program starts, if that isn't as the cell's file says.
+    """The parts of a cell when a program starts, if they aren't as in the cell's file.
 
-    `leaving` are the grippers beside whose parts the robot still stands. `goes_on` is True for a line of a session: the next line may close or open a gripper.
+    `leaving` are the grippers beside whose parts the robot still stands. `goes_on` is True for a line of a
+    session: the next line may close or open a gripper.
     """
 
     parts: Parts
@@ -199,8 +219,10 @@ class Present:
 
 @frozen(eq=False)
 class Sensor:
-    """A sensor that drives an input: it is ON while a part or the robot is in its `region`, which sits at `mount`, or while the gripper of the output
-    `gripper` (a controller's variable) holds a part. `inverted` ones are OFF then.
+    """A sensor that drives an input.
+
+    The input is ON while a part or the robot is in the sensor's `region`, placed at `mount`, or while the
+    gripper of the output `gripper` (a controller's variable) holds a part. If `inverted`, it is OFF then.
     """
 
     input: str
@@ -212,29 +234,31 @@ class Sensor:
 
 @frozen(eq=False)
 class ShapeRegion:
-    """The points in a shape that stands still, around the origin of `base_from_shape` (4, 4) [m]."""
+    """The points in a shape at rest, around the origin of `base_from_shape` (4, 4) [m]."""
 
     base_from_shape: Array
     shape: Box | Sphere | Cylinder | Capsule
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """As in `Mount`."""
+    """See `Mount.told`."""
 
 
 @frozen(eq=False)
 class HalfSpace:
-    """The points p in {B} with normal . p >= offset: `normal` (3,) has the norm 1, `offset` is in m."""
+    """The points p in {B} with normal · p >= offset: `normal` (3,) has length 1, `offset` is in m."""
 
     normal: Array
     offset: float
     told: tuple[Array, ...] | None = field(default=None, compare=False)
-    """As in `Mount`: of the frame in whose axes the normal is `own_normal`."""
+    """See `Mount.told`: the place of the frame in whose axes the normal is `own_normal`."""
     own_normal: Array | None = field(default=None, compare=False)
 
     @property
     def base_from_plane(self) -> Array:
-        """A frame (4, 4) [m] on the border: its z axis is the normal, its origin the border's point nearest to that of {B}."""
+        """A frame (4, 4) [m] on the border: its z axis is the normal, its origin the border's point nearest
+        to the origin of {B}.
+        """
         placed = np.eye(4)
-        # any two directions across the normal
+        # any two directions perpendicular to the normal
         across = np.cross(self.normal, np.eye(3)[int(np.argmin(np.abs(self.normal)))])
         across /= np.linalg.norm(across)
         placed[:3, :3] = np.column_stack([across, np.cross(self.normal, across), self.normal])
@@ -244,7 +268,9 @@ class HalfSpace:
 
 @frozen(eq=False)
 class JointWindow:
-    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]; infinite for joints that the window leaves open."""
+    """The joint positions from `lower` (n,) to `upper` (n,) [rad or m]; infinite for joints that the window
+    leaves open.
+    """
 
     lower: Array
     upper: Array
@@ -252,7 +278,9 @@ class JointWindow:
 
 @frozen(eq=False)
 class StartZone:
-    """Joint positions from which a robot may go to the start of a program without being told to: the way is planned and proved all the same."""
+    """Joint positions from which a robot may go to the start of a program without an order; the motion is
+    planned and proved all the same.
+    """
 
     name: str
     window: JointWindow
@@ -265,13 +293,15 @@ Region = ShapeRegion | HalfSpace | JointWindow
 class Zone:
     """A region with a rule for what it watches.
 
-    `allowed`: to stay inside; `forbidden`: to stay outside; `slow`: inside, no faster than `speed` [m/s]; `posture`: while it reaches inside,
-    the joints stay in the window `posture`. `speed` and `posture` are None for the other rules.
+    The rules are `allowed`: stay inside; `forbidden`: stay outside; `slow`: inside, no faster than `speed`
+    [m/s]; `posture`: while anything watched is inside, the joints stay in the window `posture`. `speed` and
+    `posture` are None for the other rules.
 
-    `watch` names what is watched, each of `PARTS` or a link of the URDF: `tcp` is the origin of the frame that a command moves, `tool` that and all
-    bodies that the robot carries, `elbow` a point (`yarclang.robot.kinematics.elbow`), `arm` all links that the joints move. All of it stays `margin` [m]
-    away from the border of a zone to stay in or out of, and the others begin so far before their border. A joint window that is allowed or forbidden watches
-    nothing but the joints.
+    `watch` names what is watched, each one of `PARTS` or a link of the URDF: `tcp` is the origin of the frame
+    that a command moves, `tool` is that and all bodies that the robot carries, `elbow` is a point
+    (`yarclang.robot.kinematics.elbow`), `arm` is all links that the joints move. Everything watched keeps
+    `margin` [m] from the border of an allowed or forbidden zone; slow and posture zones begin `margin` before
+    their border. A joint window that is allowed or forbidden watches only the joints.
     """
 
     name: str
@@ -287,13 +317,14 @@ class Zone:
 class Cell:
     """A cell for a robot: names for programs, and bodies and zones in the order of the file.
 
-    Names are in upper case. `frames` has parents before what hangs on them; `joints` are joint positions (n,) [rad or m]; `inputs` are
-    the controller's variables. `places` says where a name stands in `source`, by the table (frames, joints, inputs, outputs) and the name; `zone_places`
-    where the name of a zone does.
+    Names are in upper case. `frames` has parents before their children; `joints` are joint positions (n,)
+    [rad or m]; `inputs` are the controller's variables. `places` has the place of a name in `source`, by the
+    table (frames, joints, inputs, outputs) and the name; `zone_places` has that of a zone's name.
 
-    `parts` are what grippers take; the collision check doesn't see them here. Where they are at an instant of a program is a cell of its own
-    (`yarclang.handling.surroundings`), in which they are obstacles, and `touches` says which bodies may touch each other then. `present` says where they are when a
-    program starts; None: where the file has them.
+    `parts` are what grippers take; the collision check doesn't see them here. For an instant of a program
+    there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles and `touches` are
+    the bodies that may touch each other. `present` has the places of the parts when a program starts; None
+    for those in the file.
 
     `starts` are the joint positions from which a program may begin by itself.
     """
@@ -320,5 +351,5 @@ class Cell:
 
     @property
     def removals(self) -> Mapping[str, Removal]:
-        """The machines that take parts away, by the variables of their outputs."""
+        """The machines that remove parts, by the variables of their outputs."""
         return {one.variable: one.removal for one in self.outputs.values() if one.removal is not None}

@@ -1,4 +1,4 @@
-"""Parts of a cell, and the outputs that do something to them."""
+"""Read the parts of a cell, and the outputs that take, put down or remove them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from yarclang.cell.schema import OutputTable, PartTable
 from yarclang.toml.places import Path
 
 REACH = 0.010
-"""How far grippers and machines reach if their file doesn't say [m]."""
+"""Reach of grippers and machines whose file gives none [m]."""
 
 
 def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None:
-    """Read a part; None with findings."""
+    """Return a part; None with findings."""
     body = read_obstacle(table, path, around)
     if body is None:
         return None
@@ -27,7 +27,7 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
 
 
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
-    """Read what an output does to parts; None if it does nothing to them, or with findings."""
+    """Return the effect of an output on parts; None if it has none, or with findings."""
     file = around.measures.file
     key = "grips" if table.grips is not None else "removes"
     name = getattr(table, key)

@@ -1,4 +1,4 @@
-"""The form of a cell.toml: its tables, keys and types, in the units that it names.
+"""Define the form of a cell.toml: its tables, keys and types, in the units that it names.
 
 This module imports pydantic; import it late.
 """
@@ -14,11 +14,11 @@ from yarclang.toml.tables import LARGEST, Document, Number, Positive, Table
 Margin = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
 MOST_PARTS = 10_000
-"""The most parts of one kind."""
+"""The largest number of parts of one kind."""
 
 
 class Placed(Table):
-    """What has a place in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
+    """The place of an entry in a frame: x y z, and roll pitch yaw or a quaternion x y z w."""
 
     xyz: list[Number] | None = None
     rpy: list[Number] | None = None
@@ -49,7 +49,9 @@ class InputTable(Table):
 
 
 class OutputTable(Table):
-    """`[outputs]` NAME = "M1", or `[outputs.NAME]` with a variable, a safe value, and the gripper that it moves."""
+    """`[outputs]` NAME = "M1", or `[outputs.NAME]` with a variable, a safe value, and the gripper that it
+    moves.
+    """
 
     required = ("variable",)
     wanted: ClassVar = dict.fromkeys(("safe", "grips_at", "removes_at"), '"ON", "OFF" or a number')
@@ -63,7 +65,7 @@ class OutputTable(Table):
 
 
 class BodyTable(Placed):
-    """What obstacles and parts share; which sizes it has depends on its shape."""
+    """The keys that obstacles and parts share; the sizes depend on the shape."""
 
     required = ("name", "shape", "frame")
     name: str | None = None
@@ -88,7 +90,7 @@ class PartTable(BodyTable):
 
 
 class SensorTable(Placed):
-    """`[[sensors]]`; what describes it depends on its kind."""
+    """`[[sensors]]`; the keys depend on the kind."""
 
     required = ("input", "kind")
     input: str | None = None
@@ -101,7 +103,7 @@ class SensorTable(Placed):
 
 
 class ZoneTable(Placed):
-    """`[[zones]]`; what describes it depends on its shape."""
+    """`[[zones]]`; the keys depend on the shape and the rule."""
 
     required = ("name", "rule", "shape")
     name: str | None = None
@@ -183,7 +185,9 @@ class CellTable(Document):
 
 
 def spelled_out(data: dict[str, Any]) -> dict[str, Any]:
-    """The data of a file with its short forms written out: READY = [...], DOOR = "M11", safe = "OFF"."""
+    """Return the data of a file with its short forms written out: READY = [...], DOOR = "M11", safe =
+    "OFF".
+    """
     made = dict(data)
     for key, inner in (("joints", "values"), ("inputs", "variable"), ("outputs", "variable")):
         table = made.get(key)

@@ -1,4 +1,4 @@
-"""Sensors of a cell: which input each drives, and what it sees."""
+"""Read the sensors of a cell: the input that each drives, and its region."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _KINDS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 _OF_KINDS = ("frame", "xyz", "rpy", "quat", "to", "range", "gripper")
 
 _BEAM = 0.0005
-"""The radius of a light beam [m]."""
+"""Radius of a light beam [m]."""
 
 
 def read_sensor(
@@ -34,11 +34,11 @@ def read_sensor(
     inputs: Mapping[str, str],
     outputs: Mapping[str, CellOutput],
 ) -> Sensor | None:
-    """Read a sensor; None with findings.
+    """Return a sensor; None with findings.
 
     Args:
         table: its table.
-        path: where that stands.
+        path: its place.
         around: units, frames and findings.
         inputs: the controller's variables of the cell's inputs, by their names in upper case.
         outputs: the cell's outputs, by their names in upper case.
@@ -86,7 +86,7 @@ def _vacuum(
 def _beam(
     table: SensorTable, path: Path, variable: str, mount: Mount, units: Units, around: Surroundings
 ) -> Sensor | None:
-    """Read a light beam from its frame's x y z straight to `to` in the same frame."""
+    """Return a light beam from x y z of its frame straight to `to` in the same frame; None with findings."""
     measures = around.measures
     unit = measures.factor(units, "length", (*path, "to"))
     if unit is None or table.to is None or not measures.sized(table.to, 3, (*path, "to")):
@@ -104,7 +104,7 @@ def _beam(
 
 
 def _along(mount: Mount, way: Array) -> Array:
-    """Return the pose (4, 4) in the middle of a way (3,) from a mount, with z along it."""
+    """Return the pose (4, 4) in the middle of a vector (3,) from a mount, with z along the vector."""
     z = way / np.linalg.norm(way)
     x = np.cross(np.eye(3)[int(np.argmin(np.abs(z)))], z)
     x /= np.linalg.norm(x)

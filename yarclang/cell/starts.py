@@ -1,4 +1,6 @@
-"""Start zones of a cell: joint positions from which a robot may go to the start of a program without being told to."""
+"""Read start zones of a cell: joint positions from which a robot may go to the start of a program without an
+order.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ if TYPE_CHECKING:
 def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot | None) -> StartZone | None:
     """Return a start zone; None with findings, or if the robot isn't known.
 
-    A joint that isn't named would let the robot begin wherever that joint stands, so each has to be: all of them are looked at before somebody trusts the zone.
+    Every joint has to be named: an omitted joint would let the robot begin wherever that joint stands, and
+    nobody would have considered it.
     """
     units = measures.of_entry(table.units, path)
     if table.name is None or table.joints is None:
@@ -42,7 +45,9 @@ def read_start(table: StartTable, path: Path, measures: Measures, robot: Robot |
 
 
 def start_zone(cell: Cell | None, q: Array) -> StartZone | None:
-    """Return the start zone of a cell in which a robot at `q` (n,) [rad or m] stands; None if it stands in none."""
+    """Return the start zone of a cell that contains the joint position `q` (n,) [rad or m]; None if none
+    does.
+    """
     for one in () if cell is None else cell.starts:
         if bool(((one.window.lower <= q) & (q <= one.window.upper)).all()):
             return one

@@ -1,4 +1,4 @@
-"""What a cell says in joint values: named joint positions, and windows of zones. Both are those of a robot."""
+"""Read joint values of a cell for a robot: named joint positions, and windows of zones."""
 
 from __future__ import annotations
 
@@ -21,9 +21,10 @@ Units = Mapping[Kind, Unit] | None
 def joint_position(
     name: str, values: Sequence[float], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> Array | None:
-    """A joint position (n,) [rad or m] within the limits of a robot; None with findings, or where there is no robot.
+    """Return a joint position (n,) [rad or m] within the limits of a robot; None with findings, or without a
+    robot.
 
-    Without a robot it is an arm of turning joints for all that is known: some unit of angle or length must be there.
+    Without a robot only the units are checked: there must be one of angle or of length.
     """
     if robot is None:
         if units is not None and not units.keys() & {"angle", "length"}:
@@ -54,7 +55,7 @@ def joint_position(
 def joint_window(
     joints: Mapping[str, Sequence[float]], path: Path, units: Units, measures: Measures, robot: Robot | None
 ) -> JointWindow | None:
-    """The joint positions of a zone; None with findings, or where there is no robot."""
+    """Return the joint window of a zone; None with findings, or without a robot."""
     sound = bool(joints)
     if not joints:
         measures.file.say("Y1308", path, "The joint window names no joint.", "Write { J1 = [-90, 90] }.")

@@ -1,4 +1,4 @@
-"""Zones of a cell: which keys belong to a shape and to a rule, and what they are in SI."""
+"""Read the zones of a cell: the keys of each shape and rule, and their values in SI."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ _RULES: Mapping[str, tuple[str, ...]] = {
 
 
 def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None:
-    """A zone; None with findings, or where it depends on a robot that isn't known."""
+    """Return a zone; None with findings, or if it depends on a robot that isn't known."""
     measures = around.measures
     units = measures.of_entry(table.units, path)
     is_shaped, is_ruled = _has_keys_of_shape(table, path, around), _has_keys_of_rule(table, path, around)
@@ -75,13 +75,15 @@ def read_zone(table: ZoneTable, path: Path, around: Surroundings) -> Zone | None
 
 
 THINNEST, NARROWEST = 1e-4, 1e-4
-"""A zone to stay out of, or with a rule inside, is at least so thick, with its margins [m], or so wide [rad or m of joints]: several times what a proof can't
-tell from its border, so that no motion gets through.
+"""Least thickness of a zone with its margins [m], and least width of a joint window [rad or m], except for
+allowed zones.
+
+They are several times the resolution of a proof, so that no motion crosses a zone unnoticed.
 """
 
 
 def _too_thin(zone: Zone) -> tuple[str, str] | None:
-    """Return what is wrong with a zone that a motion could cross without being seen, and the remedy; None where nothing is."""
+    """Return the fault of a zone that a motion could cross unnoticed, and the remedy; None if it has none."""
     if zone.rule == "allowed" or isinstance(zone.region, HalfSpace):
         return None
     if isinstance(zone.region, JointWindow):
@@ -104,7 +106,7 @@ def _too_thin(zone: Zone) -> tuple[str, str] | None:
 
 
 def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """Whether a zone has the keys of its shape, and none of another's; findings where it hasn't."""
+    """Return True if a zone has the keys of its shape, and none of another's; otherwise report them."""
     if table.shape is None:
         return False
     if table.rule == "posture" and table.shape == "joints":
@@ -124,7 +126,7 @@ def _has_keys_of_shape(table: ZoneTable, path: Path, around: Surroundings) -> bo
 
 
 def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> bool:
-    """The same of its rule."""
+    """Return True if a zone has the keys of its rule, and none of another's; otherwise report them."""
     if table.rule is None:
         return False
     every = ("speed", "joints") if table.rule == "posture" else ("speed",)
@@ -132,7 +134,7 @@ def _has_keys_of_rule(table: ZoneTable, path: Path, around: Surroundings) -> boo
 
 
 def _region(table: ZoneTable, path: Path, units: Units, around: Surroundings) -> Region | None:
-    """The region of a zone in {B}, or in joint space."""
+    """Return the region of a zone in {B}, or in joint space; None with findings."""
     measures = around.measures
     if table.shape == "joints" and table.joints is not None:
         return joint_window(table.joints, (*path, "joints"), units, measures, around.robot)
@@ -166,7 +168,7 @@ def _half_space(
 
 
 def _watched(names: Sequence[str] | None, path: Path, around: Surroundings) -> tuple[str, ...] | None:
-    """What a zone watches; None with findings."""
+    """Return what a zone watches; None with findings."""
     if names is None:
         return ("tool",)
     file, robot = around.measures.file, around.robot
@@ -192,7 +194,7 @@ _FOR_EXAMPLE = 'watch = ["tool", "elbow"]'
 
 
 def _unknown(part: str, robot: Robot, links: Mapping[str, None]) -> tuple[str, str, Name] | None:
-    """Return why a robot has no such part, what to do, and the part; None if it has it."""
+    """Return the reason why a robot has no such part, the remedy, and the part; None if it has it."""
     if part == "elbow":
         if elbow_of(robot.chain) is None:
             return f"{robot.name} has no elbow.", "Name the links that shall be watched.", Name(part)

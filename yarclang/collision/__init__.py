@@ -1,1 +1,3 @@
-"""Bodies of the robot and its cell, how far they are apart, and whether they stay so along a motion."""
+"""Measure distances between the bodies of a robot and its cell, and prove that they stay apart along a
+motion.
+"""

@@ -1,4 +1,4 @@
-"""Bodies around a robot with the pairs of them that must not meet, as plain arrays."""
+"""Hold the bodies around a robot, and the pairs of them that must not meet, as plain arrays."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ Rows = NDArray[np.int64]
 
 @frozen(eq=False)
 class Body:
-    """Something that has room: a link's shape, an obstacle, or what the robot carries.
+    """A solid body: a link's shape, an obstacle, or something that the robot carries.
 
-    `joint` is how many joints move it, those from the base on. `base_from_body` (4, 4) [m] is where it is with all joints at zero.
-    `margin` [m] is how far other bodies stay away from it. `is_link` says that it is a link's shape, `of_robot` that it is a link's or that of a
-    tool of robot.toml, `of_cell` that it stands in the cell: what the cell says that the robot carries is none of these. `is_part` is True for what grippers take.
+    `joint` is the number of joints that move it, counted from the base. `base_from_body` (4, 4) [m] is its
+    place with all joints at zero. `margin` [m] is the distance that other bodies keep from it. `is_link` is
+    True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml, `of_cell` for a
+    body that stands in the cell; for an obstacle that the cell mounts on the flange, all three are False.
+    `is_part` is True for a part that grippers take.
     """
 
     name: str
@@ -42,10 +44,10 @@ class Pairs:
 
     Attributes:
         first: one body of each (K,).
-        second: the other (K,), moved by more joints.
-        margin: how far both stay apart (K,) [m].
-        touching: whether they may touch as a part is taken or put down (K,).
-        of_cell: whether one of both stands in the cell (K,).
+        second: the other body (K,), moved by more joints.
+        margin: the distance that both keep from each other (K,) [m].
+        touching: True if they may touch while a part is taken or put down (K,).
+        of_cell: True if one of them stands in the cell (K,).
     """
 
     first: Rows
@@ -60,19 +62,19 @@ class Boxes:
     """M bodies as arrays: the box around each, the hull within it, and the shape itself.
 
     Attributes:
-        joint: how many joints move it (M,).
+        joint: the number of joints that move it (M,).
         middle: of its box, with all joints at zero, in {B} (M, 3) [m].
         rotation: of its box, with all joints at zero, in {B} (M, 3, 3).
         half: half of its box's edges (M, 3) [m].
-        radius: by how much its box is rounded (M,) [m].
-        bound: of the sphere around it (M,) [m].
+        radius: by which its box is rounded (M,) [m].
+        bound: radius of the sphere around it (M,) [m].
         core: half of the edges of its hull's core (M, 3) [m].
-        disc: of its hull (M,) [m].
-        cornered: the bodies whose hull has corners instead.
+        disc: radius of its hull's disc (M,) [m].
+        cornered: the bodies whose hull is given by corners instead.
         of_coal: the shapes themselves.
         own_middle: the middle of the box in the shape's frame (M, 3) [m].
-        closed: the meshes that enclose a room (M,).
-        hollow: those that aren't their hulls (M,).
+        closed: True for meshes that enclose a volume (M,).
+        hollow: True for meshes that aren't their hulls (M,).
     """
 
     joint: Rows
@@ -99,8 +101,8 @@ class Scene:
         bodies: in any order.
         pairs: of these bodies.
         boxes: the same bodies, as arrays.
-        at_home: names of the pairs of links that touch in the robot's HOME: there it stands, so their shapes are too
-            large, and they aren't among the pairs.
+        at_home: names of the pairs of links that touch in the robot's HOME. Since the robot can stand there,
+            their shapes are too large, and they aren't among the pairs.
     """
 
     chain: Chain
@@ -110,15 +112,16 @@ class Scene:
     at_home: frozenset[tuple[str, str]]
 
     def names(self, pair: int) -> tuple[str, str]:
-        """Return how messages call the two bodies of a pair, the one that moves more first."""
+        """Return the names of the two bodies of a pair for messages, the one that moves more first."""
         return self.bodies[self.pairs.second[pair]].name, self.bodies[self.pairs.first[pair]].name
 
 
 def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
-    """Put several scenes of one robot into one.
+    """Combine several scenes of one robot into one.
 
     Returns:
-        A scene with the bodies of all, each of them once, and for each scene the pairs that are its own.
+        A scene with the bodies of all scenes, each of them once, and for each scene the indices of its own
+        pairs.
     """
     if len(scenes) == 1:
         return scenes[0], (np.arange(len(scenes[0].pairs.first)),)
@@ -149,7 +152,15 @@ def together(scenes: Sequence[Scene]) -> tuple[Scene, tuple[Rows, ...]]:
 def paired(
     bodies: Sequence[Body], first: Rows, second: Rows, margin: Array, touching: NDArray[np.bool_]
 ) -> Pairs:
-    """Return pairs of bodies, all (K,), as `Pairs` has them."""
+    """Return pairs of bodies as `Pairs`.
+
+    Args:
+        bodies: all bodies.
+        first: one body of each pair (K,).
+        second: the other body (K,).
+        margin: the distance that they keep (K,) [m].
+        touching: True if they may touch (K,).
+    """
     of_cell = np.array([body.of_cell for body in bodies], dtype=np.bool_)
     return Pairs(first, second, margin, touching, of_cell[first] | of_cell[second])
 

@@ -1,4 +1,4 @@
-"""What `yarc robot check` says of a robot's bodies: whether they are there, and which of them always touch."""
+"""Report on a robot's bodies for `yarc robot check`: which are missing, and which always touch."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Mesh
 
 POSITIONS = 200
-"""Joint positions, spread over the limits, at which links are looked at."""
+"""Number of joint positions, spread over the limits, at which links are checked."""
 OFTEN = 0.9
-"""Links that touch in more of them than this share are drawn too large, or are joined."""
+"""Links that touch in more than this share of the positions are drawn too large, or are joined."""
 MOSTLY = 0.5
-"""So are those that touch in HOME and in more of them than this share."""
+"""Links that touch in HOME and in more than this share of the positions are as well."""
 
 
 def body_items(robot: Robot) -> Iterator[Item]:
-    """Links and tools with shapes, and those that touch."""
+    """Yield the items about links and tools with shapes, and about those that touch."""
     yield from _tools(robot)
     if not robot.shapes:
         found = "no link has a collision shape: nothing is checked for collisions"
@@ -60,7 +60,9 @@ def body_items(robot: Robot) -> Iterator[Item]:
 
 
 def flat_meshes(robot: Robot) -> tuple[str, ...]:
-    """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none where a mesh can't be read."""
+    """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none if a mesh
+    can't be read.
+    """
     scene = scene_of(robot, None).value
     named = [(one.link, one.shape) for one in robot.shapes]
     named += [(tool.name, part.shape) for tool in robot.tools if tool.mounted for part in tool.shapes]
@@ -74,11 +76,13 @@ def flat_meshes(robot: Robot) -> tuple[str, ...]:
 
 
 def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
-    """The pairs of bodies, by name, that seem to touch whatever the robot does, and why; none where a mesh can't be read.
+    """Return the pairs of bodies, by name, that seem to touch whatever the robot does, each with the reason;
+    none if a mesh can't be read.
 
-    What touches in HOME and seldom elsewhere may well hit each other: then HOME is chosen badly, and nothing is proposed.
+    Bodies that touch in HOME and seldom elsewhere may really collide: then HOME is chosen badly, and the pair
+    isn't proposed.
     """
-    # with all pairs, also those that HOME lets touch
+    # with all pairs, including those that touch in HOME
     scene = scene_of(robot, None, lenient=False).value
     if scene is None or not len(scene.pairs.first):
         return ()
@@ -95,7 +99,9 @@ def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:
 
 
 def _by_names(scene: Scene, touch: NDArray[np.bool_]) -> dict[tuple[str, str], float]:
-    """In which share of the positions (P, K) some of the shapes of two bodies touch."""
+    """Return the share of the positions (P, K) in which any shapes of two bodies touch, by the bodies'
+    names.
+    """
     rows: dict[tuple[str, str], NDArray[np.bool_]] = {}
     for pair in range(len(scene.pairs.first)):
         names = scene.names(pair)
@@ -122,19 +128,21 @@ def _tools(robot: Robot) -> Iterator[Item]:
 
 
 def _always(scene: Scene, robot: Robot, touch: NDArray[np.bool_]) -> list[tuple[str, str]]:
-    """The pairs that touch in HOME or nearly everywhere."""
+    """Return the pairs that touch in HOME or nearly everywhere."""
     often = [names for names, share in _by_names(scene, touch).items() if share > OFTEN]
     here = [scene.names(int(pair)) for pair in np.flatnonzero(touching(scene, robot.home[None])[0])]
     return sorted(scene.at_home | set(often) | set(here))
 
 
 def touching(scene: Scene, q: Array) -> NDArray[np.bool_]:
-    """Return which pairs touch (P, K) at joint positions `q` (P, n)."""
+    """Return a mask (P, K) of the pairs that touch at joint positions `q` (P, n)."""
     return apart(scene, q) <= 0.0
 
 
 def apart(scene: Scene, q: Array) -> Array:
-    """Return how far apart the pairs are (P, K) [m] at joint positions `q` (P, n); not above zero where they touch."""
+    """Return the distances of the pairs (P, K) [m] at joint positions `q` (P, n); zero or less where they
+    touch.
+    """
     count, pairs = len(q), len(scene.pairs.first)
     at, pair = np.repeat(np.arange(count), pairs), np.tile(np.arange(pairs), count)
     found: Array = distances(scene, pair, relative(place(scene, q), at, pair))

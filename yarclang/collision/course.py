@@ -1,4 +1,6 @@
-"""A motion as the collision check sees it: where the joints are at each instant, and how far they go meanwhile."""
+"""Represent a motion for the collision check: the joint positions at each instant, and bounds of how far the
+joints move.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,12 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Course:
-    """Segments with constant jerk, one behind the other: position `x`, velocity `v`, acceleration `a` at the start of each and jerk `j`,
-    (N, n) each [rad or m, s]; `begins` (N + 1,) are the times between them [s].
+    """Consecutive segments with constant jerk.
 
-    `way` (N + 1, n) is a bound of how far each joint has gone, forth and back, up to these times. `speed` and `strength` (N, n) are the largest
-    |velocity| and |acceleration| on each segment.
+    `x`, `v` and `a` are position, velocity and acceleration at the start of each segment, `j` is its jerk,
+    (N, n) each [rad or m, s]. `begins` (N + 1,) are the times between the segments [s]. `way` (N + 1, n) is
+    an upper bound of the distance that each joint has travelled up to these times, back and forth. `speed`
+    and `strength` (N, n) are the largest |velocity| and |acceleration| on each segment.
     """
 
     x: Array
@@ -28,28 +31,43 @@ class Course:
 
     @staticmethod
     def of(x: Array, v: Array, a: Array, j: Array, h: Array, peaks: Array) -> Course:
-        """The course of segments with durations `h` (N,) [s] and largest speeds `peaks` (N, n)."""
+        """Return the course of segments.
+
+        Args:
+            x: (N, n) positions at their starts [rad or m].
+            v: (N, n) velocities there.
+            a: (N, n) accelerations there.
+            j: (N, n) jerks.
+            h: (N,) durations [s].
+            peaks: (N, n) largest speeds on the segments.
+        """
         begins = np.concatenate([[0.0], np.cumsum(h)])
         way = np.concatenate([np.zeros((1, x.shape[1])), np.cumsum(peaks * h[:, None], axis=0)])
+        # the acceleration is linear on a segment: its largest magnitude is at an end
         strength = np.maximum(np.abs(a), np.abs(a + h[:, None] * j))
         return Course(x, v, a, j, begins, way, peaks, strength)
 
     def at(self, time: Array) -> Array:
-        """Joint positions (P, n) at times (P,)."""
+        """Return joint positions (P, n) at times (P,) [s]."""
         row, t = self._segment(time)
         t = t[:, None]
         positions: Array = self.x[row] + t * (self.v[row] + t * (self.a[row] / 2.0 + t * self.j[row] / 6.0))
         return positions
 
     def gone(self, time: Array) -> Array:
-        """How far each joint has gone at most up to times (P,), (P, n): what lies between two of them is no more than their difference."""
+        """Return upper bounds (P, n) of the distance that each joint has travelled up to times (P,) [s].
+
+        Between two times a joint moves by no more than the difference of its bounds.
+        """
         row, t = self._segment(time)
         share = t / (self.begins[row + 1] - self.begins[row])
         way: Array = self.way[row] + share[:, None] * (self.way[row + 1] - self.way[row])
         return way
 
     def peaks(self, begin: Array, end: Array) -> tuple[Array, Array]:
-        """Bounds (P, n) of |velocity| and |acceleration| from times `begin` to times `end` (P,)."""
+        """Return bounds (P, n) of |velocity| and |acceleration| from times `begin` to times `end`, (P,) each
+        [s].
+        """
         first = np.clip(np.searchsorted(self.begins, begin, side="right") - 1, 0, len(self.x) - 1)
         last = np.clip(np.searchsorted(self.begins, end, side="left") - 1, first, len(self.x) - 1)
         edges = np.stack([first, last + 1], axis=1).ravel()

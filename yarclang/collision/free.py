@@ -1,4 +1,6 @@
-"""Whether single joint positions are free, asked one by one and thousands of times: Pinocchio moves the bodies, coal looks at the pairs."""
+"""Decide if single joint positions are free, thousands of times one by one: Pinocchio moves the bodies, coal
+checks the pairs.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +19,11 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class FreeSpace:
-    """The joint positions at which all pairs of a scene's bodies stay farther apart than their margins, and some more.
+    """The joint positions at which all pairs of a scene stay farther apart than their margins, by an extra
+    distance.
 
-    `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's; the manager looks closer only at pairs whose boxes along the axes, with the margins about
-    them, overlap. Inside of a hollow mesh nothing is near: there `gaps` is needed.
+    `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's. The manager examines only pairs whose
+    axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh nothing is near; use `gaps` there.
     """
 
     scene: Scene
@@ -31,18 +34,18 @@ class FreeSpace:
     manager: Any
 
     def has(self, q: Array) -> bool:
-        """Return True if a joint position (n,) [rad or m] is one of them."""
+        """Return True if a joint position (n,) [rad or m] is free."""
         import pinocchio
 
         return not pinocchio.computeCollisions(self.model, self.data, self.manager, q, True)
 
 
 def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
-    """What is free in a scene.
+    """Build the free space of a scene.
 
     Args:
         scene: bodies and pairs.
-        more: (K,) how much farther apart than its margin each pair stays [m].
+        more: (K,) the distance that each pair keeps in addition to its margin [m].
     """
     import pinocchio
 
@@ -60,19 +63,21 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
     apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
     for pair, margin in enumerate(apart.tolist()):
         pairs.collisionRequests[pair].security_margin = margin
-    # made after the margins were set: each body's box grows by half of its largest margin
+    # after the margins are set: each body's box grows by half of its largest margin
     manager = pinocchio.BroadPhaseManager_NaiveCollisionManager(model, geometry, pairs)
     return FreeSpace(scene, model, data, geometry, pairs, manager)
 
 
 @lru_cache(maxsize=32)
 def plain_free_space(scene: Scene) -> FreeSpace:
-    """What is free in a scene, with no more than its margins; remembered by the scene's identity."""
+    """Return the free space of a scene, with no more than its margins; remembered by the scene's identity."""
     return free_space(scene)
 
 
 def gaps(scene: Scene, q: Array) -> Array:
-    """How far each pair is from its margin at one joint position (n,), (K,) [m]: negative where it is too near."""
+    """Return by how much the distance of each pair exceeds its margin at one joint position (n,), (K,) [m]:
+    negative if it is too near.
+    """
     every = np.arange(len(scene.pairs.first))
     seen = relative(place(scene, q[None]), np.zeros_like(every), every)
     left: Array = distances(scene, every, seen) - scene.pairs.margin
@@ -80,7 +85,9 @@ def gaps(scene: Scene, q: Array) -> Array:
 
 
 def _model(chain: Chain) -> Any:
-    """The arm for Pinocchio, whose joints are the chain's screws: all frames are turned as {B} with all joints at zero."""
+    """Build the arm for Pinocchio from the chain's screws: all frames are parallel to {B} with all joints at
+    zero.
+    """
     import pinocchio
 
     model = pinocchio.Model()
@@ -92,6 +99,7 @@ def _model(chain: Chain) -> Any:
         if not rate:
             joint = pinocchio.JointModelPrismaticUnaligned(linear)
         else:
+            # the axis's point nearest to the origin, and its pitch [m/rad] (Lynch and Park, ch. 3.3)
             point = np.cross(angular, linear) / rate**2
             pitch = float(angular @ linear) / rate
             axis = angular / rate
@@ -106,4 +114,4 @@ def _model(chain: Chain) -> Any:
 
 
 _NO_PITCH = 1e-12
-"""A screw that slides by less a turn [m/rad] only turns."""
+"""Pitch [m/rad] below which a screw only turns."""

@@ -1,4 +1,4 @@
-"""Shapes as coal sees them, and a rounded box around each.
+"""Convert shapes for coal, and put a rounded box around each.
 
 coal is imported where it is first used.
 """
@@ -24,13 +24,15 @@ from yarclang.units import MM
 
 @frozen(eq=False)
 class Geometry:
-    """A shape for distances: coal's own, and all points within `radius` [m] of a box that encloses it.
+    """A shape for distances: coal's own, and the points within `radius` [m] of a box that enclose it.
 
-    The box has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m]. `point` (3,) belongs to the shape. `skin` (T, 3, 3) are a
-    mesh's triangles where they enclose a room: coal only knows the triangles, not the room.
+    The box has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m]. `point` (3,) belongs
+    to the shape. `skin` (T, 3, 3) are a mesh's triangles if they enclose a volume: coal knows only the
+    triangles, not the volume.
 
-    What lies farthest in a direction is said besides: the shape's convex hull is a smaller box of half edges `core` (3,), a disc across z of radius `disc` and
-    a ball of `radius`, added; or, of a mesh, it is that of `corners` (V, 3), seen from `middle`.
+    Support functions (the farthest point in a direction) need the shape's convex hull. It is the Minkowski
+    sum of a smaller box of half edges `core` (3,), a disc of radius `disc` perpendicular to z, and a ball of
+    `radius`; or, for a mesh, the hull of `corners` (V, 3), relative to `middle`.
     """
 
     of_coal: Any
@@ -43,7 +45,7 @@ class Geometry:
     corners: Array | None = None
     skin: Array | None = None
     is_hollow: bool = False
-    """True for triangles that needn't be all around: what is far from them may be within their hull."""
+    """True for triangles that need not be closed: a point far from them may be inside their hull."""
 
     @property
     def bound(self) -> float:
@@ -52,15 +54,17 @@ class Geometry:
 
 
 _FLAT = 1e-6
-"""Thinner than this [m], a mesh has no hull that coal could make."""
+"""Thickness below which coal can't make a hull of a mesh [m]."""
 
 
 _FAR = 1e5
-"""No corner is farther from its mesh's origin than this [m]: coal can't make a hull of what is very large."""
+"""Largest distance of a corner from its mesh's origin [m]: coal can't make a hull of very large meshes."""
 
 
 _LARGE = 1_000_000
-"""From so many bytes on, the hull of a mesh is made of its corners, without coal's reader where that isn't needed."""
+"""Size of a file [bytes] from which the hull of a mesh is made from its corners, without coal's reader if
+possible.
+"""
 
 
 class UnreadableError(Exception):
@@ -68,11 +72,12 @@ class UnreadableError(Exception):
 
 
 def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
-    """A shape for distances.
+    """Convert a shape for distances.
 
     Args:
         shape: any; an opening in a mesh stays open.
-        hull: of a mesh take the convex hull, as of links: it is never smaller, and a hundred times as quick.
+        hull: replace a mesh by its convex hull, as for links: it is never smaller, and a hundred times as
+            fast.
 
     Raises:
         UnreadableError: a mesh that isn't one, or has no triangles.
@@ -98,7 +103,7 @@ def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
 
 
 def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
-    """The triangles of a file, or their convex hull, where they aren't all in one plane."""
+    """Convert the triangles of a file, or their convex hull if they aren't all in one plane."""
     outer_model = _outer_model(shape) if hull else None
     known = None if hull else _plain_model(shape)
     model = known[0] if known is not None else outer_model or load_mesh(shape)
@@ -136,10 +141,11 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
 
 
 def _outer_model(shape: Mesh) -> Any | None:
-    """Return a model of the corners alone that a large mesh's hull has; None for a small file, a flat mesh, and one with a fault.
+    """Return a model with only the corners of a large mesh's hull; None for a small file, a flat mesh, or one
+    with a fault.
 
-    coal builds a tree of all triangles first: 5 s for a million, which a hull doesn't need. Points that are
-    no corners of a hull change nothing of it, so the body is the same.
+    coal first builds a tree of all triangles, which takes 5 s for a million and which a hull doesn't need.
+    Points inside the hull don't change it, so that the body is the same.
     """
     content = _content(shape)
     if len(content) < _LARGE:
@@ -163,9 +169,10 @@ def _outer_model(shape: Mesh) -> Any | None:
 
 
 def _plain_model(shape: Mesh) -> tuple[Any, NDArray[np.int64]] | None:
-    """Return a model of a large binary STL, and its triangles (T, 3) as numbers of corners; None for another file.
+    """Return a model of a large binary STL, and its triangles (T, 3) as indices of corners; None for another
+    file.
 
-    The triangles are those of coal's reader, which takes three times as long.
+    The triangles are the same as those of coal's reader, which takes three times as long.
     """
     corners = _large_stl(shape)
     if corners is None:
@@ -181,7 +188,9 @@ def _plain_model(shape: Mesh) -> tuple[Any, NDArray[np.int64]] | None:
 
 
 def _large_stl(shape: Mesh) -> Array | None:
-    """Return the corners (3 T, 3) [m] of all triangles of a large binary STL without a fault; None for another file, or if one is too far away."""
+    """Return the corners (3 T, 3) [m] of all triangles of a large binary STL without a fault; None for
+    another file, or if a corner is too far away.
+    """
     if shape.path.suffix.lower() != ".stl":
         return None
     content = _content(shape)
@@ -195,7 +204,12 @@ def _large_stl(shape: Mesh) -> Array | None:
 
 
 def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-    """Return the order (V,) that sorts corners (V, 3), for each the number of those that equal it (V,), and where in the order another one begins (V,)."""
+    """Find equal corners among corners (V, 3).
+
+    Returns:
+        The order that sorts the corners (V,); for each corner the number of its group of equal ones (V,); and
+        a mask (V,) of the places in the order at which a new group begins.
+    """
     order = np.lexsort(corners.T)
     in_order = corners[order]
     begins = np.concatenate(([True], (in_order[1:] != in_order[:-1]).any(axis=1)))
@@ -205,7 +219,9 @@ def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArr
 
 
 def _with_all_corners(model: Any, shape: Mesh) -> Any:
-    """Return coal's model of an OBJ, or, if corners of its faces are missing, one of these corners: its reader leaves out parts of some polygons that it divides into triangles."""
+    """Return coal's model of an OBJ, or a model of its own corners if the first lacks some: coal's reader
+    omits parts of some polygons that it divides into triangles.
+    """
     from scipy.spatial import cKDTree
 
     own = obj_corners(_content(shape))
@@ -219,19 +235,23 @@ def _with_all_corners(model: Any, shape: Mesh) -> Any:
 
 
 _ROUGH = 1e-5
-"""Of its largest coordinate, so much a corner may be off by another reader's rounding."""
+"""Deviation of a corner by another reader's rounding, as a share of the largest coordinate."""
 
 
 _CORNERS: dict[str, Callable[[bytes], Array | None]] = {".stl": stl_corners, ".obj": obj_corners}
-"""What reads the corners of a file without a fault as arrays; coal reads the others."""
+"""Readers of the corners of files without a fault as arrays; coal reads all other formats."""
 
 
 _DIRECTIONS = (1000, 300, 100)
-"""So many planes a body around a hull has, the first number that coal can make one of: 1000 make it larger by less than 1 % of its size, 100 by some %."""
+"""Numbers of planes of a body around a hull; the first number that coal accepts is used. With 1000 the body
+is larger by less than 1 % of its size, with 100 by some %.
+"""
 
 
 def _with_hull(model: Any, corners: Array) -> Any:
-    """Return a model with a hull: its own, or, where a corner has more neighbours than coal can count (the tip of a fine cone), that of a body around it."""
+    """Return a model with a hull: its own, or that of a body around it, if a corner has more neighbours than
+    coal can count (the tip of a fine cone).
+    """
     for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
             around = cover(corners, directions)
@@ -245,7 +265,11 @@ def _with_hull(model: Any, corners: Array) -> Any:
 
 
 def _content(shape: Mesh) -> bytes:
-    """Return the bytes of a mesh's file; raises `UnreadableError`."""
+    """Return the bytes of a mesh's file.
+
+    Raises:
+        UnreadableError: the file can't be read.
+    """
     try:
         return read_whole(shape.path, LARGEST_MESH)
     except OSError as error:
@@ -257,16 +281,16 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
 
     Args:
         shape: the mesh.
-        plain: only corners are needed: a tree for distances isn't built with care.
+        plain: True if only corners are needed: a simple tree is built, which is slow for distances.
 
     Raises:
-        UnreadableError: it isn't one, or has a fault of which coal would leave out a face, or end the process.
+        UnreadableError: it isn't a mesh, or has a fault at which coal would omit a face or end the process.
     """
     import coal
 
     content = _content(shape)
     scale = np.array(shape.scale) * shape.unit
-    if shape.path.suffix.lower() == ".ply":  # of some that are damaged coal's reader ends the process
+    if shape.path.suffix.lower() == ".ply":  # coal's reader ends the process at some damaged files
         read = read_ply(content)
         if isinstance(read, str):
             raise UnreadableError(read)
@@ -276,7 +300,7 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
     try:
         tree = coal.NODE_TYPE.BV_AABB if plain else coal.NODE_TYPE.BV_OBBRSS
         model = coal.MeshLoader(tree).load(str(shape.path), scale)
-    except Exception as error:  # assimp and boost throw several kinds, and all mean the same
+    except Exception as error:  # assimp and boost throw several kinds, which all mean the same
         raise UnreadableError("can't be read: it isn't one, or is damaged") from error
     if model.num_tris == 0:
         raise UnreadableError("has no triangles")
@@ -296,7 +320,9 @@ def _modelled(corners: Array, faces: NDArray[np.int64]) -> Any:
 
 
 def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
-    """Return True if triangles (T, 3) of corners (V, 3) enclose a room: each edge belongs to two of them, or to four."""
+    """Return True if triangles (T, 3) of corners (V, 3) enclose a volume: each edge belongs to an even number
+    of triangles.
+    """
     of = _joined(corners)[1][faces]
     edges = np.sort(np.concatenate([of[:, [0, 1]], of[:, [1, 2]], of[:, [2, 0]]]), axis=1)
     in_order = np.sort(edges[:, 0] * len(corners) + edges[:, 1])
@@ -305,7 +331,11 @@ def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
 
 
 def encloses(triangles: Array, point: Array) -> bool:
-    """Whether closed triangles (T, 3, 3) have a point (3,) inside: their solid angles around it add up to a whole sphere."""
+    """Return True if closed triangles (T, 3, 3) have a point (3,) inside: their solid angles around it add up
+    to a full sphere.
+
+    The solid angle of a triangle is by Van Oosterom and Strackee (IEEE Trans. Biomed. Eng. 30(2), 1983).
+    """
     arms = triangles - point
     length = np.linalg.norm(arms, axis=2)
     a, b, c = arms[:, 0], arms[:, 1], arms[:, 2]

@@ -1,4 +1,4 @@
-"""Where on a motion two bodies come too near, for those who have to change it."""
+"""Find the part of a motion on which two bodies come too near, for messages."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from yarclang.frozen import frozen
 from yarclang.shapes import Array
 
 SAMPLES = 200
-"""Places of the motion that are looked at."""
+"""Number of places of the motion that are sampled."""
 
 
 @frozen
 class Contact:
-    """Between `begin` and `end` [s] after the motion's start a pair is too near; nearest at `worst`, where it is `distance` [m] apart
-    (negative: so deep one is in the other). They are found by samples: between them it may be a little worse.
+    """The part of a motion on which a pair is too near.
+
+    It is from `begin` to `end` [s] after the motion's start. The pair is nearest at `worst`, where its
+    distance is `distance` [m]; a negative one is a depth of penetration. The values are sampled: between the
+    samples it may be slightly worse.
     """
 
     begin: float
@@ -28,14 +31,22 @@ class Contact:
 
 
 def contact(scene: Scene, course: Course, span: tuple[int, int], meeting: Meeting) -> Contact:
-    """Where the pair of a meeting is too near, on the segments `span`, from and up to, of its motion."""
+    """Return the part of a motion on which the pair of a meeting is too near.
+
+    Args:
+        scene: bodies and pairs.
+        course: the segments of all motions.
+        span: the motion's segments, from and up to.
+        meeting: found on this motion.
+    """
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), meeting.time))
     apart = _apart(scene, course, times, meeting.pair)
     limit = float(scene.pairs.margin[meeting.pair]) + SLACK
-    # coal's distance at one place may differ by rounding from one call to the next
+    # coal's distance at one place may differ by rounding from call to call
     (near,) = np.nonzero(apart < max(limit, float(apart.min()) + SLACK))
     ends = []
+    # bisect between the first and the last sample that is too near and their neighbours
     for here, beside in ((int(near[0]), int(near[0]) - 1), (int(near[-1]), int(near[-1]) + 1)):
         inside, outside = float(times[here]), float(times[min(max(beside, 0), len(times) - 1)])
         for _ in range(20 if 0 <= beside < len(times) else 0):

@@ -1,4 +1,4 @@
-"""Where bodies are at joint positions, and how far pairs of them are apart there."""
+"""Compute the places of bodies at joint positions, and the distances of pairs there."""
 
 from __future__ import annotations
 
@@ -13,8 +13,10 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Placed:
-    """The arm at P joint positions: `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) bring what the first joints move from where it
-    is with all joints at zero to where it is; `middle` (M, P, 3) are the middles of the bodies' boxes in {B}.
+    """The arm at P joint positions.
+
+    `turn` (n + 1, P, 3, 3) and `shift` (n + 1, P, 3) [m] move a body on the first k joints (row k) from its
+    place with all joints at zero. `middle` (M, P, 3) [m] are the middles of the bodies' boxes in {B}.
     """
 
     scene: Scene
@@ -23,12 +25,12 @@ class Placed:
     middle: Array
 
     def take(self, rows: Rows) -> Placed:
-        """Some of the joint positions."""
+        """Return some of the joint positions."""
         return Placed(self.scene, self.turn[:, rows], self.shift[:, rows], self.middle[:, rows])
 
 
 def place(scene: Scene, q: Array) -> Placed:
-    """The arm at joint positions `q` (P, n) [rad or m]."""
+    """Place the arm at joint positions `q` (P, n) [rad or m]."""
     chain, count = scene.chain, len(q)
     own = chain.kinematics
     pose = placements(chain.screws, q) if own is None else own.placements(chain, q)
@@ -48,7 +50,13 @@ def place(scene: Scene, q: Array) -> Placed:
 
 
 def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
-    """A lower bound (R,) of the distance of each pair at the joint position `at` (R,): of spheres around both [m]."""
+    """Return lower bounds (R,) of the distances of pairs [m]: those of the spheres around their bodies.
+
+    Args:
+        placed: the arm.
+        at: (R,) the joint position of each row.
+        pair: (R,) the pair of each row.
+    """
     scene = placed.scene
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     apart = placed.middle[one, at] - placed.middle[other, at]
@@ -60,18 +68,26 @@ def sphere_gaps(placed: Placed, at: Rows, pair: Rows) -> Array:
 
 @frozen(eq=False)
 class Relative:
-    """The second body of a pair seen from the first: `turn` (R, 3, 3), and its box's `middle` seen from the first's (R, 3) [m]."""
+    """The second body of a pair relative to the first: rotation `turn` (R, 3, 3), and the vector between the
+    middles of the boxes `middle` (R, 3) [m].
+    """
 
     turn: Array
     middle: Array
 
     def take(self, rows: Rows) -> Relative:
-        """Some of the rows."""
+        """Return some of the rows."""
         return Relative(self.turn[rows], self.middle[rows])
 
 
 def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
-    """How the bodies of pairs stand to each other at joint positions, (R,) each."""
+    """Compute the bodies of pairs relative to each other.
+
+    Args:
+        placed: the arm.
+        at: (R,) the joint position of each row.
+        pair: (R,) the pair of each row.
+    """
     scene = placed.scene
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     first = (placed.turn[scene.boxes.joint[one], at] @ scene.boxes.rotation[one]).transpose(0, 2, 1)
@@ -81,7 +97,14 @@ def relative(placed: Placed, at: Rows, pair: Rows) -> Relative:
 
 
 def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
-    """A sharper lower bound (R,): of the rounded boxes, each against the upright box around the other [m]."""
+    """Return sharper lower bounds (R,) of the distances [m]: each rounded box against the axis-aligned box
+    around the other.
+
+    Args:
+        scene: bodies and pairs.
+        pair: (R,).
+        seen: the bodies of each pair relative to each other.
+    """
     one, other = scene.pairs.first[pair], scene.pairs.second[pair]
     reach = np.abs(seen.turn)
     first, second = scene.boxes.half[one], scene.boxes.half[other]
@@ -94,23 +117,34 @@ def box_gaps(scene: Scene, pair: Rows, seen: Relative) -> Array:
 
 
 def _outside(gap: Array) -> Array:
-    """The length of the parts above zero."""
+    """Return the norms (R,) of the positive parts of vectors (R, 3)."""
     positive = np.maximum(gap, 0.0)
     length: Array = np.sqrt(np.einsum("ri,ri->r", positive, positive))
     return length
 
 
 _TOUCHING = 1e-6
-"""Where it isn't asked how deep, coal gives bodies that overlap a distance of up to this [m], and not always zero."""
+"""Without penetration depths, coal returns a distance of up to this for bodies that overlap [m], not always
+zero.
+"""
 
 
 def distances(
     scene: Scene, pair: Rows, seen: Relative, *, deep: bool = True, normal: Array | None = None
 ) -> Array:
-    """The distances (R,) of pairs [m]; not above zero where the bodies overlap: by how deep, but for meshes only roughly.
+    """Compute the distances of pairs [m]; zero or less where the bodies overlap.
 
-    Without `deep` it isn't said how deep, and takes half the time. `normal` (R, 3) is filled with the directions, seen from the first body,
-    in which the second one is apart.
+    Args:
+        scene: bodies and pairs.
+        pair: (R,).
+        seen: the bodies of each pair relative to each other.
+        deep: True to return minus the depth of overlapping bodies, for meshes only roughly; False takes half
+            the time.
+        normal: (R, 3) receives the directions, in the first body's axes, in which the second body is apart;
+            or None.
+
+    Returns:
+        (R,) [m].
     """
     import coal
 
@@ -124,7 +158,7 @@ def distances(
         - (seen.turn @ own[scene.pairs.second[pair]][:, :, None])[:, :, 0]
     )
     found = np.empty(len(pair))
-    # one call a pair and position: coal has none for many
+    # one call for each pair and position: coal has no batches
     pairs = zip(scene.pairs.first[pair].tolist(), scene.pairs.second[pair].tolist(), strict=True)
     for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
         answer.clear()
@@ -134,6 +168,7 @@ def distances(
             normal[row] = answer.normal
     if not deep:
         found[np.abs(found) < _TOUCHING] = 0.0
+    # coal sees only the surface of a mesh: check if the other body is inside the closed ones
     for one, other, inside in (
         (scene.pairs.first, scene.pairs.second, True),
         (scene.pairs.second, scene.pairs.first, False),
@@ -144,7 +179,7 @@ def distances(
             turn, shift = seen.turn[row], origin[row]
             skin, point = (scene.bodies[which[pair[row]]].geometry for which in (one, other))
             inner = turn @ point.point + shift if inside else turn.T @ (point.point - shift)
-            assert skin.skin is not None  # as it is closed
+            assert skin.skin is not None  # it is closed
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
                 found[row] = -found[row]
     return found

@@ -1,9 +1,11 @@
-"""How near two bodies come on a piece of a motion, by a plane between them: sharper than distances where they pass along each other.
+"""Bound the distance of two bodies on a piece of a motion by a plane between them: sharper than distances if
+they pass along each other.
 
-A plane that stands still against the first body, with the normal n, has the bodies apart by h(t) = min n.b(t) - max n.a over their points. Each n.b(t)
-has a second derivative of at most K, so between two times it isn't below the straight line between its values by more than K d^2 / 8, and
-neither is the least of them. What a motion does along the plane costs nothing, so that grazing bodies need few pieces: their number grows
-with the root of how near they come, not with its inverse. Any normal gives a bound; a good one a good bound.
+A plane that is fixed in the first body, with normal n, separates the bodies a and b by h(t) = min n·b(t) -
+max n·a over their points. Each n·b(t) has a second derivative of at most K. Between two times at distance d
+it is therefore above the chord of its values less K d² / 8, and so is their minimum. Motion along the plane
+costs nothing, so that grazing bodies need few pieces: their number grows with the inverse square root of the
+distance, not with its inverse. Any normal gives a valid bound; a good one gives a good bound.
 """
 
 from __future__ import annotations
@@ -16,7 +18,9 @@ from yarclang.shapes import Array
 
 
 def support(scene: Scene, body: Rows, direction: Array) -> Array:
-    """How far bodies (R,) reach from the middles of their boxes in unit directions (R, 3), in the bodies' own axes [m]."""
+    """Return how far bodies (R,) reach from the middles of their boxes [m] in unit directions (R, 3) in the
+    bodies' own axes.
+    """
     reach: Array = np.einsum("ri,ri->r", np.abs(direction), scene.boxes.core[body])
     reach = (
         reach + scene.boxes.radius[body] + scene.boxes.disc[body] * np.hypot(direction[:, 0], direction[:, 1])
@@ -24,14 +28,24 @@ def support(scene: Scene, body: Rows, direction: Array) -> Array:
     for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
-        assert corners is not None  # as it is among the cornered
+        assert corners is not None  # it is among the cornered
         if len(rows):
             reach[rows] = (corners @ direction[rows].T).max(axis=0)
     return reach
 
 
 def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
-    """How far planes with unit normals (R, 3), seen from the first bodies, hold the pairs apart [m]; below zero where they cut."""
+    """Return the gaps between the bodies of pairs along plane normals; below zero where a plane cuts a body.
+
+    Args:
+        scene: bodies and pairs.
+        pair: (R,).
+        seen: the bodies of each pair relative to each other.
+        normal: (R, 3) unit normals in the first body's axes.
+
+    Returns:
+        (R,) [m].
+    """
     along = np.einsum("ri,ri->r", seen.middle, normal)
     turned = -(normal[:, None, :] @ seen.turn)[:, 0]
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
@@ -42,15 +56,15 @@ def plane_gap(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> Array:
 def least_gap(
     scene: Scene, arms: tuple[Placed, Placed, Placed], at: Rows, pair: Rows, normal: Array, slack: Array
 ) -> Array:
-    """A lower bound (R,) of the distances of pairs on pieces [m].
+    """Return lower bounds (R,) of the distances of pairs on pieces of a motion [m].
 
     Args:
         scene: bodies and pairs.
-        arms: at the begins, in the middles and at the ends of P pieces.
-        at: (R,) the piece of each pair.
-        pair: (R,) which pair.
-        normal: (R, 3) of its plane, seen from the first body.
-        slack: (R,) what the gap is below the straight lines between these times at most.
+        arms: the arm at the beginnings, in the middles and at the ends of P pieces.
+        at: (R,) the piece of each row.
+        pair: (R,) the pair of each row.
+        normal: (R, 3) of its plane, in the first body's axes.
+        slack: (R,) the largest distance of the gap below its chords between these times [m].
     """
     gaps = [plane_gap(scene, pair, relative(placed, at, pair), normal) for placed in arms]
     least: Array = np.minimum.reduce(gaps) - slack
@@ -58,25 +72,26 @@ def least_gap(
 
 
 ROUNDING = 1e-12
-"""More than rounding can make a plane's gap too large [m]: some thirty operations on lengths of up to 10 m."""
+"""Upper bound of the rounding in a plane's gap [m]: some thirty operations on lengths of up to 10 m."""
 POOR = 1e-6
-"""A plane that shows less than a proposed distance by more than this [m] is turned."""
+"""A plane that shows less than the proposed distance by more than this [m] is turned."""
 _TURNS = 60
 
 
 def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Array) -> Array:
-    """Return distances (R,) that planes prove [m], where they were only proposed.
+    """Return distances (R,) [m] that planes prove, for distances that were only proposed.
 
-    A plane with any normal has each of both bodies on one side, by the bodies' supports: their distance isn't less than its gap. So neither an error of who proposes a distance nor one of who
-    proposes a normal makes the result too large. Planes that show too little are turned towards the nearest points of both bodies. Bodies that overlap, and meshes that aren't their hulls, keep the
-    proposed distance.
+    A plane with any normal has the two bodies on opposite sides, by their support functions: their distance
+    is no less than its gap. Therefore an error in a proposed distance or normal never makes the result too
+    large. Planes that show too little are turned towards the nearest points of both bodies. Bodies that
+    overlap, and meshes that aren't their hulls, keep the proposed distance.
 
     Args:
         scene: bodies and pairs.
         pair: (R,).
-        seen: how the bodies of each stand to each other.
-        normal: (R, 3) proposed, seen from the first body; it is replaced by the normals of the planes.
-        gap: (R,) proposed.
+        seen: the bodies of each pair relative to each other.
+        normal: (R, 3) proposed, in the first body's axes; replaced by the normals of the planes.
+        gap: (R,) proposed [m].
     """
     proved = gap.copy()
     hollow = scene.boxes.hollow[scene.pairs.first[pair]] | scene.boxes.hollow[scene.pairs.second[pair]]
@@ -96,7 +111,9 @@ def proved_gaps(scene: Scene, pair: Rows, seen: Relative, normal: Array, gap: Ar
 
 
 def _directions(normal: Array, middle: Array) -> Array:
-    """Return unit vectors (R, 3) of proposed normals, or, where these have no direction, from one body's middle to the other's."""
+    """Return unit vectors (R, 3) along proposed normals, or, if these have no direction, from one body's
+    middle to the other's.
+    """
     length = np.sqrt(np.einsum("ri,ri->r", normal, normal))
     is_good = np.isfinite(length) & (np.abs(length - 1.0) < 0.5)
     other = np.where(np.abs(middle).max(axis=1, keepdims=True) > 0.0, middle, np.array([1.0, 0.0, 0.0]))
@@ -106,9 +123,17 @@ def _directions(normal: Array, middle: Array) -> Array:
 
 
 def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Array, Array]:
-    """Turn planes so that they hold pairs apart by more: the normals (R, 3) and gaps (R,) of the best ones.
+    """Turn planes so that they separate pairs by more, and return the best normals (R, 3) and gaps (R,) [m].
 
-    Gilbert's algorithm: the difference of both bodies is convex; from a point of it towards the one that is nearest to the origin against that direction, as far as it helps.
+    Gilbert's algorithm (E. G. Gilbert, SIAM Journal on Control 4(1), 1966): the Minkowski difference of both
+    bodies is convex. From the current point of it, step towards its support point against the current
+    direction, to the point of that segment nearest to the origin.
+
+    Args:
+        scene: bodies and pairs.
+        pair: (R,).
+        seen: the bodies of each pair relative to each other.
+        normal: (R, 3) to begin with, in the first body's axes.
     """
     best, gap = normal.copy(), plane_gap(scene, pair, seen, normal)
     at = _difference(scene, pair, seen, normal)
@@ -128,7 +153,9 @@ def _turned(scene: Scene, pair: Rows, seen: Relative, normal: Array) -> tuple[Ar
 
 
 def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> Array:
-    """Return the point (R, 3) of the second body minus one of the first, seen from the first, that lies least far in a direction."""
+    """Return the support point (R, 3) against a direction (R, 3) of the second body minus the first, in the
+    first body's axes.
+    """
     first, second = scene.pairs.first[pair], scene.pairs.second[pair]
     own = (direction[:, None, :] @ seen.turn)[:, 0]
     there = (seen.turn @ _farthest(scene, second, -own)[:, :, None])[:, :, 0] + seen.middle
@@ -137,7 +164,9 @@ def _difference(scene: Scene, pair: Rows, seen: Relative, direction: Array) -> A
 
 
 def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
-    """Return a point (R, 3) of each body, seen from the middle of its box, that lies farthest in a unit direction (R, 3) in the body's own axes."""
+    """Return the point (R, 3) of each body farthest in a unit direction (R, 3), in the body's own axes
+    relative to the middle of its box.
+    """
     points: Array = (
         np.copysign(scene.boxes.core[body], direction) + scene.boxes.radius[body][:, None] * direction
     )
@@ -147,7 +176,7 @@ def _farthest(scene: Scene, body: Rows, direction: Array) -> Array:
     for one in scene.boxes.cornered:
         (rows,) = np.nonzero(body == one)
         corners = scene.bodies[one].geometry.corners
-        assert corners is not None  # as it is among the cornered
+        assert corners is not None  # it is among the cornered
         if len(rows):
             points[rows] = corners[np.argmax(corners @ direction[rows].T, axis=0)]
     return points

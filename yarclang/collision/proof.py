@@ -1,9 +1,11 @@
-"""That bodies stay apart along a whole motion, and how near they come: conservative advancement by halving.
+"""Prove that bodies stay apart along a whole motion, and how near they come: conservative advancement by
+bisection.
 
-A piece of the motion is looked at in its middle. What the bodies are apart there, less the farthest that they can move against each other
-from there to the ends of the piece, they are apart on all of it. Where that isn't enough, the piece is halved; so nothing is
-missed, however thin. Three bounds are tried, from cheap to exact: spheres and boxes on whole arrays, then coal. Where the distance would do and the
-way is too long, a plane between the bodies is tried (planes.py): most of what passes near by goes along it.
+A piece of the motion is examined at its middle. The distance of the bodies there, less the largest distance
+that they can move relative to each other towards the ends of the piece, is a lower bound on the whole piece.
+If that isn't enough, the piece is halved; so nothing is missed, however thin. Three bounds are tried, from
+cheap to exact: spheres and boxes on whole arrays, then coal. If the distance suffices but the motion is too
+long, a plane between the bodies is tried (planes.py): most bodies that pass near each other move along it.
 """
 
 from __future__ import annotations
@@ -24,24 +26,30 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 SLACK = 1e-5
-"""Bodies that are nearer to their margin than this [m] count as too near: what can't be told apart isn't proved."""
+"""Bodies whose distance exceeds their margin by less than this [m] count as too near, since a smaller
+difference isn't proved.
+"""
 RESOLUTION = 2e-4
-"""Where bodies move by no more than this [m], and may still get nearer than their margin, nothing is halved any more: they count as too near."""
+"""Bodies that move by no more than this on a piece [m], and may still get nearer than their margin, count as
+too near; the piece isn't halved any further.
+"""
 KNOWN = 0.1
-"""A distance above this [m] isn't looked at more closely."""
+"""A distance above this isn't determined more closely [m]."""
 SHARE, COARSE = 0.1, 1e-3
-"""The smallest distance is told to within this share of it and this length [m]."""
+"""Accuracy of the smallest distance: this share of it plus this length [m]."""
 FIRST = 0.08
-"""Pieces begin with joints that move by this much [rad or m]."""
+"""Largest joint motion on the first pieces [rad or m]."""
 BLOCK = 2048
-"""Pieces that are looked at together."""
+"""Pieces that are examined together."""
 
 
 @frozen
 class Meeting:
-    """A pair that comes too near on a motion: where it was seen first among the samples, and how far it is apart there [s, m].
+    """A pair that comes too near on a motion: the place of the first sample at which this was seen, and the
+    distance there [s, m].
 
-    That is less than its margin and `SLACK`, or, where it can't be told in reasonable time, less than its margin and `RESOLUTION`.
+    The distance is less than the margin plus `SLACK`; or, if more can't be proved in reasonable time, it may
+    become less than the margin on a piece with motion below `RESOLUTION`.
     """
 
     motion: int
@@ -52,8 +60,11 @@ class Meeting:
 
 @frozen(eq=False)
 class Clearances:
-    """What was proved of G motions: `least` (G, 3) is a lower bound of the distance [m] of all pairs: of the robot's bodies among themselves, of
-    pairs with the cell's, and of pairs that may touch; `nearest` (G, 3) the pair that comes nearest, -1 where all stay above `KNOWN`. `meetings` come too near.
+    """The result of a proof for G motions.
+
+    `least` (G, 3) is a lower bound of the distance [m] of all pairs: of the robot's bodies from each other,
+    of pairs with the cell's bodies, and of pairs that may touch. `nearest` (G, 3) is the pair that comes
+    nearest, -1 if all stay above `KNOWN`. `meetings` are the pairs that come too near.
     """
 
     least: Array
@@ -64,13 +75,13 @@ class Clearances:
 def clearances(
     scene: Scene, course: Course, spans: NDArray[np.int64], own: Sequence[Rows] | None = None
 ) -> Clearances:
-    """How far all pairs of bodies stay apart.
+    """Compute how far all pairs of bodies stay apart.
 
     Args:
         scene: bodies and pairs.
-        course: segments, of all motions.
+        course: the segments of all motions.
         spans: (G, 2) the segments, from and up to, of each motion; none is empty.
-        own: of each motion, the pairs that are looked at; None for all.
+        own: for each motion the pairs to examine; None for all.
     """
     search = _Search(scene, course, len(spans))
     pieces = _first_pieces(course, spans)
@@ -98,14 +109,14 @@ def clearances(
 
 @frozen(eq=False)
 class _Pieces:
-    """Pieces of motions: times `begin` and `end` (P,) [s], and whose they are."""
+    """Pieces of motions: times `begin` and `end` (P,) [s], and the motion of each."""
 
     begin: Array
     end: Array
     motion: Rows
 
     def halves(self, rows: Rows) -> _Pieces:
-        """Both halves of some of them, next to each other."""
+        """Return both halves of some pieces, next to each other."""
         begin, end = self.begin[rows], self.end[rows]
         middle = (begin + end) / 2.0
         return _Pieces(
@@ -117,8 +128,10 @@ class _Pieces:
 
 @frozen(eq=False)
 class _Pairs:
-    """Pairs on pieces, (R,) each: `gap` is what they are apart in the middle at least, `apart` how far they move from there at most, `nearer` how much
-    nearer they come.
+    """Pairs on pieces, (R,) each.
+
+    `gap` is a lower bound of their distance in the middle, `apart` an upper bound of their relative motion
+    from there, `nearer` an upper bound of how much nearer they come [m].
     """
 
     piece: Rows
@@ -144,13 +157,13 @@ def _first_pieces(course: Course, spans: Rows) -> _Pieces:
 
 
 def _blocks(piece: Rows, count: int) -> list[slice]:
-    """Rows of about `BLOCK` pieces at a time; they are in order of their pieces."""
+    """Return slices of rows with about `BLOCK` pieces each; the rows are sorted by their pieces."""
     cuts = np.searchsorted(piece, np.arange(0, count + BLOCK, BLOCK))
     return [slice(a, b) for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True) if b > a]
 
 
 class _Search:
-    """What is known so far."""
+    """State and results of the search."""
 
     def __init__(self, scene: Scene, course: Course, count: int) -> None:
         self.scene, self.course = scene, course
@@ -165,7 +178,7 @@ class _Search:
         return Clearances(self.least, self.nearest, tuple(self.meetings))
 
     def look(self, pieces: _Pieces, piece: Rows, pair: Rows) -> tuple[Rows, Rows]:
-        """Look at pairs (R,) on pieces (R,); those of them that aren't known yet."""
+        """Examine pairs (R,) on pieces (R,), and return the pieces and pairs that are still open."""
         go_on()
         scene, base = self.scene, int(piece[0])
         chosen = slice(base, int(piece[-1]) + 1)
@@ -184,7 +197,7 @@ class _Search:
         rows = replace(rows, gap=box_gaps(scene, rows.pair, seen))
         left: list[_Pairs] = []
         number = self._still_open(rows)
-        # the most promising of each motion first: what they tell spares others
+        # first the most promising pair of each motion: its result settles others
         for turn in range(2):
             now = number if turn else self._promising(rows, number)
             part, normal = rows.take(now), np.empty((len(now), 3))
@@ -205,7 +218,7 @@ class _Search:
         )
 
     def _along_planes(self, rows: _Pairs, normal: Array, placed: Placed, ends: tuple[Array, Array]) -> _Pairs:
-        """The same rows, `nearer` by less where planes with normals (R, 3) tell it."""
+        """Return the same rows, with a smaller `nearer` if planes with normals (R, 3) prove it."""
         number = self._still_open(rows)
         number = number[rows.gap[number] > self.scene.pairs.margin[rows.pair[number]]]
         if not len(number):
@@ -226,13 +239,13 @@ class _Search:
         return replace(rows, nearer=nearer)
 
     def _give_up(self, rows: _Pairs, time: Array) -> None:
-        """Pairs that hardly move any more, and still may get nearer than their margin, come too near."""
+        """Report pairs that hardly move any more, and may still get nearer than their margin, as too near."""
         margin = self.scene.pairs.margin[rows.pair]
         for row in np.flatnonzero((rows.apart <= RESOLUTION) & (rows.gap - rows.nearer < margin)):
             self._meet(rows, int(row), time)
 
     def _still_open(self, rows: _Pairs) -> Rows:
-        """Which rows' gaps don't say enough; of the others it is kept what they say."""
+        """Return the rows whose gaps don't settle them; record the bounds of the others."""
         surely = rows.gap - rows.nearer
         wanted = np.minimum(KNOWN, (1.0 - SHARE) * self.best[rows.motion, rows.kind] - COARSE)
         done = (surely >= self.scene.pairs.margin[rows.pair]) & (surely >= wanted)
@@ -243,13 +256,13 @@ class _Search:
         return rows.take(self._still_open(rows))
 
     def _promising(self, rows: _Pairs, number: Rows) -> Rows:
-        """Of the rows `number`, the nearest pair of each motion and kind."""
+        """Return, of the rows `number`, the nearest pair of each motion and kind."""
         order = number[np.argsort(rows.gap[number], kind="stable")]
         _, first = np.unique(3 * rows.motion[order] + rows.kind[order], return_index=True)
         return np.sort(order[first])
 
     def _learn(self, rows: _Pairs, time: Array) -> None:
-        """Keep the nearest distances, and the first place where each pair comes too near."""
+        """Record the nearest distances, and the first place at which each pair comes too near."""
         order = np.argsort(-rows.gap, kind="stable")  # the smallest is written last
         at = rows.motion[order], rows.kind[order]
         nearer = rows.gap[order] < self.best[at]

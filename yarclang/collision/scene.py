@@ -1,4 +1,4 @@
-"""All bodies around a robot, and the pairs of them that must not meet."""
+"""Collect all bodies around a robot, and the pairs of them that must not meet."""
 
 from __future__ import annotations
 
@@ -19,14 +19,18 @@ from yarclang.source import SourceFile
 __all__ = ["TOUCHING", "Body", "Rows", "Scene", "scene_of", "together"]
 
 TOUCHING = 2e-5
-"""Links nearer than this [m] touch."""
+"""Distance below which links count as touching [m]."""
 
 
 @lru_cache(maxsize=256)
 def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result[Scene]:
-    """The robot's links and tools and what the cell adds, remembered by identity; None with findings about meshes that can't be read.
+    """Return the robot's links and tools with the bodies of the cell, remembered by identity; None with
+    findings about meshes that can't be read.
 
-    If it isn't `lenient`, links that touch in HOME are among the pairs as well.
+    Args:
+        robot: its links and tools.
+        cell: its obstacles and parts, or None.
+        lenient: False to keep links that touch in HOME among the pairs.
     """
     own = _of_robot(robot)
     findings = list(own.diagnostics)
@@ -81,7 +85,7 @@ def _of_robot(robot: Robot) -> Result[tuple[Body, ...]]:
 
 @lru_cache(maxsize=1024)
 def _geometry(shape: Shape, hull: bool) -> Geometry | str:
-    """Return a shape for distances, or what is wrong with its mesh."""
+    """Return a shape for distances, or the fault of its mesh."""
     try:
         return geometry_of(shape, hull=hull)
     except UnreadableError as error:
@@ -98,7 +102,7 @@ _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 @lru_cache(maxsize=32)
 def _touching_at_home(robot: Robot) -> frozenset[tuple[str, str]]:
-    """Return the pairs of links that touch in the robot's HOME, as `Scene.names` has them."""
+    """Return the pairs of links that touch in the robot's HOME, as named by `Scene.names`."""
     links = tuple(body for body in _of_robot(robot).value or () if body.is_link)
     scene = _scene(robot, links, (), frozenset())
     pairs = np.arange(len(scene.pairs.first))
@@ -134,7 +138,9 @@ def _scene(
 def _least(
     robot: Robot, bodies: tuple[Body, ...], pairs: list[tuple[int, int]], touches: tuple[Touch, ...]
 ) -> Array:
-    """Return how near the pairs may come where that is less than their margins, (K,) [m]; infinite for all others."""
+    """Return the distances that pairs may come to if these are less than their margins, (K,) [m]; infinite
+    for all others.
+    """
     named: dict[tuple[str, str | None], float] = {}
     for one in touches:
         key = one.part, one.other
@@ -152,16 +158,16 @@ def _least(
 
 
 def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
-    """The pairs that must not meet.
+    """Return the pairs that must not meet.
 
-    Not those that never move against each other, nor neighbouring links, which meet in the joint between them, nor
-    those that robot.toml allows.
+    Excluded are bodies that never move relative to each other, neighbouring links, which meet in the joint
+    between them, and pairs that robot.toml allows.
     """
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))
     joint = np.array([body.joint for body in bodies])
     found = []
-    # many bodies stand still: they are no pairs among themselves
+    # many bodies stand still: these form no pairs with each other
     for one, other in zip(*np.nonzero(np.tril(joint[:, None] != joint[None])), strict=True):
         body, neighbour = bodies[one], bodies[other]
         joints = sorted((body.joint, neighbour.joint))
@@ -176,5 +182,5 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
 
 
 def _ordered(bodies: tuple[Body, ...], one: int, other: int) -> tuple[int, int]:
-    """The body that fewer joints move first."""
+    """Return the two bodies with the one that fewer joints move first."""
     return (one, other) if bodies[one].joint <= bodies[other].joint else (other, one)

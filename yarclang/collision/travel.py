@@ -1,4 +1,6 @@
-"""How far, and how quickly, a change of the joints can move the bodies: bounds for all their points and all postures on the way."""
+"""Bound how far and how quickly a change of the joints can move the bodies: for all their points and all
+postures in between.
+"""
 
 from __future__ import annotations
 
@@ -9,17 +11,18 @@ from yarclang.shapes import Array
 
 
 def travel(placed: Placed, change: Array) -> Array:
-    """How far a point of a body moves at most when joints change.
+    """Return upper bounds of the motion of any point of a body when joints change.
 
-    Moving the joints one after the other, that of the base first, each turns the body by a circle around its axis whose radius is
-    what it is now: the joints before it have moved axis and body together. So no posture between counts.
+    Move the joints one after the other, that of the base first. Each turns the body around its axis on a
+    circle whose radius is the present one, since the joints before it have moved axis and body together.
+    Therefore the postures in between don't matter.
 
     Args:
         placed: the arm at P joint positions.
-        change: (P, n) how far each joint moves from there at most [rad or m].
+        change: (P, n) the largest motion of each joint from there [rad or m].
 
     Returns:
-        (n + 1, M, P) [m]: against what only the first joints move.
+        (n + 1, M, P) [m]: row k relative to a body that only the first k joints move.
     """
     arms = arm_lengths(placed)
     steps = np.zeros((len(arms) + 1, *arms.shape[1:]))
@@ -29,7 +32,10 @@ def travel(placed: Placed, change: Array) -> Array:
 
 
 def arm_lengths(placed: Placed) -> Array:
-    """How far a point of a body is from the axis of a joint at most, (n, M, P) [m]; 1 of a joint that slides, 0 of one that doesn't move the body."""
+    """Return the largest distance of any point of a body from each joint's axis, (n, M, P) [m].
+
+    It is 1 for a joint that slides, 0 for a joint that doesn't move the body.
+    """
     scene, chain = placed.scene, placed.scene.chain
     bodies, count = placed.middle.shape[:2]
     arms = np.zeros((chain.size, bodies, count))
@@ -46,24 +52,26 @@ def arm_lengths(placed: Placed) -> Array:
         arm = placed.middle[moved] - point
         away = np.cross(arm, axis)
         radius = np.sqrt(np.einsum("bpi,bpi->bp", away, away)) + scene.boxes.bound[moved, None]
-        # a screw of some pitch slides as well
+        # a screw with a pitch slides as well
         slide = abs(float(angular @ linear)) / rate
         arms[joint, moved] = np.hypot(radius * rate, slide)
     return arms
 
 
 def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) -> Array:
-    """A bound of the acceleration of each point of a body, against what only the first joints move, (n + 1, M, P) [m/s^2].
+    """Return upper bounds of the acceleration of any point of a body, (n + 1, M, P) [m/s^2]: row k relative
+    to a body that only the first k joints move.
 
-    The second derivative of a point by two joints is a double cross product with their axes, no longer than its distance from the axis that is
-    nearer to it: sum over the joints k of r_k (|q''_k| + |q'_k|^2 + 2 |q'_k| sum of |q'_j|), over the turning joints j between. By a joint that slides it is
-    at most 1, and zero by it twice.
+    The second derivative of a point with respect to two joints is a double cross product with their axes. It
+    is no longer than the point's distance from the axis nearer to it in the chain. The sum over the joints k
+    is r_k (|q''_k| + |q'_k|² + 2 |q'_k| Σ |q'_j|), over the turning joints j between. If one of the joints
+    slides, the derivative is at most 1; it is zero if both slide.
 
     Args:
         placed: the arm in the middles of P pieces.
-        speed: (P, n) largest |velocity| of each joint on them; `strength` likewise of the acceleration.
-        strength: (P, n).
-        change: (P, n) how far each joint moves from the middle at most.
+        speed: (P, n) largest |velocity| of each joint on them.
+        strength: (P, n) largest |acceleration| of each joint on them.
+        change: (P, n) the largest motion of each joint from the middle.
     """
     chain = placed.scene.chain
     arms = arm_lengths(placed)
@@ -75,13 +83,13 @@ def accelerations(placed: Placed, speed: Array, strength: Array, change: Array) 
     before = np.cumsum(turning, axis=0) - turning
     first, second = np.zeros_like(steps), np.zeros_like(steps)
     for joint in range(chain.size):
-        # away from the middle the body may be farther from the axis; what slides stays as it is
+        # away from the middle the body may be farther from the axis; for sliding joints nothing changes
         reach = arms[joint] + rate[joint] * away[joint + 1]
         w, a = speed[:, joint], strength[:, joint]
         first[joint] = reach * (a + w * (turning[joint] + 2.0 * before[joint]))
         second[joint] = reach * 2.0 * w
     first, second = (np.cumsum(one[::-1], axis=0)[::-1] for one in (first, second))
-    # joints that move both bodies count neither by themselves nor before others
+    # joints that move both bodies count neither by themselves nor as joints before others
     before = np.concatenate([before, before[-1:] + turning[-1:]])
     total: Array = first - before[:, None, :] * second
     return total

@@ -1,1 +1,1 @@
-"""Parts that grippers take and put down: where each one is at every instant of a program."""
+"""Follow parts that grippers take and put down: their places at every instant of a program."""

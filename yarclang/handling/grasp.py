@@ -1,4 +1,4 @@
-"""What a gripper does at a SET, and where the parts are between two steps."""
+"""Describe what a gripper does at a SET, and where the parts are between two steps."""
 
 from __future__ import annotations
 
@@ -13,26 +13,31 @@ from yarclang.ways import Ways
 
 @frozen
 class Whereabouts:
-    """Where the parts are between two steps; `unlike` names one that isn't where it was at the last loop's first pass, right in front of its next one (empty: all are)."""
+    """The places of the parts between two steps.
+
+    `unlike` names a part that, at the end of the last loop's first pass, isn't where it was at the pass's
+    start; empty if all are.
+    """
 
     ways: Ways[Parts] = Ways(NO_PARTS)
     unlike: str = ""
 
     @property
     def parts(self) -> Parts:
-        """Where the parts are."""
+        """The places of the parts."""
         return self.ways.state
 
     def moved(self, parts: Parts) -> Whereabouts:
-        """Return what is known if the parts are elsewhere now."""
+        """Return the whereabouts after the parts have moved."""
         return Whereabouts(replace(self.ways, state=parts))
 
 
 @frozen(eq=False)
 class Grasp:
-    """What the SET that is step `step` does while the flange stands at `base_from_flange` (4, 4) [m]: it `closes` a gripper, or opens it.
+    """The effect of a SET on a gripper, with the flange at `base_from_flange` (4, 4) [m].
 
-    `before` and `after` say where the parts are, `near` is the part nearest to a gripper that closes.
+    `step` is the program's step. The SET `closes` the gripper, or opens it. `before` and `after` are the
+    places of the parts, `near` is the part nearest to a gripper that closes.
     """
 
     step: int
@@ -46,7 +51,7 @@ class Grasp:
 
     @property
     def moved(self) -> tuple[str, ...]:
-        """The names of the parts that it takes or puts down."""
+        """The names of the parts that are taken or put down."""
         holding = self.after if self.closes else self.before
         had = {one.name for one in self.before.held(self.variable)} if self.closes else set()
         return tuple(one.name for one in holding.held(self.variable) if one.name not in had)

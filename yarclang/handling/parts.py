@@ -1,6 +1,7 @@
-"""Where the parts of a cell are, and what changes when a gripper closes or opens.
+"""Compute where the parts of a cell are, and what changes when a gripper closes or opens.
 
-A state is a set of places at which a part may be. After a WHEN there may be several for one part: each of them counts as occupied.
+A state is a set of places at which parts may be. After a WHEN one part may have several: each of them counts
+as occupied.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from yarclang.shapes import Array, Shape, Sphere
 from yarclang.transforms import constant
 
 BUILT_IN = ""
-"""The gripper of parts that hang on the flange from the start and that no output lets go."""
+"""The gripper of parts that are on the flange from the start and that no output releases."""
 
 
 NO_PARTS = Parts(())
@@ -50,16 +51,19 @@ def _holder(cell: Cell, flange_from_part: Array) -> str:
 
 @frozen
 class Nearest:
-    """The part nearest to a gripper that closes, and how far its surface is from the gripper's origin [m]; 0 for an origin inside of the part."""
+    """The part nearest to a gripper that closes, and the distance of its surface from the gripper's origin
+    [m]; 0 if the origin is inside the part.
+    """
 
     item: Item
     distance: float
 
 
 def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest | None:
-    """Return the part that a gripper would take at a flange pose (4, 4), however far it is; None if none lies anywhere.
+    """Return the part that a gripper would take at a flange pose (4, 4), at any distance; None if no part
+    lies anywhere.
 
-    Of several that the gripper's origin touches, it is the one whose origin is nearest.
+    If the gripper's origin touches several parts, it is the one whose origin is nearest.
     """
     origin = (base_from_flange @ grip.flange_from_grip)[:3, 3]
     found = [
@@ -78,19 +82,19 @@ def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest |
 
 
 def _distance(shape: Shape, base_from_shape: Array, point: Array) -> float:
-    """Return how far a point (3,) is from a shape [m]; negative inside."""
+    """Return the distance of a point (3,) from a shape [m]; negative inside."""
     there = np.eye(4)
     there[:3, 3] = point
     return _between(shape, base_from_shape, Sphere(_POINT), there) + _POINT
 
 
 def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Array) -> float:
-    """Return how far two shapes are apart [m], each with its hull; negative if they overlap."""
+    """Return the distance of two shapes [m], each replaced by its hull; negative if they overlap."""
     import coal
 
     try:
         first, second = _hull(one), _hull(other)
-    except UnreadableError:  # said with the collisions
+    except UnreadableError:  # reported with the collisions
         return float("inf")
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = True
@@ -99,7 +103,7 @@ def _between(one: Shape, base_from_one: Array, other: Shape, base_from_other: Ar
 
 
 _POINT = 1e-6
-"""The radius of the sphere that stands for a point [m]."""
+"""Radius of the sphere that stands for a point [m]."""
 
 
 @lru_cache(maxsize=256)
@@ -116,11 +120,12 @@ def close(
         parts: where the parts are before.
         variable: the gripper's output.
         grip: the gripper.
-        base_from_flange: (4, 4) where the flange stands.
+        base_from_flange: (4, 4) the flange's pose.
         step: the step of the program that closes it.
 
     Returns:
-        Where the parts are then, and the part that lay nearest to the gripper: it is held if it was within reach.
+        Where the parts are afterwards, and the part nearest to the gripper, which is held if it was within
+        reach.
     """
     near = nearest_part(parts, grip, base_from_flange)
     closed = parts.closed | {variable}
@@ -130,7 +135,7 @@ def close(
     flange_from_part = np.linalg.inv(base_from_flange) @ item.transform
     taken = replace(item, pose=flange_from_part.tobytes(), gripper=variable)
     items = tuple(taken if one is item else one for one in parts.items)
-    # a part that was put back into its place, and is taken again, still keeps the next one out of it
+    # a part that was put back into its place and is taken again still keeps the next one out
     expected = tuple(
         dict.fromkeys(replace(one, taken=step) if _blocks(item, one) else one for one in parts.expected)
     )
@@ -141,7 +146,7 @@ def close(
 
 
 def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
-    """Open a gripper at a flange pose (4, 4): what it holds stays where it is."""
+    """Open a gripper at a flange pose (4, 4): the parts that it holds stay where they are."""
     items = tuple(
         replace(one, pose=(base_from_flange @ one.transform).tobytes(), gripper=None)
         if one.gripper == variable
@@ -152,7 +157,7 @@ def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
 
 
 def remove(parts: Parts, removal: Removal) -> Parts:
-    """Take away what lies within the reach of a machine."""
+    """Remove the parts that lie within the reach of a machine."""
     origin = removal.base_from_place[:3, 3]
     items = tuple(
         one
@@ -167,7 +172,8 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
 
     Args:
         parts: where the parts are.
-        leaving: the SETs that closed a gripper from which the robot is still on its straight way out: nothing comes into these places yet.
+        leaving: the SETs that closed a gripper from which the robot is still on its straight way out: these
+            places stay empty for now.
     """
     lying = [one for one in parts.items if one.gripper is None and one.is_sure]
     here = [
@@ -181,14 +187,14 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
     known = {one.name for one in parts.items}
     return replace(
         parts,
-        # the ways of a WHEN may have taken the part before it with different SETs
+        # the branches of a WHEN may have taken the part before it with different SETs
         items=(*parts.items, *(one for one in dict.fromkeys(new) if one.name not in known)),
         expected=tuple(one for one in parts.expected if one not in here),
     )
 
 
 def _blocks(item: Item, expected: Expected) -> bool:
-    """Return True if a part is the one before another, and lies where that is expected."""
+    """Return True if `item` is the part before `expected`, and lies where that one is expected."""
     kind, place = expected.part, expected.part.body
     is_before = item.part.body.name == place.name and item.number == expected.number - 1
     return (
@@ -199,11 +205,11 @@ def _blocks(item: Item, expected: Expected) -> bool:
 
 
 _DEEP = 1e-3
-"""Parts that overlap by more than this [m] can't lie there both."""
+"""Overlap above which two parts can't lie in one place [m]."""
 
 
 def either(one: Parts, other: Parts) -> Parts:
-    """Return where the parts may be if either of two states is the true one."""
+    """Return where the parts may be if either of two states is true."""
     if one == other:
         return one
     there = tuple(next((each for each in one.items if _are_alike(each, item)), item) for item in other.items)
@@ -217,9 +223,10 @@ def either(one: Parts, other: Parts) -> Parts:
 
 
 def unlike(first: Parts, again: Parts) -> str:
-    """Return the name of a part that isn't where it was, of a gripper that isn't as it was, or nothing: then a loop can begin anew.
+    """Return the name of a part or gripper that differs between two states; empty if none does, so that a
+    loop can begin anew.
 
-    The next part of a kind is like the one before it.
+    The next part of a kind counts as equal to the one before it.
     """
     one, other = (arrive(parts, frozenset()) for parts in (first, again))
     left = list(other.items)
@@ -241,14 +248,18 @@ def _are_one_kind(one: Item, other: Item) -> bool:
 
 
 def _are_alike(one: Item, other: Item) -> bool:
-    """Return True if a part is at the same place but for what is lost in computing: one that was put down and taken again where it lay."""
+    """Return True if two items are one part at the same place except for rounding, such as one that was put
+    down and taken again where it lay.
+    """
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and bool(
         (np.abs(one.transform - other.transform) <= _ALIKE).all()
     )
 
 
 _ALIKE = 1e-7
-"""Poses that differ by less [m, or entries of a rotation] are the same; a proof keeps a hundred times as much in hand (`yarclang.collision.proof.SLACK`)."""
+"""Poses that differ by less than this [m, or entries of a rotation] are equal; proofs keep a reserve a
+hundred times as large (`yarclang.collision.proof.SLACK`).
+"""
 
 
 def doubtful(parts: Parts) -> Iterator[str]:

@@ -1,4 +1,6 @@
-"""The parts of a cell between two programs of a session: what the one leaves is where the next one starts."""
+"""Keep the parts of a cell between two programs of a session: the next program starts with the places that
+the last one left.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from yarclang.handling.walk import Followed, Handling
 from yarclang.robot.model import Array, Robot
 
 SAME = 1e-5
-"""Parts whose poses differ by less [m, or entries of a rotation] are at one place: the text of a program has rounded numbers."""
+"""Parts whose poses differ by less than this [m, or entries of a rotation] are at one place: the text of a
+program has rounded numbers.
+"""
 
 
 @lru_cache(maxsize=64)
@@ -34,7 +38,9 @@ def present_of(cell: Cell) -> Present:
 
 
 def are_same(one: Parts, other: Parts) -> bool:
-    """Return True if all parts are at the same places, to `SAME`: where one is put back to isn't the same to the last bit."""
+    """Return True if all parts are at the same places within `SAME`: a part that is put back isn't in the
+    same place to the last bit.
+    """
     if one == other:
         return True
     coming = [{(each.part.body.name, each.number) for each in parts.expected} for parts in (one, other)]
@@ -48,7 +54,7 @@ def are_same(one: Parts, other: Parts) -> bool:
 
 
 def is_same(one: Item, other: Item) -> bool:
-    """Return True if a part is at the same place, to `SAME`."""
+    """Return True if a part is at the same place within `SAME`."""
     return (one.name, one.gripper, one.is_sure) == (other.name, other.gripper, other.is_sure) and np.allclose(
         one.transform, other.transform, rtol=0.0, atol=SAME
     )
@@ -59,10 +65,10 @@ def _order(item: Item) -> tuple[str, str, bool, tuple[float, ...]]:
 
 
 def around_start(cell: Cell | None, *, touching: bool = True) -> Cell | None:
-    """Return a cell as it is when a program starts, its parts as obstacles or on the flange.
+    """Return a cell as it is when a program starts, with its parts as obstacles or on the flange.
 
     Args:
-        cell: with its parts.
+        cell: with its parts, or None.
         touching: True if the robot may touch the parts beside which it stands.
     """
     if cell is None:
@@ -76,8 +82,8 @@ def present_after(handling: Handling, found: Followed, q: Array | None) -> Prese
 
     Args:
         handling: the program.
-        found: the program, followed.
-        q: where the robot stands in the end (n,) [rad or m]; None if that isn't known.
+        found: the result of following the program.
+        q: the robot's position at the end (n,) [rad or m]; None if it isn't known.
     """
     cell = handling.cell
     assert cell is not None, "a cell without parts has nothing to be followed"
@@ -87,13 +93,14 @@ def present_after(handling: Handling, found: Followed, q: Array | None) -> Prese
 
 
 def beside(robot: Robot, cell: Cell, present: Present, q: Array | None) -> Present:
-    """Return a state without the grippers that have left their parts: nothing would touch without what is allowed to them.
+    """Return a state without the grippers that have left their parts, because nothing touches without their
+    exceptions.
 
     Args:
         robot: in the cell.
         cell: with the parts.
         present: the state, with all grippers that may stand beside their parts.
-        q: where the robot stands (n,) [rad or m]; None if that isn't known.
+        q: the robot's position (n,) [rad or m]; None if it isn't known.
     """
     left = list(dict.fromkeys(present.leaving))
     for one in tuple(left) if q is not None else ():
@@ -119,9 +126,10 @@ def _is_free(robot: Robot, cell: Cell | None, q: Array) -> bool:
 
 
 def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
-    """Return a state as it is in another reading of the same cell file: parts are known by their names.
+    """Transfer a state to another reading of the same cell file; parts are identified by their names.
 
-    A part that still lies where the file had it lies where the file has it now, and so does one that is new there. Parts that are no longer in the file are gone.
+    A part that still lies where the old file had it, and a part that is new, lie where the new file has them.
+    Parts that are no longer in the file are removed.
 
     Args:
         present: the state.
@@ -146,7 +154,7 @@ def on_cell(present: Present, known: Cell, cell: Cell) -> Present:
 
 
 def _at_home(item: Item, kind: Part) -> Item:
-    """Return a part that has never been moved at the place that its kind has now."""
+    """Return a part at the place that its kind now has, if it was never moved; otherwise unchanged."""
     if item.gripper is not None or item.pose != item.part.body.mount.transform.tobytes():
         return item
     return replace(item, pose=kind.body.mount.transform.tobytes())

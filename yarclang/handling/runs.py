@@ -1,4 +1,6 @@
-"""The straight ways on which a robot goes in to a part and out again: there bodies may touch that touch while it is taken or put down."""
+"""Find the straight ways on which a robot approaches a part and leaves it: on these, bodies may touch that
+touch while the part is taken or put down.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,11 @@ from yarclang.hir import (
 
 @frozen
 class Lead:
-    """A SET of a gripper next to a motion, and the motions of the same straight way that are next to this one, between it and the SET: none if the robot may stand at the SET."""
+    """A SET of a gripper beside a straight way that contains a motion.
+
+    `to` is the step of the SET. `between` are the motions of the same straight way that lie next to this
+    motion on the side of the SET; empty if the robot may stand at the SET.
+    """
 
     to: int
     between: tuple[int, ...] = ()
@@ -35,10 +41,12 @@ class Lead:
 
 @frozen(eq=False)
 class Runs:
-    """For each motion by its step: the SETs of grippers to which it leads in (`towards`), and those from which it leads out (`away`).
+    """For each motion, by its step: the SETs of grippers that it approaches (`towards`), and those that it
+    leaves (`away`).
 
-    There are several if the ways of a WHEN lead from different SETs or to different ones. A motion that leads out from none on one of the ways is in neither. `leaves` has for a motion
-    the SETs from which it leads out on each way that comes from there: what these have taken away isn't followed by the next part yet.
+    There are several if branches of a WHEN lead from different SETs or to different ones. If a motion leaves
+    no SET on one of the branches, it is in neither map. `leaves` has, for a motion, the SETs that it leaves
+    on each branch that comes from them: the parts taken there aren't replaced by the next ones yet.
     """
 
     towards: Mapping[int, tuple[Lead, ...]]
@@ -49,19 +57,21 @@ class Runs:
 NO_RUNS = Runs({}, {}, {})
 
 BEFORE = -1
-"""Stands for the SETs of the lines of a session before a program. The SETs of the lines after it have the number of its steps."""
+"""Stands for the SETs in lines of a session before a program. SETs in lines after it have the number of the
+program's steps.
+"""
 
 
 def runs_of(
     steps: Sequence[Step], grippers: Mapping[str, Grip], *, leaves: bool = False, goes_on: bool = False
 ) -> Runs:
-    """Find the motions next to each SET of a gripper: one of any kind, or several in straight lines.
+    """Find the motions beside each SET of a gripper: one of any kind, or several in straight lines.
 
     Args:
         steps: of a program.
         grippers: by the variables of their outputs.
-        leaves: True if a SET stands before the program.
-        goes_on: True if a SET may stand after it.
+        leaves: True if a SET precedes the program.
+        goes_on: True if a SET may follow it.
     """
     if not grippers:
         return NO_RUNS
@@ -86,7 +96,11 @@ def _runs_of(
 
 @frozen
 class _Way:
-    """A way on which a step is come to: the last SET of a gripper on it (None: none), the last motion since (None: the robot stands at the SET), and True if the robot has `left` its straight way."""
+    """A control-flow path on which a step is reached.
+
+    `set` is the last SET of a gripper on it, None if there is none. `motion` is the last motion since then,
+    None if the robot stands at the SET. `left` is True if the robot has left its straight way.
+    """
 
     set: int | None = None
     motion: int | None = None
@@ -99,13 +113,14 @@ _NOWHERE = frozenset({_Way(left=True)})
 def _along(
     steps: tuple[Step, ...], numbers: range, closing: Mapping[str, float], first: int | None
 ) -> dict[int, frozenset[_Way]]:
-    """Return the ways on which each motion is come to that is the first after a SET of a gripper, or goes on straight; backwards if the numbers fall.
+    """Return the paths on which each motion is reached that is the first after a SET of a gripper, or
+    continues straight on.
 
     Args:
         steps: of a program.
-        numbers: of the steps, in the order in which they are gone through.
+        numbers: of the steps, in the order of traversal; descending numbers search backwards.
         closing: the values that close grippers, by their outputs.
-        first: the SET that stands before the first of these steps; None: there is none.
+        first: the SET that precedes the first of these steps, or None.
     """
     opens, ends = (When, EndWhen) if numbers.step > 0 else (EndWhen, When)
     now = behind = _NOWHERE if first is None else frozenset({_Way(first)})
@@ -116,7 +131,7 @@ def _along(
         if isinstance(step, opens):
             around.append((now, None))
         elif isinstance(step, Else | ends):
-            # of steps that are cut out of a program the WHEN may be missing
+            # in steps that are cut out of a program, the WHEN may be missing
             before, other = around.pop() if around else (_NOWHERE, None)
             if isinstance(step, Else):
                 around.append((before, now))
@@ -124,10 +139,10 @@ def _along(
             else:
                 now |= before if other is None else other
         elif isinstance(step, Finish):
-            # forwards nothing follows in this way; backwards nothing stands after it
+            # forwards, nothing follows on this path; backwards, nothing comes after it
             now = frozenset() if numbers.step > 0 else behind
         elif isinstance(step, Stop | Gap | Loop | NextPass | Exit | EndLoop):
-            # from one pass of a loop to the next, and out of it, nobody leads in or out
+            # no straight way continues from one pass of a loop to the next, or out of the loop
             now = _NOWHERE
         elif isinstance(step, SetOutput) and step.output.variable in closing:
             now = frozenset(_after_set(steps, at, closing, now, forwards=numbers.step > 0))
@@ -151,7 +166,7 @@ def _after_set(
     *,
     forwards: bool,
 ) -> Iterable[_Way]:
-    """Yield the ways behind a SET: one that does again what the last one did changes nothing."""
+    """Yield the paths after a SET. A SET that repeats the last one has no effect."""
     for one in ways:
         last = steps[one.set] if forwards and one.set is not None and 0 <= one.set < len(steps) else None
         again = isinstance(last, SetOutput) and _does(last, closing) == _does(steps[at], closing)
@@ -164,7 +179,7 @@ def _does(step: Step, closing: Mapping[str, float]) -> tuple[str, bool]:
 
 
 def _leads(found: Mapping[int, frozenset[_Way]]) -> dict[int, tuple[Lead, ...]]:
-    """Return the SETs next to each motion that is next to one on all ways."""
+    """Return the SETs beside each motion that is beside one on all paths."""
     leads: dict[int, tuple[Lead, ...]] = {}
     for at, ways in found.items():
         if any(one.left or one.set is None for one in ways):

@@ -1,4 +1,6 @@
-"""What a description of parts leaves open to mistakes: what a part lies on at its start, and how deep the gripper is in it."""
+"""Detect likely mistakes in a description of parts: the body on which a part lies at its start, and the depth
+of the gripper in it.
+"""
 
 from __future__ import annotations
 
@@ -16,11 +18,15 @@ from yarclang.handling.surroundings import surroundings
 from yarclang.robot.model import Array, Robot
 
 DEEP = 5e-3
-"""A cup of a vacuum gripper may be this deep in the part that it takes [m]; a gripper without a vacuum sensor deeper by this than to the part's middle."""
+"""Depth of a vacuum gripper's cup in the part that it takes, above which a mistake is reported [m]. A gripper
+without a vacuum sensor may be deeper by half of the part's thickness.
+"""
 
 
 def first_of(grasp: Grasp) -> tuple[Item, ...]:
-    """Return the parts that a gripper takes from where they lie when the program starts; of several of a kind only the first one."""
+    """Return the parts that a gripper takes from where they lie when the program starts; of several of a kind
+    only the first.
+    """
     return tuple(
         one
         for one in grasp.before.items
@@ -32,16 +38,17 @@ def first_of(grasp: Grasp) -> tuple[Item, ...]:
 
 
 def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body that is nearest to a part where a gripper takes it.
+    """Find the body nearest to a part where a gripper takes it.
 
     Args:
         robot: in the cell.
-        cell: as its file says.
+        cell: as in its file.
         grasp: takes the part.
         name: of the part.
 
     Returns:
-        The body, and its distance as `least` [m], negative if both overlap; None if there is no other body that stands still.
+        The body, and its distance as `least` [m], negative if both overlap; None if there is no other body at
+        rest.
     """
     found = _gaps(
         robot,
@@ -55,18 +62,20 @@ def nearest_to(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | Non
 
 
 def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
-    """Find the body of the flange that is deeper in a part than a gripper should be where it closes.
+    """Find the body on the flange that is deeper in a part than a gripper should be where it closes.
 
-    A cup lies on the part. Fingers reach around it; as one body, which has no room between them, they are in it, but hardly beyond its middle.
+    A cup lies on the part. Fingers reach around it. As one body, which has no gap between them, they overlap
+    the part, but hardly beyond its middle.
 
     Args:
         robot: in the cell.
-        cell: as its file says.
+        cell: as in its file.
         grasp: takes the part.
         name: of the part.
 
     Returns:
-        The part as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is too deep.
+        The part as `part`, the body as `other`, and minus the overlap as `least` [m]; None if nothing is too
+        deep.
     """
     item = next(one for one in grasp.before.items if one.name == name)
     is_cup = any(one.gripper == grasp.variable for one in cell.sensors)
@@ -86,10 +95,12 @@ def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
 
 
 def _half_thickness(item: Item) -> float:
-    """Return half of the shortest edge of the box around a part [m]; infinite for a mesh that can't be read."""
+    """Return half of the shortest edge of the box around a part [m]; infinite for a mesh that can't be
+    read.
+    """
     try:
         return float(geometry_of(item.part.body.shape).half.min())
-    except UnreadableError:  # said with the collisions
+    except UnreadableError:  # reported with the collisions
         return np.inf
 
 
@@ -101,7 +112,17 @@ def _gaps(
     is_still: Callable[[Body], bool],
     is_moved: Callable[[Body], bool],
 ) -> list[Touch]:
-    """Return the distances of bodies that stand still (`other`) from bodies of the flange (`part`) at a flange pose (4, 4); empty without a scene."""
+    """Return the distances of bodies at rest (`other`) from bodies on the flange (`part`); empty without a
+    scene.
+
+    Args:
+        robot: in the cell.
+        cell: as in its file.
+        parts: where the parts are.
+        base_from_flange: (4, 4) the flange's pose.
+        is_still: chooses bodies at rest.
+        is_moved: chooses bodies on the flange.
+    """
     scene = scene_of(robot, surroundings(cell, parts)).value
     if scene is None:
         return []

@@ -1,4 +1,6 @@
-"""The cell at an instant of a program: its parts are obstacles where they lie, and carried bodies while a gripper holds them."""
+"""Build the cell at an instant of a program: parts are obstacles where they lie, and carried bodies while a
+gripper holds them.
+"""
 
 from __future__ import annotations
 
@@ -18,20 +20,22 @@ from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
 
 PRESSED = 5e-4
-"""Bodies that touch while a part is taken or put down may come nearer by this on the way in and out [m]."""
+"""Distance by which bodies that touch while a part is taken or put down may come nearer on the way in and out
+[m].
+"""
 INTO = 1e-3
-"""A part may be put this deep into what carries it [m]: drawings aren't exact."""
+"""Depth to which a part may be put into a body that carries it [m]: drawings aren't exact."""
 NEAR = 0.02
-"""Bodies that are farther than this and their margin from a part [m] don't carry it."""
+"""Bodies farther from a part than this plus their margin [m] don't carry it."""
 
 
 def surroundings(cell: Cell | None, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
-    """Return the cell as it is with its parts at their places; equal states give the same object.
+    """Return the cell with its parts at their places; equal states give the same object.
 
     Args:
-        cell: as its file says.
+        cell: as in its file.
         parts: where its parts are.
-        touches: which bodies may touch each other.
+        touches: the bodies that may touch each other.
     """
     if cell is None or not cell.parts:
         return cell
@@ -40,14 +44,14 @@ def surroundings(cell: Cell | None, parts: Parts, touches: tuple[Touch, ...] = (
 
 @lru_cache(maxsize=64)
 def without_parts(cell: Cell) -> Cell:
-    """Return a cell whose parts are left out, as nobody knows where they are; equal cells give the same object."""
+    """Return a cell without its parts, whose places aren't known; equal cells give the same object."""
     return replace(cell, parts=()) if cell.parts else cell
 
 
 @lru_cache(maxsize=4096)
 def _surroundings(cell: Cell, items: tuple[Item, ...], touches: tuple[Touch, ...]) -> Cell:
     bodies = tuple(_body(one) for one in items)
-    # a part that may be at two places doesn't meet itself
+    # a part that may be at two places doesn't collide with itself
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
     return replace(cell, obstacles=obstacles, touches=(*touches, *twice), parts=(), present=None)
@@ -62,17 +66,18 @@ def _body(item: Item) -> Obstacle:
 
 @lru_cache(maxsize=1024)
 def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: bytes) -> tuple[Touch, ...]:
-    """Find what carries the parts of a gripper where it takes them or puts them down.
+    """Find the bodies that carry the parts of a gripper where it takes them or puts them down.
 
     Args:
         robot: in the cell.
-        cell: as its file says.
+        cell: as in its file.
         carried: the state in which the gripper holds them.
         gripper: the variable of its output.
-        flange: where the flange stands, base_from_flange (4, 4) [m], as bytes.
+        flange: the flange's pose, base_from_flange (4, 4) [m], as bytes.
 
     Returns:
-        Pairs of bodies that are apart by less than `NEAR` and their margin; `least` is by how much [m], negative if they overlap. Nothing without a scene.
+        Pairs of bodies whose distance is at most `NEAR` plus their margin; `least` is the distance [m],
+        negative if they overlap. Nothing without a scene.
     """
     scene = scene_of(robot, surroundings(cell, carried)).value
     names = {one.name for one in carried.held(gripper)}
@@ -97,7 +102,7 @@ def supports(robot: Robot, cell: Cell, carried: Parts, gripper: str, flange: byt
 
 
 def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
-    """Return what may touch on each of several ways."""
+    """Return the exceptions that hold on each of several paths."""
     first, *others = [*ways] or [()]
     for other in others:
         least = {(one.part, one.other): one.least for one in other}
@@ -110,11 +115,11 @@ def on_all_ways(ways: Iterable[tuple[Touch, ...]]) -> tuple[Touch, ...]:
 
 
 def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...], q: Array) -> bool:
-    """Return True if all that hangs on the flange keeps its distance from some parts that lie.
+    """Return True if everything on the flange keeps its distance from given parts that lie in the cell.
 
     Args:
         robot: in the cell.
-        cell: as its file says.
+        cell: as in its file.
         parts: where the parts are.
         names: of the parts.
         q: joint position (n,) [rad or m].
@@ -131,11 +136,11 @@ def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...]
 
 
 def load_cases(robot: Robot, cell: Cell | None) -> tuple[Dynamics, ...]:
-    """Return the masses that the robot may have to move: with each part that it may hold, and without those that it may not hold.
+    """Return the masses that the robot may have to move: all combinations of the parts that it may hold.
 
     Args:
         robot: with masses.
-        cell: as it is at an instant.
+        cell: at an instant.
     """
     dynamics = robot.dynamics
     if dynamics is None:
@@ -159,7 +164,9 @@ def _load_cases(robot: Robot, dynamics: Dynamics, carried: tuple[Obstacle, ...])
 
 
 MOST_UNSURE = 5
-"""The most parts of which it isn't known at once whether a gripper holds them: all combinations of their masses are looked at."""
+"""The largest number of parts for which it is uncertain at once whether a gripper holds them: all
+combinations of their masses are computed.
+"""
 
 
 def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
@@ -171,7 +178,11 @@ def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
 
 
 def _solid(shape: Shape) -> tuple[Array, Array]:
-    """Return the center of a solid body in its frame (3,) [m], and the diagonal of its inertia about that over its mass (3,) [m^2]; a mesh counts as the box around it."""
+    """Return the centre of a solid body in its frame (3,) [m], and the diagonal of its inertia about the
+    centre divided by its mass (3,) [m^2].
+
+    A mesh counts as the box around it.
+    """
     center = np.zeros(3)
     match shape:
         case Box(size=size):
@@ -181,11 +192,11 @@ def _solid(shape: Shape) -> tuple[Array, Array]:
         case Cylinder(radius=radius, length=length):
             return center, _of_cylinder(radius, length)
         case Capsule(radius=radius, length=length):
-            # as the cylinder that is as long as the capsule with its caps: never less
+            # as a cylinder of the capsule's full length: never less
             return center, _of_cylinder(radius, length + 2.0 * radius)
     try:
         geometry = geometry_of(shape)
-    except UnreadableError:  # said with the collisions
+    except UnreadableError:  # reported with the collisions
         return center, center
     return geometry.middle, _of_box(2.0 * geometry.half)
 

@@ -1,4 +1,4 @@
-"""A program followed step by step: where the parts are before each of them, and what its grippers do."""
+"""Follow a program step by step: where the parts are before each step, and what its grippers do."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Handling:
 
     @property
     def is_needed(self) -> bool:
-        """True if there are parts at all."""
+        """True if there are any parts."""
         return self.cell is not None and bool(self.cell.parts)
 
     def first(self) -> Whereabouts:
@@ -46,7 +46,9 @@ class Handling:
         return Whereabouts(Ways(first_parts(self.cell)))
 
     def before_motion(self, stand: Whereabouts, step: int) -> Whereabouts:
-        """Return where the parts are on a motion: what was taken away is followed by the next of its kind."""
+        """Return where the parts are on a motion: the next of its kind replaces a part that was taken
+        away.
+        """
         if not stand.parts.expected:
             return stand
         return stand.moved(arrive(stand.parts, self.runs.leaves.get(step, frozenset())))
@@ -55,12 +57,12 @@ class Handling:
         """Carry out a step that doesn't move the robot.
 
         Args:
-            stand: before the step.
+            stand: the whereabouts before the step.
             step: its number.
-            q: where the robot stands (n,) [rad or m]; None if that isn't known: then grippers change nothing.
+            q: the robot's position (n,) [rad or m]; None if it isn't known: then grippers change nothing.
 
         Returns:
-            What is then, and what a gripper did, if the step moves one.
+            The whereabouts after the step, and the grasp, if the step moves a gripper.
         """
         one = self.steps[step]
         if isinstance(one, Turn):
@@ -89,7 +91,15 @@ class Handling:
     def at_pose(
         self, parts: Parts, step: int, variable: str, value: float, base_from_flange: Array
     ) -> Grasp | None:
-        """Return what a gripper does whose output becomes `value` while the flange stands at a pose (4, 4); None if nothing changes."""
+        """Return the grasp of a gripper whose output becomes `value`, or None if nothing changes.
+
+        Args:
+            parts: where the parts are before.
+            step: the step of the SET.
+            variable: the gripper's output.
+            value: the new value.
+            base_from_flange: (4, 4) the flange's pose.
+        """
         if self.cell is None:
             return None
         flange, grip = base_from_flange, self.cell.grips[variable]
@@ -110,13 +120,15 @@ class Handling:
         clear: Collection[tuple[int, int]] = (),
         coming: Sequence[Grasp] = (),
     ) -> tuple[Touch, ...]:
-        """Return which bodies may touch on a motion, as it leads in to a part or out from it; on several ways of a WHEN only what may touch on each of them.
+        """Return the bodies that may touch on a motion as it approaches or leaves a part; if branches of a
+        WHEN meet, only those that may on each.
 
         Args:
-            step: the motion's.
-            grasps: what a SET does, by its step; None if that isn't known.
-            clear: the SETs and motions, by their steps, for which the gripper isn't at the part yet, or no longer: it may not touch it.
-            coming: what the next lines of the session may do.
+            step: the motion's step.
+            grasps: returns the grasp of a SET by its step; None if it isn't known.
+            clear: pairs of SET and motion, by their steps, for which the gripper isn't at the part yet, or no
+                longer: it may not touch the part.
+            coming: grasps that the next lines of the session may make.
         """
 
         def of_set(number: int, *, leads_in: bool) -> tuple[Touch, ...]:
@@ -142,11 +154,13 @@ class Handling:
         return () if present is None else present.leaving
 
     def leaving(self, grasp: Grasp) -> Leaving:
-        """Return what may touch on the way out after a grasp."""
+        """Return the exceptions for the way out after a grasp."""
         return Leaving(grasp.moved, grasp.closes, self._touches(grasp, leads_in=False))
 
     def coming(self, parts: Parts, base_from_flange: Array) -> tuple[Grasp, ...]:
-        """Return what the next lines of a session may do at a flange pose (4, 4): close what is open, open what is closed."""
+        """Return the grasps that the next lines of a session may make at a flange pose (4, 4): close an open
+        gripper, open a closed one.
+        """
         present = None if self.cell is None else self.cell.present
         if self.cell is None or present is None or not present.goes_on:
             return ()
@@ -159,7 +173,9 @@ class Handling:
         return tuple(one for one in found if one is not None and one.moved)
 
     def _allowed(self, coming: Sequence[Grasp]) -> list[Touch]:
-        """Return what may touch where the next line of a session may take or put down a part; it may not be put into something."""
+        """Return the exceptions where the next line of a session may take or put down a part; the part may
+        not be put into a body.
+        """
         touches = [touch for one in coming for touch in self._touches(one, leads_in=True)]
         return [one for one in touches if one.other is None or one.least >= -INTO - PRESSED]
 
@@ -170,13 +186,19 @@ class Handling:
         ends: Callable[[int], Array | None],
         before: Mapping[int, Parts],
     ) -> set[tuple[int, int]]:
-        """Return the SET and the straight motions on which its gripper isn't at its part yet, or no longer: those beyond the first place, seen from the SET, where it is clear of the part.
+        """Find the straight motions on which a SET's gripper isn't at its part yet, or no longer.
+
+        These are the motions beyond the first place, seen from the SET, at which the gripper is clear of the
+        part.
 
         Args:
             grasp: what the SET does.
-            begins: where a motion begins (n,) [rad or m], by its step.
-            ends: where it ends.
+            begins: returns where a motion begins (n,) [rad or m], by its step.
+            ends: returns where a motion ends (n,) [rad or m], by its step.
             before: where the parts are on each motion, by its step.
+
+        Returns:
+            Pairs of the SET's step and a motion's step.
         """
         leave = begins if grasp.closes else ends
         return self._beyond(grasp.step, grasp.closes, grasp.moved, leave, before)
@@ -184,7 +206,9 @@ class Handling:
     def clear_of_left(
         self, ends: Callable[[int], Array | None], before: Mapping[int, Parts]
     ) -> set[tuple[int, int]]:
-        """Return the same of the parts beside which the robot stands when the program starts."""
+        """Find the same motions as `clear_of`, for the parts beside which the robot stands when the program
+        starts.
+        """
         found = (self._beyond(BEFORE, False, one.moved, ends, before) for one in self._left if not one.closes)
         return set().union(*found)
 
@@ -200,7 +224,9 @@ class Handling:
         found: set[tuple[int, int]] = set()
 
         def is_clear(step: int) -> bool:
-            """Return True if the gripper is clear of the part behind a motion, seen from the SET."""
+            """Return True if the gripper is clear of the part at the far end of a motion, seen from the
+            SET.
+            """
             q = leave(step)
             if (number, step) in found:
                 return True
@@ -218,19 +244,25 @@ class Handling:
         if grasp.closes == leads_in:
             # the gripper is around a part that lies there
             return tuple(Touch(name, None, -np.inf) for name in grasp.moved)
-        # a part that lies deep in something when it is taken isn't carried by that: it meets it
+        # a part that lies deep in a body when it is taken isn't carried by that body: the two collide
         carry = (one for one in self.supports(grasp) if not grasp.closes or one.least >= -INTO)
         return tuple(Touch(one.part, one.other, one.least - PRESSED) for one in carry)
 
     def supports(self, grasp: Grasp) -> tuple[Touch, ...]:
-        """Return what is near the parts of a grasp, and how near [m]."""
+        """Return the bodies near the parts of a grasp, with their distances [m]."""
         if self.cell is None:
             return ()
         carried = grasp.after if grasp.closes else grasp.before
         return supports(self.robot, self.cell, carried, grasp.variable, grasp.base_from_flange.tobytes())
 
     def foreseen(self, parts: Parts, step: int, base_from_flange: Array) -> tuple[Touch, ...]:
-        """Return which bodies may touch at the end of a motion that leads the flange to a pose (4, 4), if a gripper closes or opens there."""
+        """Return the bodies that may touch at the end of a motion, if a gripper closes or opens there.
+
+        Args:
+            parts: where the parts are.
+            step: the motion's step.
+            base_from_flange: (4, 4) the flange's pose at the end of the motion.
+        """
 
         def of_set(at: int) -> tuple[Touch, ...]:
             if at == len(self.steps):
@@ -244,7 +276,7 @@ class Handling:
         return on_all_ways(of_set(one.to) for one in self.runs.towards.get(step, ()))
 
     def around(self, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
-        """Return the cell as it is, with what may touch."""
+        """Return the cell at an instant, with the bodies that may touch."""
         return surroundings(self.cell, parts, touches)
 
 
@@ -254,12 +286,14 @@ class Followed:
 
     Attributes:
         before: where the parts are during each motion, by its step.
-        changes: where they are from the beginning of each step on that has changed it, in the order of the steps, and from that of each motion.
+        changes: where the parts are from the beginning of each motion, and of each other step that changes
+            it, in the order of the steps.
         grasps: what grippers do, by the step of the SET.
         removed: the names of the parts that machines remove, by the step of the SET.
-        end: where the parts are in the end.
-        cells: the cell as it is during each motion.
-        unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would begin anew.
+        end: where the parts are at the end.
+        cells: the cell as it is during each motion, by its step.
+        unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would
+            begin anew.
     """
 
     before: Mapping[int, Parts]
@@ -278,9 +312,11 @@ def followed(
 
     Args:
         handling: its steps and the cell.
-        start: where the robot stands at first (n,) [rad or m].
-        ends: where each motion ends (n,), by its step; of a plan in part some are missing, and grippers do nothing after these up to the next motion that is there.
-        left_out: steps that aren't carried out. With a WHEN among them its ELSE and END must be too: what is left is then carried out one after the other.
+        start: the robot's first position (n,) [rad or m].
+        ends: where each motion ends (n,), by its step. In a partial plan some are missing; after these,
+            grippers do nothing until the next motion that is present.
+        left_out: steps that aren't carried out. A WHEN can only be left out together with its ELSE and END;
+            the remaining steps are then carried out one after the other.
     """
     stand = handling.first()
     before: dict[int, Parts] = {}
@@ -329,7 +365,7 @@ def followed(
 
 
 def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handling:
-    """Return what is needed to follow the parts of a program."""
+    """Return the data for following the parts of a program."""
     has_parts = cell is not None and bool(cell.parts)
     if cell is None or not has_parts:
         return Handling(robot, cell, steps, NO_RUNS)
@@ -339,7 +375,7 @@ def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handl
 
 
 def flange_pose(robot: Robot, q: Array) -> Array:
-    """Return where the flange stands at a joint position (n,): base_from_flange (4, 4)."""
+    """Return the flange's pose at a joint position (n,): base_from_flange (4, 4)."""
     chain, at = robot.chain, np.array(q, dtype=np.float64)[None]
     own = chain.kinematics
     pose: Array = (tool_poses(chain, at, np.eye(4)) if own is None else own.flange(chain, at))[0]

@@ -1,1 +1,3 @@
-"""Checked program to motion plan: paths, laws of motion, and the curve that the controller executes."""
+"""Turn a checked program into a motion plan: paths, laws of motion, and the curve that the controller
+executes.
+"""

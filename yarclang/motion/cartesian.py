@@ -1,4 +1,4 @@
-"""Paths of the moving frame, and how the arm goes along them."""
+"""Follow paths of the moving frame with the arm."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from yarclang.robot.kinematics.track import SAMPLES, Broken, Reason, Track, trac
 from yarclang.robot.model import Chain, Limits, Tolerance
 
 _LIKE = Tolerance()
-"""What distance counts as much as what angle where a pose is late or early along a path."""
+"""Weights of a distance and an angle where the miss along a path is separated from the miss across it."""
 
 _AT_ONCE = 8_192
 """Places of a long path that are solved, or compared with it, at a time."""
 
 _MANY_LEGS = 512
-"""A path of more legs than this is looked at once on each: a few places don't show its bends."""
+"""A path with more legs than this is sampled at least once on each: a few places wouldn't show its bends."""
 
 _STILL = 1e-9
-"""A path shorter than this [m] is a pure turn."""
+"""A path shorter than this is a pure turn [m]."""
 
 
 class FramePath(Protocol):
@@ -33,29 +33,31 @@ class FramePath(Protocol):
 
     @property
     def length(self) -> float:
-        """How far the frame's origin goes [m]."""
+        """The distance that the frame's origin travels [m]."""
         ...
 
     @property
     def angle(self) -> float:
-        """How far the frame turns [rad]."""
+        """The angle by which the frame turns [rad]."""
         ...
 
     def poses(self, s: Array) -> Array:
-        """base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
         ...
 
     def tangents(self, s: Array) -> Array:
-        """Velocity of the origin [m] and angular velocity [rad] over s, in the axes of {B}, (N, 6)."""
+        """Return the derivatives with respect to s, (N, 6): velocity of the origin [m] and angular velocity
+        [rad], in the axes of {B}.
+        """
         ...
 
 
 @frozen(eq=False)
 class CartesianPath:
-    """A path of the moving frame as the arm goes along it, in one configuration.
+    """A path of the moving frame with the arm's motion along it, in one configuration.
 
-    `followed` follows the arm along the path without a jump; every further position is the
-    inverse kinematics nearest to it. `start` is where the robot stands, (n,) [rad or m].
+    `followed` are joint positions along the path without a jump; every other position is the solution of
+    inverse kinematics nearest to them. `start` is the robot's first position, (n,) [rad or m].
     """
 
     chain: Chain
@@ -66,51 +68,57 @@ class CartesianPath:
 
     @property
     def end(self) -> Array:
-        """Where the robot stands at s = 1."""
+        """The robot's position at s = 1 (n,) [rad or m]."""
         end: Array = self.followed.q[-1]
         return end
 
     @property
     def slope(self) -> Array:
-        """The steepest slope of each joint over s, about (n,) [rad or m]."""
+        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
         track = self.followed
         slope: Array = (np.abs(np.diff(track.q, axis=0)) / np.diff(track.s)[:, None]).max(axis=0)
         return slope
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """Never assumed."""
+        """Always False: a Cartesian path is never assumed to be straight in joint space."""
         return False
 
     @property
     def places(self) -> Array:
-        """Where the arm was followed (k,): the denser the faster a joint turns."""
+        """Places s (k,) at which the arm was followed: the faster a joint turns, the denser."""
         return self.followed.s
 
     @property
     def extent(self) -> tuple[float, bool]:
-        """As of `extent_of`."""
+        """The path's extent; see `extent_of`."""
         return extent_of(self.frame)
 
     def joints(self, s: Array) -> Array:
-        """Joint positions (N, n) at `s` (N,)."""
+        """Return joint positions (N, n) at `s` (N,)."""
         return joints_of([self], [s])[0]
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Largest distance of the moving frame from the path [m] and angle from the turn that belongs there [rad].
+        """Return the largest distance of the moving frame from the path [m], and the largest angle from its
+        orientation there [rad].
 
-        What is only early or late along the path doesn't count: the miss, position and turn together, is
-        taken across the path's tangent.
+        Being early or late along the path doesn't count: the miss, position and orientation together, is
+        measured perpendicular to the path's tangent.
+
+        Args:
+            q: (N, n) joint positions [rad or m].
+            s: (N,) their places on the path.
         """
         return deviations([self], [q], [s])[0]
 
 
 def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[Array]:
-    """Return the joint positions (N, n) of each path at its places (N,): solved together, and as each by itself.
+    """Return the joint positions (N, n) of each path at its places (N,): solved together, with the same
+    results as one by one.
 
     Args:
         paths: paths of one arm and one moving frame.
-        places: the share of the way of each, as of `CartesianPath.joints`.
+        places: places s on each path, as for `CartesianPath.joints`.
     """
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     if len(paths) == 1 and len(places[0]) > _AT_ONCE:
@@ -126,12 +134,12 @@ def joints_of(paths: Sequence[CartesianPath], places: Sequence[Array]) -> list[A
 def deviations(
     paths: Sequence[CartesianPath], q: Sequence[Array], places: Sequence[Array]
 ) -> list[tuple[float, float]]:
-    """Return the deviation of joint positions from each path, as of `CartesianPath.deviation`.
+    """Return the deviation of joint positions from each path, as `CartesianPath.deviation` does.
 
     Args:
         paths: paths of one arm and one moving frame.
         q: joint positions (N, n) for each path [rad or m].
-        places: the share of the way (N,) near each of them.
+        places: their places s (N,) on each path.
     """
     if len(paths) == 1 and len(places[0]) > _AT_ONCE:
         each = [
@@ -154,19 +162,21 @@ def deviations(
 
 
 def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
-    """Return the squares of the miss in position and angle (2, N) across the path, as shares of `_LIKE`.
+    """Return the squared misses in position and in angle across the path (2, N), in units of `_LIKE`.
 
     Args:
         columns: the moving frame's axes and origin (4, 3, N).
-        wanted: those that belong there (4, 3, N).
-        tangent: velocity over s (6, N) [m, rad].
+        wanted: those on the path (4, 3, N).
+        tangent: derivatives with respect to s (6, N) [m, rad].
     """
     miss: Array = np.empty((6, columns.shape[2]))
     miss[:3] = (columns[3] - wanted[3]) / _LIKE.position
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
+        # twice the sine of the angle between the frames: the sum of the cross products of their axes
         sine = (columns[:3, before] * wanted[:3, after] - columns[:3, after] * wanted[:3, before]).sum(axis=0)
         miss[3 + row] = sine / (2.0 * _LIKE.angle)
+    # remove the component of the miss along the tangent
     scaled = np.concatenate((tangent[:3] / _LIKE.position, tangent[3:] / _LIKE.angle))
     square = np.maximum((scaled * scaled).sum(axis=0), 1e-300)
     miss -= ((miss * scaled).sum(axis=0) / square) * scaled
@@ -176,7 +186,9 @@ def _across(columns: Array, wanted: Array, tangent: Array) -> Array:
 
 
 def extent_of(frame: FramePath) -> tuple[float, bool]:
-    """How far a moving frame goes: its way [m] and False, or, of a pure turn, the angle [rad] and True."""
+    """Return the extent of a frame's motion: its distance [m] and False, or, for a pure turn, the angle [rad]
+    and True.
+    """
     return (frame.angle, True) if frame.length < _STILL else (frame.length, False)
 
 
@@ -190,8 +202,16 @@ def along(
     legs: int = 1,
     reason: Reason = "measured",
 ) -> CartesianPath | Broken:
-    """Follow a path from where the robot stands, `q_start` (n,), keeping the configuration; `reason` as of `track`. A path of very many
-    `legs` is looked at once on each at least.
+    """Follow a path from the robot's position, keeping the configuration.
+
+    Args:
+        chain: the arm, n joints.
+        limits: its limits.
+        flange_from_moving: (4, 4) [m].
+        frame: the path of the moving frame.
+        q_start: (n,) [rad or m], at the path's start.
+        legs: number of legs of the path; if there are very many, each is sampled at least once.
+        reason: as for `track`.
     """
     poses = flange_poses_of(frame, flange_from_moving)
     tracked = track(
@@ -203,6 +223,8 @@ def along(
 
 
 def flange_poses_of(frame: FramePath, flange_from_moving: Array) -> Callable[[Array], Array]:
-    """The flange's poses along a path of the moving frame."""
+    """Return a function from places s (N,) to the flange's poses (N, 4, 4) along a path of the moving
+    frame.
+    """
     moving_from_flange = np.linalg.inv(flange_from_moving)
     return lambda s: frame.poses(s) @ moving_from_flange

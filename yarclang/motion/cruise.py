@@ -1,4 +1,4 @@
-"""A motion at a given cruise speed: as fast up to it, and down from it, as the limits allow."""
+"""Plan a motion at a given cruise speed, with ramps as short as the limits allow."""
 
 from __future__ import annotations
 
@@ -22,26 +22,32 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Tolerance
 
 _FINE = 12
-"""A blend of so many segments is as short as the limits allow but for a few percent."""
+"""A blend with at least so many segments is within a few percent of the shortest that the limits allow."""
 
 _MANY = 100
-"""Ramps of more segments than that are found but for a hundredth of them."""
+"""Ramps with more segments than this are determined only to one percent."""
 
 _LITTLE = 0.002
-"""Ramps that take no more than this share of the motion are short enough: finer segments for their sake would be many, and gain nothing."""
+"""Ramps are short enough if they take no more than this share of the motion: finer segments would be many and
+gain nothing.
+"""
 
 _FINEST = 0.002
-"""Segments aren't made shorter than this [s] for the sake of short blends."""
+"""Segments aren't made shorter than this to get shorter blends [s]."""
 
 _LEAST_SHARE = 0.02
-"""A smaller share of a speed isn't looked for: where a way nearly turns back on the spot, its segments would be without number."""
+"""Least share of a speed that is tried: where a path nearly turns back on the spot, a smaller one would need
+too many segments.
+"""
 
 
 @frozen
 class CruiseBroken:
-    """The speed can't be held: which limit it breaks, as in `TooFast`, or that the way is too short to reach it (None).
+    """The speed can't be held.
 
-    `share` is the largest share of the speed that was tried and works (0: none of at least `_LEAST_SHARE`, or the way is too short).
+    `broken` is the limit that it breaks, or None if the path is too short to reach the speed. `share` is the
+    largest share of the speed that was tried and works; 0 if none of at least `_LEAST_SHARE` works, or if the
+    path is too short.
     """
 
     broken: TooFast | None
@@ -49,7 +55,9 @@ class CruiseBroken:
 
 
 def full_time(path: CartesianPath, speed: Reading) -> float | None:
-    """Return how long a way takes at a speed [s]; None for a speed of another unit than the way's."""
+    """Return how long a path takes at a speed [s]; None if the speed has another unit than the path's
+    extent.
+    """
     way, turns = path.extent
     wanted = speed.angle if turns else speed.length
     return None if wanted is None else way / wanted
@@ -58,30 +66,35 @@ def full_time(path: CartesianPath, speed: Reading) -> float | None:
 def at_speed(
     path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance
 ) -> Curve | CruiseBroken | NotHeld | TooLong:
-    """The curve that goes along the path at one speed, but for its ramps.
+    """Return the curve that follows the path at one speed, except on its ramps.
 
     Args:
-        path: the way, equally fast everywhere over s.
-        full: how long the way takes at the speed that is wanted [s].
+        path: the path, traversed at constant speed over s.
+        full: how long the whole path takes at the wanted speed [s].
         bounds: the limits to keep.
-        grid: the segment times that the controller takes.
-        tolerance: how far the executed path may be from `path`.
+        grid: the segment times that the controller accepts.
+        tolerance: largest distance of the executed path from `path`.
+
+    Returns:
+        The curve, or the reason why there is none.
     """
     if full / grid.largest > MOST_SEGMENTS:
         return TooLong(full)
     found = _tried(path, full, bounds, grid, tolerance)
     if isinstance(found, Curve | NotHeld):
         return found
-    # a way that is too short to reach its speed gets another law, and no share of the speed
+    # a path too short to reach its speed needs another law: no share of the speed helps
     share = 0.0 if found is None else _share(path, full, bounds, grid, tolerance)
     return CruiseBroken(found, share)
 
 
 def cruise_law(segments: float) -> Law:
-    """The law whose cruise would take the whole way in so many segments; more are its ramps."""
+    """Return the law whose cruise would take the whole path in `segments` segments; the segments beyond this
+    number are its ramps.
+    """
 
     def forms(number: int) -> NDArray[np.int64]:
-        blend = int(number - segments + 1e-9)  # rounding isn't a segment less
+        blend = int(number - segments + 1e-9)  # rounding must not lose a segment
         ramps = np.arange(max(1, blend // 2), 0, -1)
         return np.stack((np.full_like(ramps, blend), ramps), axis=1)
 
@@ -98,9 +111,9 @@ def fewest_at_speed(
 
     Args:
         trials: of the path and this law.
-        cruise: how many segments the whole way would take at the speed.
-        segment: their time [s].
-        any_ramps: True if only the gentlest ramps are tried, since nobody goes with them.
+        cruise: number of segments that the whole path would take at the speed.
+        segment: their duration [s].
+        any_ramps: True to try only the gentlest ramps, if the result won't be executed.
 
     Returns:
         None if there is no room for such ramps.
@@ -122,15 +135,21 @@ def fewest_at_speed(
 
 
 def _is_too_short(trials: Trials, duration: float) -> bool:
-    """Return True if no law of motion with the limits of acceleration and jerk gets from rest to rest in a duration [s], whatever the path."""
+    """Return True if no law within the limits of acceleration and jerk goes from rest to rest in a duration
+    [s], whatever the path.
+    """
     way, bounds = np.abs(trials.path.end - trials.path.start), trials.bounds
-    # all jerk and no pause: up, down, down and up, a quarter of the time each
+    # the fastest law without pauses: jerk up, down, down and up, a quarter of the time each
     most = np.minimum(bounds.jerk * (duration**3 / 32.0), bounds.acceleration * (duration**2 / 4.0))
     return bool((way > (1.0 + 1e-6) * most).any())
 
 
 def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial | None:
-    """Return the trial of the smallest number from `least` to `most` that has one, or of one that is a little larger where it is large; from some number on all have."""
+    """Return the trial with the smallest number from `least` to `most` that has one; large numbers are
+    determined only roughly.
+
+    From some number on all numbers must have a trial, so that bisection applies.
+    """
     size, before, found = least, least - 1, None
     while size <= most and (found := tried(size)) is None:
         if size == most:
@@ -148,7 +167,9 @@ def fewest(tried: Callable[[int], Trial | None], least: int, most: int) -> Trial
 def _tried(
     path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance, *, any_ramps: bool = False
 ) -> Curve | NotHeld | TooFast | None:
-    """Return the curve; None if the ramps have no room (`any_ramps` as of `fewest_at_speed`)."""
+    """Return the curve, or None if there is no room for the ramps; `any_ramps` is as for
+    `fewest_at_speed`.
+    """
     segment = grid.nearest(min(grid.largest, full / (FEWEST_IN_BLEND + 1)))
     refused = False
     while segment >= grid.smallest:
@@ -157,7 +178,7 @@ def _tried(
         can_be_finer = finer >= max(grid.smallest, _FINEST)
         trial = fewest_at_speed(trials, full / segment, segment, any_ramps=any_ramps)
         if trial is None:
-            # where ramps have room enough, it isn't the segments that are too coarse
+            # if the ramps have enough room, coarse segments aren't the reason
             has_room = full / segment > 2 * _FINE
             if not can_be_finer or (refused and has_room):
                 return _cause(trials, full / segment, segment)
@@ -181,7 +202,9 @@ def _tried(
 
 
 def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
-    """The limit that the cruise itself breaks, with the gentlest ramps; None where only the ramps are too short."""
+    """Return the limit that the cruise itself breaks with the gentlest ramps; None if only the ramps are too
+    short.
+    """
     if math.floor(2.0 * cruise) < cruise + FEWEST_IN_BLEND:
         return None
     if trials.is_slow(math.floor(2.0 * cruise), segment):
@@ -193,7 +216,9 @@ def _cause(trials: Trials, cruise: float, segment: float) -> TooFast | None:
 
 
 def _share(path: Path, full: float, bounds: Bounds, grid: Grid, tolerance: Tolerance) -> float:
-    """Return the share of a speed that works, within half a percent of the largest; 0 if none of at least `_LEAST_SHARE` is found."""
+    """Return the largest share of a speed that works, to within half a percent; 0 if none of at least
+    `_LEAST_SHARE` is found.
+    """
     low, high = 0.0, 1.0
     for _ in range(16):
         middle = 0.5 * (low + high) if low else max(0.3 * high, _LEAST_SHARE)

@@ -1,15 +1,14 @@
-"""The curve that a controller with uniform segments executes: a cubic B-spline in joint space.
+"""Define the curve that a controller with uniform segments executes: a cubic B-spline in joint space.
 
-A motion of n segments of h seconds has n + 3 control points, the first three equal to its
-start and the last three equal to its end, so that it starts and ends at rest. With f the control
-points, at knot k (time k h):
+A motion of n segments of h seconds has n + 3 control points. The first three equal its start and the last
+three its end, so that it starts and ends at rest. With the control points f, at knot k (time k h):
 
     x = (f[k] + 4 f[k+1] + f[k+2]) / 6        v = (f[k+2] - f[k]) / 2h
     a = (f[k+2] - 2 f[k+1] + f[k]) / h^2      jerk = (f[k+3] - 3 f[k+2] + 3 f[k+1] - f[k]) / h^3
 
-Acceleration is linear between knots and jerk constant in each segment. The velocity anywhere lies in the convex hull of the
-first differences over h: limits of velocity, acceleration and jerk hold at all instants where they hold for the differences
-(de Boor, B-spline basics).
+Acceleration is linear between knots, and jerk is constant in each segment. The velocity at any instant lies
+in the convex hull of the first differences over h. Therefore limits of velocity, acceleration and jerk hold
+at all instants if they hold for the differences (de Boor, B-spline basics).
 """
 
 from __future__ import annotations
@@ -23,14 +22,14 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_SEGMENTS = 4
-"""With fewer there is no control point left between the three of the start and the three of the end."""
+"""With fewer segments no control point is left between the three at the start and the three at the end."""
 
 
 @frozen(eq=False)
 class Curve:
     """A motion from rest to rest: `points` (n + 3, d) control points [rad or m], `segment` h [s].
 
-    `law` (n + 3,) are the control values of the share of the way over time that the points were made with.
+    `law` (n + 3,) are the control values of the share of the path over time from which the points were made.
     """
 
     points: Array
@@ -44,11 +43,11 @@ class Curve:
 
     @property
     def duration(self) -> float:
-        """N h [s]."""
+        """The duration n h [s]."""
         return self.segments * self.segment
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration.
+        """Compute position, velocity and acceleration.
 
         Args:
             times: (N,) in s from the start; outside the motion the robot is at rest.
@@ -62,7 +61,9 @@ class Curve:
 
 
 class Sampler:
-    """Samples many curves at once: each sample costs the same, however many curves there are and however short they are."""
+    """Sampler of many curves at once: the cost for each sample doesn't depend on the number and length of the
+    curves.
+    """
 
     def __init__(self, curves: Sequence[Curve]) -> None:
         self._points = np.concatenate([curve.points for curve in curves])
@@ -72,10 +73,10 @@ class Sampler:
         self._segment = np.array([curve.segment for curve in curves])
 
     def sample(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration, as `Curve.sample` gives them to the last bit.
+        """Compute position, velocity and acceleration: the same bits as `Curve.sample` returns.
 
         Args:
-            number: (N,) of which curve.
+            number: (N,) the curve of each sample.
             times: (N,) in s from its start.
 
         Returns:
@@ -90,7 +91,14 @@ class Sampler:
 def _values(
     points: Array, k: NDArray[np.intp], u: Array, segment: float | Array
 ) -> tuple[Array, Array, Array]:
-    """Position, velocity and acceleration in segments of `segment` [s] that begin with rows `k` (N,) of control points, at shares `u` (N, 1) of them."""
+    """Compute position, velocity and acceleration within segments.
+
+    Args:
+        points: control points.
+        k: (N,) the row of the first control point of each sample's segment.
+        u: (N, 1) the elapsed share of the segment, from 0 to 1.
+        segment: duration of the segments [s].
+    """
     f0, f1, f2, f3 = (points[k + i] for i in range(4))
     w = 1.0 - u
     x = (
@@ -102,31 +110,32 @@ def _values(
 
 
 def knot_values(points: Array) -> Array:
-    """The values at the knots 0 to n, (n + 1, ...), of control points (n + 3, ...)."""
+    """Return the values at the knots 0 to n, (n + 1, ...), of control points (n + 3, ...)."""
     values: Array = (points[:-2] + 4.0 * points[1:-1] + points[2:]) / 6.0
     return values
 
 
 def middle_values(points: Array) -> Array:
-    """The values in the middle of the n segments, (n, ...), of control points (n + 3, ...)."""
+    """Return the values in the middle of the n segments, (n, ...), of control points (n + 3, ...)."""
     values: Array = (points[:-3] + 23.0 * (points[1:-2] + points[2:-1]) + points[3:]) / 48.0
     return values
 
 
 def through_knots(inner: Array, start: Array, end: Array) -> Array:
-    """The control points whose curve passes through given positions at the knots 2 to n - 2.
+    """Return the control points whose curve passes through given positions at the knots 2 to n - 2.
 
-    Knots 0 and n are met as well (the curve rests there); knots 1 and n - 1 belong to the
-    controller's first and last segment, and are met as well as the law of motion is smooth.
+    The curve also passes through its ends at knots 0 and n, where it rests. Knots 1 and n - 1 belong to the
+    controller's first and last segment, and are met as accurately as the law of motion is smooth.
 
     Args:
         inner: (n - 3, d), the positions at knots 2 to n - 2.
         start: (d,), the position at rest before.
-        end: (d,), the position at rest behind.
+        end: (d,), the position at rest after.
 
     Returns:
         (n + 3, d) control points.
     """
+    # 6 x[k] = f[k] + 4 f[k+1] + f[k+2], with the known control points moved to the right side
     right = 6.0 * inner
     right[0] -= start
     right[-1] -= end
@@ -143,11 +152,11 @@ def solve_tridiagonal(diagonal: Array, beside: Array, right: Array) -> Array:
         right: (m, d) right sides.
 
     Returns:
-        (m, d).
+        The solutions (m, d).
     """
     from scipy.linalg import solveh_banded
 
-    if len(diagonal) == 1:  # LAPACK's wrapper has no system of one equation
+    if len(diagonal) == 1:  # LAPACK's wrapper can't solve a single equation
         return right / diagonal[:, None]
     band = np.zeros((2, len(diagonal)))
     band[0, 1:], band[1] = beside, diagonal

@@ -1,7 +1,7 @@
-"""Fitting a law of motion and a path to the controller's segments.
+"""Fit a law of motion and a path to the controller's segments.
 
-The number of segments, the form of the law and the segment time are chosen here, and a time or a speed that asks too much is
-answered with one that doesn't.
+The number of segments, the form of the law and the segment time are chosen here. If a time or a speed asks
+for too much, the answer is one that works.
 """
 
 from __future__ import annotations
@@ -21,33 +21,39 @@ from yarclang.motion.trials import MANY_SEGMENTS, Trial, Trials, find_deviations
 from yarclang.robot.model import Tolerance
 
 MORE_SEGMENTS = 4
-"""How many numbers of segments beyond the fewest are tried for the shortest time: blends and ramps are whole segments."""
+"""Numbers of segments beyond the fewest that are tried for the shortest time: blends and ramps are whole
+segments.
+"""
 
 MOST_MORE = 3 * MORE_SEGMENTS
-"""How many are tried in a given time: so many that each shortest time is found again."""
+"""Numbers of segments that are tried for a given time: enough to find each shortest time again."""
 
 FEW_SEGMENTS = 100
-"""Up to so many, solving the joint positions of several trials together takes hardly longer than those of one."""
+"""Number of segments up to which solving several trials together takes hardly longer than solving one."""
 
 _ROUNDS = 8
-"""How often the number of segments is chosen anew at most, each for the duration that the one before needs."""
+"""The largest number of rounds in which the number of segments is chosen anew, each for the duration that the
+last one needs.
+"""
 
 _MUCH = 1.5
-"""A duration that is so many times as long as that of the law ..."""
+"""A duration misses that of the law by far if it is longer by this factor and also by `_FEW`."""
 
 _FEW = 0.02
-"""... and longer by this [s] misses it by far: a few segments more are usual."""
+"""See `_MUCH` [s]: a few segments more are usual."""
 
 MOST_SEGMENTS = 100_000
-"""A motion of more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no bound."""
+"""A motion with more segments (83 minutes at 50 ms) is refused: near a singularity the shortest time has no
+bound.
+"""
 
 
 @frozen
 class TooFast:
     """A limit is broken in the given time.
 
-    `share` is how much of the limit is used (1 is all of it), `time` [s] and `s` say where, `shortest` [s] is a
-    duration that was tried and works (infinite where none does). `demand` is None where only the controller's
+    `share` is the used share of the limit (1 is all of it). `time` [s] and `s` are the place. `shortest` [s]
+    is a duration that was tried and works, infinite if none does. `demand` is None if only the controller's
     segments are too coarse.
     """
 
@@ -60,7 +66,7 @@ class TooFast:
 
 @frozen
 class NotHeld:
-    """The path can't be held: what it misses by [m], [rad], at the shortest segments."""
+    """The path can't be held: the misses [m] and [rad] that remain with the shortest segments."""
 
     position: float
     angle: float
@@ -86,16 +92,17 @@ def fit(
     """Choose segments, form and segment time of a motion along a path.
 
     Args:
-        path: the way.
+        path: the path.
         profile: the law of motion.
         duration: [s], or None for the shortest that the limits allow.
         bounds: the limits to keep.
-        grid: the segment times that the controller takes.
-        tolerance: how far the executed path may be from `path`.
-        trials: those that were made of all this before.
+        grid: the segment times that the controller accepts.
+        tolerance: largest distance of the executed path from `path`.
+        trials: trials made earlier for the same arguments, or None.
 
     Returns:
-        The curve; its duration is the given one but for the controller's step of the segment time.
+        The curve, whose duration is the given one up to the controller's step of the segment time; or the
+        reason why there is none.
     """
     if not profile.has_jerk_limit:
         bounds = bounds.without_jerk()
@@ -120,11 +127,12 @@ def fit(
 
 
 def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
-    """Make the trials that the shortest durations of some motions ask for: what is looked for then is known.
+    """Make the trials for the shortest durations of several motions together, so that later searches find
+    them done.
 
     Args:
-        work: the trials of each motion, of paths of one arm and one moving frame, and its law.
-        grid: the segment times that the controller takes.
+        work: the trials of each motion, on paths of one arm and one moving frame, and its profile.
+        grid: the segment times that the controller accepts.
     """
     fitters = [_Fitter.of(trials, profile, grid) for trials, profile in work]
     segments = [MANY_SEGMENTS] * len(fitters)
@@ -163,7 +171,11 @@ def look_ahead(work: Sequence[tuple[Trials, Profile]], grid: Grid) -> None:
 
 @dataclass(slots=True)
 class _Fitter:
-    """`grid` is what the controller takes, `quick` what does the shortest time justice."""
+    """Fitter of one motion.
+
+    `grid` are the segment times that the controller accepts; `quick` is limited to segments short enough to
+    rate the shortest duration.
+    """
 
     trials: Trials
     profile: Profile
@@ -173,16 +185,18 @@ class _Fitter:
 
     @classmethod
     def of(cls, trials: Trials, profile: Profile, grid: Grid) -> _Fitter:
-        """Return what fits a motion to a grid."""
+        """Return the fitter of a motion for a grid."""
         quick = replace(grid, largest=max(grid.smallest, min(grid.largest, profile.longest_segment)))
         return cls(trials, profile, grid, quick)
 
     def needed_at_least(self) -> int:
-        """Return the number of segments that the search for the shortest duration begins with."""
+        """Return the number of segments at which the search for the shortest duration begins."""
         return self.quick.fewest(max(self.trials.foreseen_shortest(), self.quick.smallest))
 
     def in_time(self, duration: float) -> Curve | TooFast | NotHeld:
-        """A curve of the given duration; a TooFast of this has no `shortest` yet."""
+        """Return a curve of the given duration, or the reason why there is none; a `TooFast` has no
+        `shortest` yet.
+        """
         fewest = self.grid.fewest(duration)
         refusal: TooFast | None = None
         segments = fewest
@@ -208,7 +222,9 @@ class _Fitter:
         return refusal or TooFast(None, math.inf, 0.0, 0.0, math.inf)
 
     def stretched(self, segments: int, segment: float) -> Trial | None:
-        """The form of the shortest time on so many segments, if that keeps the limits."""
+        """Return the trial with the form of the shortest time, stretched to `segments` segments, if it keeps
+        the limits; otherwise None.
+        """
         found = self.shortest_trial()
         if isinstance(found, NotHeld | TooLong):
             return None
@@ -218,12 +234,12 @@ class _Fitter:
         return trial if trial.demand.segment <= segment else None
 
     def shortest(self) -> Curve | NotHeld | TooLong:
-        """The curve of the shortest duration."""
+        """Return the curve of the shortest duration."""
         found = self.shortest_trial()
         return found if isinstance(found, NotHeld | TooLong) else found[0]
 
     def shortest_trial(self) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """The curve of the shortest duration, and the trial that it is made of; looked for once."""
+        """Return the curve of the shortest duration, and its trial; the search runs only once."""
         if self._shortest is None:
             self._shortest = self._coarser(self._search())
         return self._shortest
@@ -231,9 +247,10 @@ class _Fitter:
     def _coarser(
         self, found: tuple[Curve, Trial] | NotHeld | TooLong
     ) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return a curve with longer segments if there is one that is faster by far, for a law whose own duration is missed by far.
+        """Return a curve with longer segments, if it is much faster and the duration of the law is missed by
+        far.
 
-        Beside a singularity, short segments find peaks that longer ones pass over, within the tolerance.
+        Beside a singularity, short segments resolve peaks that longer ones pass over within the tolerance.
         """
         least = self.trials.law.shortest
         if least is None or (isinstance(found, tuple) and found[0].duration <= _MUCH * least + _FEW):
@@ -258,12 +275,13 @@ class _Fitter:
             segments = needed
             if segments <= FEW_SEGMENTS and not self.trials.path.is_straight_in_joints:
                 # which costs little more than the first of them alone
+                # costs little more than the first of them alone
                 self.trials.fastest_of(self.compared(segments))
             needed = self.needed(self.trials.fastest(segments))
         while segments <= MOST_SEGMENTS:
             best = self.best_of(segments)
             if self.quick.not_below(best.demand.segment) > self.grid.largest:
-                # beside a singularity more segments find a higher peak: take as many as that needs
+                # beside a singularity more segments find a higher peak: take as many as it needs
                 segments = max(segments + MORE_SEGMENTS + 1, self.needed(best))
                 continue
             better = self.trials.segments_for_tolerance(best)
@@ -276,16 +294,16 @@ class _Fitter:
         return TooLong(segments * self.quick.largest)
 
     def needed(self, trial: Trial) -> int:
-        """The fewest segments of the duration that a trial needs."""
+        """Return the fewest segments for the duration that a trial needs."""
         return self.quick.fewest(trial.segments * max(trial.demand.segment, self.quick.smallest))
 
     def best_of(self, segments: int) -> Trial:
-        """The fastest of a few numbers of segments from `segments` on, if possible one with segments that
-        aren't too long.
+        """Return the fastest trial of a few numbers of segments from `segments` on, if possible one whose
+        segments aren't too long.
         """
         numbers = self.compared(segments)
         if self.profile.is_stretched and self.trials.path.is_straight_in_joints:
-            # what other numbers need is known without their control points, so many can be compared
+            # the needs of other numbers are known without their control points, so that many can be compared
             numbers = self._likeliest(range(segments, segments + max(MORE_SEGMENTS, segments // 4) + 1))
         trials = self.trials.fastest_of(numbers)
 
@@ -296,12 +314,14 @@ class _Fitter:
         return min(trials, key=duration)
 
     def compared(self, segments: int) -> range:
-        """The numbers of segments from `segments` on that are compared; without blends and ramps there is nothing to round."""
+        """Return the numbers of segments from `segments` on that are compared; without blends and ramps only
+        one, since nothing is rounded.
+        """
         more = MORE_SEGMENTS if self.trials.law.forms(segments).shape[1] else 0
         return range(segments, segments + more + 1)
 
     def _likeliest(self, numbers: range) -> range:
-        """The one of `numbers` of segments with the shortest duration, of a straight line in joint space."""
+        """Return the number of `numbers` with the shortest duration, for a straight line in joint space."""
         least = self.trials.foreseen_least(self.trials.fastest(numbers[0]), numbers)
         durations = [
             number * self.quick.not_below(segment) for number, segment in zip(numbers, least, strict=True)
@@ -310,7 +330,7 @@ class _Fitter:
         return range(best, best + 1)
 
     def usable(self, duration: float) -> float:
-        """A duration of few digits, not below `duration` [s], that works when it is given."""
+        """Return a duration with few digits, not below `duration` [s], that works when it is given."""
         digits = max(3, 2 - math.floor(math.log10(max(duration, 1e-9))))
         step = 10.0**-digits
         for _ in range(60):
@@ -322,15 +342,18 @@ class _Fitter:
 
 
 def curve_of(trial: Trial, segment: float) -> Curve:
-    """The curve of a trial with segments of `segment` [s]."""
+    """Return the curve of a trial with segments of `segment` [s]."""
     trial.points.setflags(write=False)
     return Curve(trial.points, segment, trial.control)
 
 
 def refusal_of(trial: Trial, demand: Demand, segment: float) -> TooFast:
-    """Where and by how much a trial breaks a limit at a segment time [s]; no shorter time is known yet."""
+    """Return where and by how much a trial breaks a limit at a segment time [s]; a shorter time isn't known
+    yet.
+    """
     order = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}[demand.kind]
-    # a difference of order r from control point i on belongs to knots i + r/2 - 1 (points stand one knot ahead)
+    # a difference of order r from control point i on belongs to knot i + r/2 - 1, since control points are
+    # one knot ahead
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(trial.segments))
     s = float(np.interp(knot, np.arange(trial.segments + 1), knot_values(trial.control)))
     return TooFast(demand, (demand.segment / segment) ** order, knot * segment, s, math.inf)

@@ -1,4 +1,6 @@
-"""How exactly the moving frame keeps a speed: between the knots the curve goes a little faster and slower than its law."""
+"""Measure how exactly the moving frame keeps a speed: between the knots the curve is slightly faster and
+slower than its law.
+"""
 
 from __future__ import annotations
 
@@ -14,23 +16,27 @@ from yarclang.progress import go_on
 from yarclang.robot.kinematics.fk import poses_and_jacobians
 
 KEPT = 4e-4
-"""A cruise may be faster or slower than was asked for by this share."""
+"""Largest share by which a cruise may deviate from its speed."""
 
 _CRUISE = 0.9995
 _OF_RAMPS = 0.45
-"""What goes beyond the cruise's speed on a ramp counts by this: it may be twice as much as in the cruise, as the certificate allows it."""
+"""Weight of an excess over the cruise's speed on a ramp: the certificate allows twice as much there as in the
+cruise.
+"""
 _BETWEEN = 0.2
 _REACHED = 2e-3
-"""A speed counts as reached, in the certificate too, where less than this share of it is missing."""
+"""A speed counts as reached, in the certificate too, if less than this share of it is missing."""
 _DIPS = 20
-"""So many dips of a speed are looked into, each lower than the one before."""
+"""The largest number of dips of a speed that are examined, each lower than the one before."""
 _PARTS = 4
 _AT_ONCE = 4_096
-"""Instants at which speeds are computed at a time."""
+"""Instants at which speeds are computed together."""
 
 
 def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
-    """The speed (N,) of the moving frame [m/s, or rad/s of a pure turn] at joint positions and velocities (N, n)."""
+    """Return the speed (N,) of the moving frame [m/s, or rad/s for a pure turn] at joint positions and
+    velocities (N, n).
+    """
     jacobians = poses_and_jacobians(path.chain, q, path.flange_from_moving)[1]
     rows = slice(3, 6) if path.extent[1] else slice(0, 3)
     speeds: Array = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, rows], rates), axis=1)
@@ -38,7 +44,7 @@ def frame_speeds(path: CartesianPath, q: Array, rates: Array) -> Array:
 
 
 def _instants(segments: int, segment: float) -> Iterator[Array]:
-    """Yield the instants [s] at which speeds are looked at, some of each of so many segments."""
+    """Yield the instants [s] at which speeds are sampled, several in each segment."""
     count = _PARTS * segments + 1
     for begin in range(0, count, _AT_ONCE):
         go_on()
@@ -46,7 +52,12 @@ def _instants(segments: int, segment: float) -> Iterator[Array]:
 
 
 def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
-    """Return the largest speed of the moving frame on a curve from rest to rest, and that below which it doesn't fall between the first and the last instant at which it has nearly that [m/s, or rad/s of a pure turn]."""
+    """Return the largest and the sustained speed of the moving frame on a curve from rest to rest [m/s, or
+    rad/s for a pure turn].
+
+    The sustained speed is that below which the frame doesn't fall between the first and the last instant at
+    which it has nearly that speed.
+    """
     speeds = np.concatenate(
         [frame_speeds(path, *curve.sample(times)[:2]) for times in _instants(curve.segments, curve.segment)]
     )
@@ -57,12 +68,14 @@ def top_speeds(path: CartesianPath, curve: Curve) -> tuple[float, float]:
         if lowest >= least * (1.0 - KEPT):
             break
         least = lowest
-    # between the instants it may be a little lower
+    # between the instants it may be slightly lower
     return top, least - _BETWEEN * (top - least)
 
 
 def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float | None:
-    """A segment time [s] at which the cruise keeps its speed; None where it does with `segment`."""
+    """Return a segment time [s] at which the cruise keeps its speed; None if it already does with
+    `segment`.
+    """
     law = Curve(trial.control[:, None], segment, trial.control)
     curve = Curve(trial.points, segment, trial.control)
     instants = list(_instants(trial.segments, segment))
@@ -74,5 +87,5 @@ def finer_for_speed(path: CartesianPath, trial: Trial, segment: float) -> float 
         speeds, is_cruise = frame_speeds(path, q, velocities) / path.extent[0], wanted > _CRUISE * top
         off = max(off, float(np.abs(speeds[is_cruise] / wanted[is_cruise] - 1.0).max(initial=0.0)))
         off = max(off, _OF_RAMPS * float((speeds[~is_cruise] / top - 1.0).max(initial=0.0)))
-    # the speed between knots misses by the third power of the segment time
+    # the error of the speed between knots grows with the third power of the segment time
     return segment * float(max((0.8 * KEPT / off) ** (1 / 3), 0.25)) if off > KEPT else None

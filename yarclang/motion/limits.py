@@ -1,4 +1,4 @@
-"""Limits of joints and motors, against the control points of a curve."""
+"""Compare the limits of joints and motors with the control points of a curve."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ from yarclang.robot.model import Robot
 
 LimitKind = Literal["velocity", "motor speed", "acceleration", "jerk", "zone speed"]
 
-# What printing the control points with finitely many decimals may add, as shares of the limits:
-# the backend chooses the decimals so that this is enough.
+# Shares of the limits that printing the control points with finitely many decimals may add; the backend
+# chooses the decimals so that these suffice.
 HEADROOM: dict[LimitKind, float] = {
     "velocity": 2e-4,
     "motor speed": 2e-4,
@@ -32,10 +32,11 @@ HEADROOM: dict[LimitKind, float] = {
 
 @frozen
 class Demand:
-    """What a limit asks of the segment time: `segment` [s] is the least at which control points keep it.
+    """The demand of a limit on the segment time: `segment` [s] is the least at which control points keep the
+    limit.
 
-    `row` is the joint, or the motor for `motor speed`; `at` is the first control point of the
-    difference that asks most. A `zone speed` has what is watched in the slow zone, `watch`, and no row.
+    `row` is the joint, or the motor for `motor speed`; `at` is the first control point of the most demanding
+    difference. A `zone speed` has the watch of the slow zone in `watch`, and no row.
     """
 
     kind: LimitKind
@@ -49,8 +50,9 @@ class Demand:
 class Bounds:
     """The limits of a robot, less the headroom.
 
-    Joint limits (n,) in rad (m) per s, s^2, s^3; `motor_velocity` (n,) in counts/s, for the motors
-    of `counts` (n, n) counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never reduced.
+    Joint limits (n,) are in rad (m) per s, s^2, s^3; `motor_velocity` (n,) is in counts/s, for the motors of
+    `counts` (n, n) counts per rad (m). `zones` are the slow zones of the cell, whose speeds are never
+    reduced.
     """
 
     velocity: Array
@@ -62,12 +64,12 @@ class Bounds:
 
     @property
     def key(self) -> Hashable:
-        """All of it, by value."""
+        """A hashable key that contains all limits by value."""
         arrays = (self.velocity, self.acceleration, self.jerk, self.motor_velocity)
         return *(one.tobytes() for one in arrays), None if self.zones is None else self.zones.key
 
     def reduced(self, share: float, ramp: float) -> Bounds:
-        """A share of all limits, and a further one of acceleration and jerk."""
+        """Return the limits reduced to a share, and acceleration and jerk to a further share `ramp`."""
         if share == ramp == 1.0:
             return self
         return Bounds(
@@ -80,11 +82,14 @@ class Bounds:
         )
 
     def without_jerk(self) -> Bounds:
-        """The same with no limit of jerk."""
+        """Return the same limits without one of jerk."""
         return replace(self, jerk=np.full_like(self.jerk, np.inf))
 
     def demands(self, points: Array) -> tuple[Demand, ...]:
-        """What each kind of limit asks for control points (N, n), by the convex hull property; slow zones are the last, and only where they ask most."""
+        """Return the demand of each kind of limit on control points (N, n), by the convex hull property.
+
+        The slow zones come last, and only if they demand most.
+        """
         first = np.diff(points, axis=0)
         second = np.diff(first, axis=0)
         third = np.diff(second, axis=0)
@@ -104,7 +109,7 @@ class Bounds:
         return (*demands, Demand("zone speed", segment, 0, at, watch))
 
     def are_kept(self, points: Array, segment: float) -> bool:
-        """Whether control points (N, n) keep all limits at a segment time [s]."""
+        """Return True if control points (N, n) keep all limits at a segment time [s]."""
         rest = replace(self, zones=None)
         if max(demand.segment for demand in rest.demands(points)) > segment:
             return False
@@ -118,7 +123,7 @@ def _demand(kind: LimitKind, differences: Array, limit: Array, order: int) -> De
 
 
 def bounds_of(robot: Robot) -> Bounds:
-    """The limits that a plan for this robot has to keep."""
+    """Return the limits that a plan for this robot has to keep."""
     limits = robot.limits
     return Bounds(
         velocity=limits.velocity * (1.0 - HEADROOM["velocity"]),
@@ -131,21 +136,25 @@ def bounds_of(robot: Robot) -> Bounds:
 
 @frozen
 class Grid:
-    """The segment times that the controller takes [s]: from `smallest` to `largest` in steps of `quantum`."""
+    """The segment times that the controller accepts [s]: from `smallest` to `largest` in steps of
+    `quantum`.
+    """
 
     smallest: float
     largest: float
     quantum: float
 
     def fewest(self, duration: float) -> int:
-        """The fewest segments, none longer than the largest, of a motion of `duration` [s]."""
+        """Return the fewest segments, none longer than the largest, for a motion of `duration` [s]."""
         return max(FEWEST_SEGMENTS, int(np.ceil(duration / self.largest - 1e-9)))
 
     def nearest(self, segment: float) -> float:
-        """The nearest segment time that the controller keeps [s]."""
+        """Return the nearest segment time that the controller can represent [s]."""
         return round(segment / self.quantum) * self.quantum
 
     def not_below(self, segment: float) -> float:
-        """The least segment time that the controller keeps and that isn't below `segment` or the smallest [s]."""
+        """Return the least segment time that the controller can represent and that is neither below `segment`
+        nor below the smallest [s].
+        """
         steps = np.ceil(max(segment, self.smallest) / self.quantum - 1e-6)
         return float(steps * self.quantum)

@@ -1,4 +1,4 @@
-"""What the planner says of times and speeds: the code, one sentence with its figures, the place, the remedy, the fix."""
+"""Word the planner's findings about times and speeds: code, one sentence with figures, place, remedy, fix."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ from yarclang.written import slower, stretch_fix
 
 
 def no_motion(origin: Origin) -> Message:
-    """A motion to where the robot stands."""
+    """Return the finding about a motion to the robot's present position."""
     message = "the robot stands at the target already: nothing moves"
     return "Y0603", message, origin.span, "take the command away, or check its target", None
 
 
 def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Nearest | None = None) -> Message:
-    """A time in which a limit is broken."""
+    """Return the finding about a time in which a limit is broken."""
     origin = step.origin
     shortest = f"{fitted.shortest:.10g} s"
     fix = None
@@ -59,7 +59,15 @@ def too_fast(robot: Robot, fitted: TooFast, grid: Grid, step: Motion, near: Near
 
 
 def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: float | None) -> Message:
-    """A timetable that breaks a limit, or that the controller's segments can't follow; `stretch` is the shortest that works."""
+    """Return the finding about a timetable that breaks a limit, or that the controller's segments can't
+    follow.
+
+    Args:
+        robot: the robot.
+        refused: the reason.
+        step: the motion.
+        stretch: the shortest STRETCH that works, or None.
+    """
     origin = step.origin
     when = "" if isinstance(refused, TooShort) else f"{refused.time:.4g} s after the start"
     if isinstance(refused, TooShort):
@@ -91,7 +99,7 @@ def timetable_refused(robot: Robot, refused: Refused, step: TimedMove, stretch: 
 
 
 def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> str:
-    """What would break a limit, and by how much."""
+    """Return a clause that says what would break a limit, and by how much."""
     limits, row = robot.limits, demand.row
     if demand.watch is not None and demand.watch.item is not None:
         zone = demand.watch.zone
@@ -123,7 +131,7 @@ def _excess(robot: Robot, step: Motion, demand: Demand, used_share: float) -> st
 def too_fast_a_cruise(
     robot: Robot, fitted: CruiseBroken, step: Motion, near: Nearest | None = None
 ) -> Message:
-    """A speed of the moving frame that can't be held."""
+    """Return the finding about a speed of the moving frame that can't be held."""
     origin, broken = step.origin, fitted.broken
     span = origin.time_span or origin.span
     message, code = "no segments are short enough for this speed", "Y0605"
@@ -145,7 +153,7 @@ def too_fast_a_cruise(
 
 
 def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) -> Message:
-    """A path that a singularity makes slow."""
+    """Return the finding about a path that a singularity makes slow."""
     message = f"the path comes near a singularity: {_beside(robot, near)}"
     if step.timing.duration is None and step.timing.speed is None:
         message += f"; the shortest time is {curve.duration:.4g} s"
@@ -154,7 +162,9 @@ def near_singularity(robot: Robot, near: Nearest, curve: Curve, step: Motion) ->
 
 
 def _beside(robot: Robot, near: Nearest) -> str:
-    """Where a path is nearest to a singularity, how near, and what that costs."""
+    """Return a clause about the place where a path is nearest to a singularity, the distance, and the
+    cost.
+    """
     joint, unit = robot.joint_names[near.joint], robot.axis_unit_names[near.joint]
     rate = near.rate / robot.axis_units[near.joint] * (DEG if near.turns else MM)
     return (
@@ -164,7 +174,7 @@ def _beside(robot: Robot, near: Nearest) -> str:
 
 
 def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
-    """A speed whose unit isn't given."""
+    """Return the finding about a speed without a unit."""
     kind: Kind = "angle" if turns else "length"
     what = "an angle unit: the moving frame only turns" if turns else "a length unit: the moving frame moves"
     subject = MissingUnit(kind, "the speed")
@@ -173,7 +183,7 @@ def speed_without_unit(turns: bool, origin: Origin) -> MessageAbout:
 
 
 def no_cruise(step: Motion) -> Message:
-    """A speed with a law that keeps none."""
+    """Return the finding about a speed with a law that has no cruise."""
     origin = step.origin
     message = f"[V ..] is the speed of a cruise, and _{step.profile} has none"
     help_ = f"take {profiles_with(lambda profile: profile.has_cruise)}"
@@ -181,7 +191,7 @@ def no_cruise(step: Motion) -> Message:
 
 
 def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None = None) -> Message:
-    """A motion of more segments than are planned."""
+    """Return the finding about a motion with more segments than are planned."""
     message = f"the motion takes {fitted.duration:,.0f} s or longer: more than {MOST_SEGMENTS:,} segments, the most that are planned"
     if near is not None:
         message += f"; {_beside(robot, near)}"
@@ -193,7 +203,7 @@ def too_long(robot: Robot, fitted: TooLong, origin: Origin, near: Nearest | None
 
 
 def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
-    """A timetable of more segments than are planned."""
+    """Return the finding about a timetable with more segments than are planned."""
     message = (
         f"the timetable takes {fitted.duration:,.0f} s, for which the tolerance wants more than {MOST_SEGMENTS:,} segments, "
         "the most that are planned"
@@ -203,7 +213,7 @@ def too_long_a_table(fitted: TooLong, origin: Origin) -> Message:
 
 
 def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = None) -> Message:
-    """A path along which the search for a law gives up."""
+    """Return the finding about a path along which the search for a law gives up."""
     message = f"no law of _{step.profile} is found along this path: the search gives up at {fitted.s * 100:.3g} % of the way"
     if near is not None:
         message += f"; {_beside(robot, near)}"
@@ -215,7 +225,7 @@ def no_law(robot: Robot, fitted: NoLaw, step: Motion, near: Nearest | None = Non
 
 
 def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
-    """A path that the controller's segments can't follow."""
+    """Return the finding about a path that the controller's segments can't follow."""
     message = (
         f"with segments of {fitted.segment / MS:.4g} ms the path is missed by {length_text(fitted.position)} and "
         f"{fitted.angle / DEG:.2g} deg, and the controller takes none shorter than {smallest / MS:.4g} ms"
@@ -224,6 +234,6 @@ def not_held(fitted: NotHeld, smallest: float, origin: Origin) -> Message:
 
 
 def _not_below(value: float) -> float:
-    """The value rounded up to six digits behind its first."""
+    """Return the value rounded up to six digits after its first."""
     step = 10.0 ** (math.floor(math.log10(value)) - 6)
     return math.ceil(value / step - 1e-6) * step

@@ -1,4 +1,4 @@
-"""The natural cubic spline through points."""
+"""Compute the natural cubic spline through points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from yarclang.motion.curve import solve_tridiagonal
 
 @frozen(eq=False)
 class NaturalSpline:
-    """`knots` (w,) from 0 to 1, `values` (w, d) there, `bends` (w, d) second derivatives there, none at the ends."""
+    """A natural cubic spline: `knots` (w,) from 0 to 1, `values` (w, d) and second derivatives `bends` (w, d)
+    there, zero at the ends.
+    """
 
     knots: Array
     values: Array
@@ -20,7 +22,7 @@ class NaturalSpline:
 
     @staticmethod
     def through(knots: Array, values: Array) -> NaturalSpline:
-        """The spline with `values` (w, d) at `knots` (w,), which grow; w at least 2."""
+        """Return the spline with `values` (w, d) at ascending `knots` (w,); w at least 2."""
         bends = np.zeros_like(values)
         if len(values) > 2:
             width = np.diff(knots)
@@ -31,7 +33,7 @@ class NaturalSpline:
         return NaturalSpline(knots, values, bends)
 
     def at(self, s: Array) -> Array:
-        """Values (N, d) at `s` (N,)."""
+        """Return the values (N, d) at `s` (N,)."""
         leg, width, left = self._legs(s)
         right = 1.0 - left
         v0, v1, m0, m1 = self.values[leg], self.values[leg + 1], self.bends[leg], self.bends[leg + 1]
@@ -39,11 +41,11 @@ class NaturalSpline:
         return v
 
     def slope_at(self, s: Array) -> Array:
-        """Derivatives (N, d) at `s` (N,)."""
+        """Return the derivatives (N, d) at `s` (N,)."""
         return self.slope_on(self._leg(s), s[:, None])[:, 0]
 
     def slope_on(self, leg: NDArray[np.intp], s: Array) -> Array:
-        """Derivatives (N, k, d) at places `s` (N, k) of legs `leg` (N,)."""
+        """Return the derivatives (N, k, d) at places `s` (N, k) of legs `leg` (N,)."""
         width = (self.knots[leg + 1] - self.knots[leg])[:, None, None]
         left = (self.knots[leg + 1, None] - s)[:, :, None] / width
         right = 1.0 - left
@@ -53,32 +55,37 @@ class NaturalSpline:
         return slope
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """The least and the largest value of each component (d,) and the s (d,) at which they are taken."""
+        """Return the least and the largest value of each component (d,), each with its place s (d,): least,
+        place, largest, place.
+        """
         s = np.concatenate((self.knots, self._turning_points()))
         values = self.at(s)
         low, high = np.argmin(values, axis=0), np.argmax(values, axis=0)
         return np.amin(values, axis=0), s[low], np.amax(values, axis=0), s[high]
 
     def _legs(self, s: Array) -> tuple[NDArray[np.intp], Array, Array]:
-        """For each `s`: its leg, the leg's width (N, 1), and the share of the leg that is still ahead (N, 1)."""
+        """Return for each `s` its leg (N,), the leg's width (N, 1), and the share of the leg that is still
+        ahead (N, 1).
+        """
         leg = self._leg(s)
         width = (self.knots[leg + 1] - self.knots[leg])[:, None]
         return leg, width, (self.knots[leg + 1] - s)[:, None] / width
 
     def _leg(self, s: Array) -> NDArray[np.intp]:
-        """The leg on which each `s` (N,) lies."""
+        """Return the leg (N,) of each `s` (N,)."""
         return np.clip(np.searchsorted(self.knots, s, side="right") - 1, 0, len(self.knots) - 2)
 
     def _turning_points(self) -> Array:
-        """All s strictly inside the legs where some component's derivative is zero."""
+        """Return all s strictly inside the legs at which some component's derivative is zero."""
         width = np.diff(self.knots)[:, None]
         m0, m1 = self.bends[:-1], self.bends[1:]
-        # with r from 0 to 1 on a leg, the derivative over s is a r^2 + b r + c
+        # with r from 0 to 1 on a leg, the derivative with respect to s is a r² + b r + c
         a = (m1 - m0) * width / 2.0
         b = m0 * width
         c = np.diff(self.values, axis=0) / width - (2.0 * m0 + m1) * width / 6.0
         with np.errstate(all="ignore"):
             root = np.sqrt(b**2 - 4 * a * c)
+            # both roots without cancellation: q / a and c / q with q = -(b ± root) / 2
             half = -0.5 * (b + np.where(b < 0, -root, root))
             candidates = np.stack((half / a, c / half))
         inside = np.isfinite(candidates) & (candidates > 0) & (candidates < 1)

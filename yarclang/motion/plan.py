@@ -1,4 +1,4 @@
-"""The motion plan: what the robot does, as a function of time."""
+"""Define the motion plan: the robot's motion as a function of time."""
 
 from __future__ import annotations
 
@@ -55,10 +55,13 @@ _MARKS: Mapping[type, Mark] = MappingProxyType(
 class PlannedMotion:
     """One motion: step number `step` of the program.
 
-    `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions that were chosen for its way-points, without the start.
-    `curve` goes from rest to rest, or, where it flows into its neighbours, from the middle of one overlap to that of the
-    next; `overlap` are the segments of the one at its end, none where both paths are kept to, None where it ends at rest. `law` are the control values of the share of the
-    way over its own time from rest to rest, half an overlap longer at either side. `kept` is the share of a speed asked for that is reached, `least` that below which it doesn't fall then, as of `Piece`.
+    `profile` is empty for a motion along a timetable. `waypoints` (k, n) [rad or m] are the joint positions
+    chosen for its way-points, without the start. `curve` goes from rest to rest; if the motion flows into its
+    neighbours, it goes from the middle of one overlap to the middle of the next. `overlap` is the number of
+    segments of the overlap at its end, 0 if both paths are kept, None if it ends at rest. `law` are the
+    control values of the share of the path over the motion's own time from rest to rest, which is half an
+    overlap longer on either side. `kept` is the share of the requested speed that is reached, and `least`
+    that below which the speed doesn't fall then; see `Piece`.
     """
 
     step: int
@@ -73,20 +76,21 @@ class PlannedMotion:
 
     @property
     def flows(self) -> bool:
-        """Whether the next motion begins without a stop."""
+        """True if the next motion begins without a stop."""
         return self.overlap is not None
 
     @property
     def half(self) -> float:
-        """How long the half of the overlap at its end takes [s]."""
+        """The duration of the half of the overlap at its end [s]."""
         return (self.overlap or 0) * self.curve.segment / 2.0
 
 
 @dataclass(frozen=True)
 class MotionPlan:
-    """All motions of a program, one after the other, each of them a curve that the controller can execute exactly.
+    """All motions of a program, one after the other, each a curve that the controller can execute exactly.
 
-    Its times count motions and dwells, with the ways of a WHEN one after the other; what waits for an input or the operator takes none.
+    Its times count motions and dwells, with the branches of a WHEN one after the other; waiting for an input
+    or the operator takes no time.
     """
 
     program: Program
@@ -95,12 +99,12 @@ class MotionPlan:
 
     @cached_property
     def schedule(self) -> Schedule:
-        """When each step of the program begins."""
+        """The time at which each step of the program begins."""
         return schedule_of(self.parts)
 
     @cached_property
     def parts(self) -> tuple[Part, ...]:
-        """What each step of the program takes. A motion that isn't planned takes no time."""
+        """The duration of each step of the program. A motion that isn't planned takes no time."""
         durations = {motion.step: motion.curve.duration for motion in self.motions}
         parts: list[Part] = []
         for number, step in enumerate(self.program.steps):
@@ -123,33 +127,39 @@ class MotionPlan:
 
     @property
     def lasting(self) -> Lasting:
-        """How long the program takes."""
+        """The duration of the program."""
         return self.schedule.lasting
 
     @cached_property
     def begins(self) -> Array:
-        """The time [s] at which each motion begins (m,)."""
+        """The time at which each motion begins (m,) [s]."""
         return np.array([self.schedule.places[motion.step] for motion in self.motions], dtype=np.float64)
 
     @cached_property
     def ends(self) -> Array:
-        """The time [s] at which each motion ends (m,)."""
+        """The time at which each motion ends (m,) [s]."""
         return self.begins + np.array([motion.curve.duration for motion in self.motions], dtype=np.float64)
 
     @cached_property
     def any_jerk(self) -> frozenset[int]:
-        """The steps of the motions whose law has no limit of the jerk, or that have no law but a timetable."""
+        """The steps of the motions whose law has no limit of jerk, or that follow a timetable instead of a
+        law.
+        """
         return frozenset(
             motion.step for motion in self.motions if not load_profile(motion.profile).has_jerk_limit
         )
 
     @property
     def duration(self) -> float:
-        """The last time of the plan [s]: all motions and dwells, with the ways of a WHEN one after the other. `lasting` is how long a run takes."""
+        """The last time of the plan [s]: all motions and dwells, with the branches of a WHEN one after the
+        other. `lasting` is how long a run takes.
+        """
         return self.schedule.places[-1]
 
     def sample(self, times: Array) -> tuple[Array, Array, Array]:
-        """Position, velocity and acceleration of the joints, each (N, n), at `times` (N,) [s], in SI."""
+        """Return position, velocity and acceleration of the joints, (N, n) each, at `times` (N,) [s], in
+        SI.
+        """
         q = np.tile(self.program.start, (len(times), 1))
         v, a = np.zeros_like(q), np.zeros_like(q)
         if not self.motions:
@@ -160,5 +170,5 @@ class MotionPlan:
 
     @cached_property
     def sampler(self) -> Sampler:
-        """Samples the curves of the motions, of which there is at least one."""
+        """The sampler of the motions' curves, of which there must be at least one."""
         return Sampler([motion.curve for motion in self.motions])

@@ -1,4 +1,4 @@
-"""A checked program to a plan: the paths of all motions, and then the curves on which the robot goes along them."""
+"""Plan a checked program: first the paths of all motions, then the curves on which the robot follows them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,11 @@ from yarclang.robot.model import Robot, Tolerance
 
 @frozen
 class Settings:
-    """How to plan: the segment times that the controller takes, the tolerance, what was planned before, and how many ways round are looked for, of which the quickest is taken."""
+    """The settings of the planner.
+
+    `grid` are the segment times that the controller accepts, `memory` has results of earlier plans, and
+    `searches` is the number of ways around obstacles that are searched for; the fastest is taken.
+    """
 
     grid: Grid
     tolerance: Tolerance
@@ -51,9 +55,14 @@ class Settings:
 def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPlan]:
     """Plan all motions of a program.
 
+    Args:
+        program: the program.
+        robot: the robot.
+        settings: of the planner.
+
     Returns:
-        The plan, or None where a motion can't be done. After an error the planning goes on
-        from where the robot would stand, as far as that is known, so that each fault is found.
+        The plan, or None if a motion can't be done. After an error, planning continues from the robot's
+        intended position, as far as it is known, so that every fault is found.
     """
     made, is_whole, found = plan_in_part(program, robot, settings, ENOUGH_LINKED)
     return Result(made if is_whole else None, found)
@@ -62,10 +71,20 @@ def plan(program: Program, robot: Robot, settings: Settings) -> Result[MotionPla
 def plan_in_part(
     program: Program, robot: Robot, settings: Settings, enough: int | None = None
 ) -> tuple[MotionPlan, bool, tuple[Diagnostic, ...]]:
-    """Plan the motions of a program that can be planned, whether that is the whole program without an error, and the findings.
+    """Plan those motions of a program that can be planned.
 
-    In a plan in part, a motion need not begin where the one before it ends: it is for showing, never for a controller. Of a program with errors, chains
-    of motions are planned up to `enough` motions in them (None: all).
+    In a partial plan, a motion need not begin where the one before it ends: such a plan is for display, never
+    for a controller.
+
+    Args:
+        program: the program.
+        robot: the robot.
+        settings: of the planner.
+        enough: number of motions in chains after which no more chains are planned if the program has errors;
+            None for all.
+
+    Returns:
+        The plan; True if it contains the whole program without an error; and the findings.
     """
     steps = program.steps
     end = next((number for number, step in enumerate(steps) if isinstance(step, Stop)), len(steps))
@@ -122,12 +141,12 @@ def plan_in_part(
             in_chains += len(chain)
             if enough is not None and in_chains > enough:
                 continue
-        # a link with its corner takes the place of that without
+        # a link with its corner replaces the one without
         links.update(zip(numbers, chain, strict=True))
         as_one = planner.pieces(chain)
         pieces: Sequence[Piece | None] = as_one or ()
         if as_one is None:
-            # not as one path: then each has to be known by itself
+            # a chain that can't be planned as one path: first plan each motion by itself
             pieces = planner.pieces_of_known(numbers, chain, steps, router, found, links)
         for number, piece in zip(numbers, pieces, strict=True):
             if piece is None:
@@ -162,7 +181,9 @@ def plan_in_part(
 
 
 def _known_without_a_way(step: Motion) -> list[Diagnostic]:
-    """What is wrong with a motion whose start or end isn't known: told now, and not once that is mended."""
+    """Return the findings about a motion whose start or end isn't known, so that they are reported now and
+    not only after that is mended.
+    """
     findings = Collector(step.origin.source)
     findings.place = step.origin.place
     if step.leads_frame and step.timing.speed is not None and not load_profile(step.profile).has_cruise:
@@ -178,12 +199,14 @@ class _Planner:
     _slow: dict[Hashable, SlowZones | None] = field(default_factory=dict)
 
     def zones(self, step: Motion, path: Path, cell: Cell | None, *, leaves: bool) -> SlowZones | None:
-        """The slow zones that a motion may get into; `leaves` says that it may leave its path to flow into another one."""
+        """Return the slow zones that a motion may enter; `leaves` is True if it may leave its path to flow
+        into another one.
+        """
         zones = slow_zones(self.robot, cell, step)
         return zones if zones is None or leaves else zones.beside(path.joints, path.slope)
 
     def asked(self, step: Motion) -> tuple[Bounds, Tolerance]:
-        """Return the limits and the tolerance of a motion, but for slow zones."""
+        """Return the limits and the tolerance of a motion, without slow zones."""
         timing, tolerance = step.timing, self.settings.tolerance
         if step.tolerance is not None:
             tolerance = tolerance.of_motion(step.tolerance, leads_frame=step.leads_frame)
@@ -199,21 +222,22 @@ class _Planner:
         *,
         leaves: bool,
     ) -> Link | None:
-        """Plan a motion by itself in the cell as it is then.
+        """Plan a motion by itself.
 
         Args:
             step: the motion.
             path: its path.
-            cell: the cell meanwhile.
-            findings: what is said of the motion.
-            ahead: gives what was tried of it together with others.
-            leaves: as of `zones`.
+            cell: the cell during the motion.
+            findings: receives the findings about the motion.
+            ahead: returns the trials that were made together with those of other motions.
+            leaves: as for `zones`.
 
         Returns:
-            None with a finding if it can't be done as the command says.
+            The link; None, with a finding, if the motion can't be done as its command asks.
         """
         told = self.settings
-        # the path was recalled by all that the step does (motion/routes.py), and stands for it
+        # the path was recalled by everything that the step does (motion/routes.py), and therefore stands for
+        # it
         key = ("link", self.robot, cell, told.grid, told.tolerance, path, leaves)
 
         def make() -> tuple[Link | None]:
@@ -229,7 +253,7 @@ class _Planner:
         bounds, tolerance = self.asked(step)
         if zones is not None:
             bounds = replace(bounds, zones=zones)
-        # inverse kinematics and sums come back to a place but for rounding: far below a count, nothing moves
+        # inverse kinematics and sums return to a place only up to rounding: far below a count, nothing moves
         is_still = isinstance(path, JointPath | TimedPath) and bool(
             (path.slope <= NO_WAY * self.robot.axis_units).all()
         )
@@ -254,7 +278,8 @@ class _Planner:
                 return None
             fitted = at_speed(path, full, bounds, grid, tolerance)
             if isinstance(fitted, CruiseBroken) and fitted.broken is None:
-                # too short to start and stop; whether the speed is reached depends on what it flows into
+                # too short to start and stop; if the speed is reached depends on the motion that it flows
+                # into
                 gentle = load_profile(FOR_SHORT)
                 trials = None if tried is None else tried.trials_of(gentle)
                 fitted = fit(path, gentle, None, bounds, grid, tolerance, trials)
@@ -284,7 +309,9 @@ class _Planner:
     def _below_ceiling(
         self, step: Motion, path: Path, bounds: Bounds, tolerance: Tolerance
     ) -> tuple[float, Curve] | None:
-        """Return a cruise just below a motion's ceiling, and how long all of the way takes at that speed [s]; None where that isn't what limits it."""
+        """Return the duration of the whole path at a speed just below a motion's ceiling [s], and the curve
+        with that cruise; None if the ceiling isn't what limits the motion.
+        """
         full = _full_below(step, path)
         if full is None or not load_profile(step.profile).has_cruise:
             return None
@@ -294,7 +321,7 @@ class _Planner:
     def _timed(
         self, step: TimedMove, path: TimedPath, bounds: Bounds, tolerance: Tolerance, findings: Collector
     ) -> Link | None:
-        """Plan a motion along a timetable; None with a finding if it can't be done so."""
+        """Plan a motion along a timetable; None, with a finding, if it can't be done."""
         grid = self.settings.grid
         fitted = fit_timed(path, step.within, bounds, grid)
         match fitted:
@@ -312,7 +339,9 @@ class _Planner:
         return None
 
     def bare_link(self, step: Motion, path: Path, cell: Cell | None) -> Link | None:
-        """Return a motion of which nothing is worked out yet but its path; None where more has to be known."""
+        """Return a link with nothing but its path, to be planned as part of a long chain; None if more has to
+        be known first.
+        """
         if not isinstance(path, CartesianPath):
             return None
         timing, profile = step.timing, load_profile(step.profile)
@@ -337,12 +366,14 @@ class _Planner:
         return Link(path, profile, None, full, bounds, tolerance, None, None)
 
     def pieces(self, chain: list[Link]) -> list[Piece] | None:
-        """Return the curves of motions that flow into each other, or of one; None where each has to be known by itself first."""
+        """Return the curves of motions that flow into each other, or of a single one; None if each has to be
+        planned by itself first.
+        """
         settings = self.settings
         if all(link.by_itself is not None for link in chain):
             if len(chain) == 1:
                 return [chain[0].as_alone]
-            # a curve is of one link, and stands for all that it was made of
+            # a link owns its curve, which therefore stands for everything from which it was made
             parts = [(link.alone, None if link.corner is None else link.corner.key) for link in chain]
             key = ("chain", self.robot, settings.grid, *parts)
             return recall(settings.memory, key, lambda: linked(self.robot.chain, chain, settings.grid))
@@ -377,15 +408,16 @@ class _Planner:
         found: list[list[Diagnostic]],
         links: dict[int, Link],
     ) -> list[Piece | None]:
-        """Return the curves of a chain that can't be done as one path; None for each motion that can't be done by itself.
+        """Return the curves of a chain that can't be planned as one path; None for each motion that can't be
+        done by itself.
 
         Args:
-            numbers: of its motions.
+            numbers: the steps of its motions.
             chain: the motions.
             steps: of the program.
             router: knows their paths.
             found: the findings of each step; those of these motions are added.
-            links: all motions; these are known by themselves afterwards.
+            links: all motions; receives these ones, planned by themselves.
         """
         known: list[Link | None] = []
         for number, bare in zip(numbers, chain, strict=True):
@@ -407,7 +439,7 @@ class _Planner:
         )
 
     def judge_piece(self, step: Motion, link: Link, piece: Piece, flows: bool, findings: Collector) -> None:
-        """Say where a chain can't do quite what its commands say."""
+        """Report where a chain can't do exactly what its commands ask."""
         if flows and piece.overlap is None:
             findings.add(*stops_at_corner(step.origin))
         if link.duration is not None and abs(piece.curve.duration - link.duration) > _EXACT:
@@ -415,7 +447,9 @@ class _Planner:
 
 
 def _full_below(step: Motion, path: Path) -> float | None:
-    """Return how long a way takes just below a motion's ceiling [s]; None where the ceiling isn't one of the way that is led."""
+    """Return how long a path takes just below a motion's ceiling [s]; None if there is no ceiling, or the
+    frame only turns.
+    """
     ceiling = step.timing.ceiling
     if ceiling is None or not isinstance(path, CartesianPath):
         return None
@@ -424,12 +458,16 @@ def _full_below(step: Motion, path: Path) -> float | None:
 
 
 ENOUGH_LINKED = 12
-"""Motions without a stop between them that are planned of a program with errors. What is found there besides are stops at corners and times that
-aren't kept, and a long chain takes seconds.
+"""In a program with errors, the number of motions in chains up to which chains are planned.
+
+Beyond it, the only findings missed are stops at corners and times that aren't kept; a long chain takes
+seconds.
 """
 
 NO_WAY = 1e-9
-"""The longest way of a joint [axis units] that is rounding."""
+"""Motion of a joint up to which it is rounding [axis units]."""
 
 _EXACT = 2e-4
-"""A duration that is off by no more [s] is the one that was asked for: the controller's step times some hundred segments."""
+"""Difference up to which a duration counts as the requested one [s]: the controller's step times some hundred
+segments.
+"""

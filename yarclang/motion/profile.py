@@ -1,4 +1,4 @@
-"""What a profile is: a law of motion along a path, and its form on a grid of segments."""
+"""Define a profile: a law of motion along a path, and its form on a grid of segments."""
 
 from __future__ import annotations
 
@@ -19,22 +19,29 @@ from yarclang.motion.path import Path
 from yarclang.named import by_name
 
 Form = tuple[int, ...]
-"""What a law leaves open on a grid, in segments: how long its ramps and its blends are. Each law has its own."""
+"""The free parameters of a law on a grid, in segments: the lengths of its ramps and its blends. Each law has
+its own.
+"""
 
 NO_FORM = np.zeros((1, 0), dtype=np.int64)
-"""The forms of a law that leaves nothing open: one, and empty."""
+"""The forms of a law without free parameters: a single, empty one."""
 
 
 @frozen
 class Law:
     """A law of motion along one path.
 
-    `pure` maps time as a share u (N,) of the duration to the share s (N,) of the way.
-    `control` (n segments, form) gives the control values (n + 3,) of s on a grid: three zeros first, three ones last.
-    `forms` (n) are the forms (K, f) that n segments leave room for, the one that is nearest to the pure law
-    first. `strain` (n, forms (K, f)) tells the peaks (K, 3) of velocity, acceleration and jerk over
-    distance in units of segments, to compare forms. `scaled` (n, form, n') is the form for n' segments that is most like one for n.
-    `shortest` [s] is the duration for which the limits shape the law; None if its shape doesn't depend on them.
+    Attributes:
+        pure: maps time as a share u (N,) of the duration to the share s (N,) of the path.
+        control: returns the control values (n + 3,) of s for n segments and a form: three zeros first, three
+            ones last.
+        forms: returns the forms (K, f) for which n segments leave room, the one nearest to the pure law
+            first.
+        strain: returns the peaks (K, 3) of velocity, acceleration and jerk over distance, in units of
+            segments, for n segments and forms (K, f); used to compare forms.
+        scaled: returns the form for n' segments that is most like a form for n: arguments n, form, n'.
+        shortest: the duration [s] for which the limits shape the law; None if its shape doesn't depend on
+            them.
     """
 
     pure: Callable[[Array], Array]
@@ -47,13 +54,13 @@ class Law:
 
 @frozen
 class NoLaw:
-    """The place `s` of a path, from 0 to 1, at which the search for a law gives up."""
+    """The search for a law gives up at place `s` of a path, from 0 to 1."""
 
     s: float
 
 
 def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
-    """Refuse to make a law: a timetable says itself where the joints are at which time."""
+    """Refuse to make a law: a timetable itself prescribes the joints' positions over time."""
     raise TypeError("a timetable has no law")
 
 
@@ -61,10 +68,15 @@ def _without_law(path: Path, bounds: Bounds) -> Law | NoLaw:  # noqa: ARG001
 class Profile:
     """A law of motion for every path.
 
-    `law` makes the one for a path and the limits that it shall keep; NoLaw if none is found. `is_stretched` says that the shortest time decides the
-    form, and a longer one stretches it. `has_jerk_limit` is False for a law whose acceleration may jump. `has_cruise` says
-    that most of the way goes at one speed, which can be asked for. `needs_search` is False for a law that is found along any path. `longest_segment` [s]
-    is the longest segment that does the law justice where time is what counts.
+    Attributes:
+        name: in upper case.
+        summary: for lists of profiles.
+        law: makes the law for a path and the limits to keep; NoLaw if none is found.
+        is_stretched: True if the form is that of the shortest time, stretched to a longer one.
+        has_jerk_limit: False for a law whose acceleration may jump.
+        has_cruise: True if most of the path is traversed at one speed, which a command may set.
+        needs_search: False for a law that is found along any path.
+        longest_segment: the longest segment fine enough to rate the shortest duration [s].
     """
 
     name: str
@@ -78,7 +90,7 @@ class Profile:
 
 
 def profile_names() -> tuple[str, ...]:
-    """Return the names of all profiles: each file of motion/profiles is one. Imports none of them.
+    """Return the names of all profiles, one for each file of motion/profiles, without importing them.
 
     Raises:
         NamedTwice: two files have one name in upper case.
@@ -88,14 +100,14 @@ def profile_names() -> tuple[str, ...]:
 
 
 FOR_SHORT = "SCURVE"
-"""The profile of a way that is too short to reach its speed: its ramps are as long as the limits want."""
+"""The profile of a path that is too short to reach its speed: its ramps are as long as the limits require."""
 
 TIMETABLE = Profile("", "as the timetable says", _without_law, has_jerk_limit=False)
 """The profile of a motion along a timetable."""
 
 
 def profiles_with(fits: Callable[[Profile], bool]) -> str:
-    """Return the suffixes of all profiles that are fit for something, as messages list them."""
+    """Return the suffixes of all profiles for which `fits` is True, as messages list them."""
     *first, last = [f"_{name}" for name in profile_names() if fits(load_profile(name))]
     return f"{', '.join(first)} or {last}" if first else last
 
@@ -105,7 +117,7 @@ def load_profile(name: str) -> Profile:
     """Return the profile of a name in upper case; `TIMETABLE` for the empty name.
 
     Raises:
-        ValueError: the profile calls itself otherwise than its file.
+        ValueError: the profile's name isn't that of its file.
     """
     if not name:
         return TIMETABLE

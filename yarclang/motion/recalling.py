@@ -1,4 +1,6 @@
-"""Motions that were planned before: by what they do and where they begin, wherever their commands stand in the file now."""
+"""Recall motions that were planned before: by what they do and where they begin, wherever their commands now
+are in the file.
+"""
 
 from __future__ import annotations
 
@@ -23,15 +25,16 @@ def told_before(
     *,
     may_look_around: bool = False,
 ) -> T:
-    """What was kept under a key with the findings that were told about its command, else what `make` gives and tells.
+    """Return the result kept under a key, and repeat the findings about its command; otherwise compute both.
 
     Args:
-        memory: keeps results and findings; of these, places as seen from the command's line.
-        key: what the result depends on, without the place of the command.
-        origin: the command; if it is spelled in another way, what is told may be another.
-        findings: where `make` tells, and where what was told is told again.
-        make: works out the result; what it tells is about this command alone.
-        may_look_around: whether what it tells may depend on other lines: then that is worked out each time.
+        memory: keeps results and findings; the places of findings are relative to the command's line.
+        key: everything on which the result depends, without the place of the command.
+        origin: the command; if it is spelled differently, the findings may differ.
+        findings: receives the findings, new or repeated.
+        make: computes the result, with findings about this command alone.
+        may_look_around: True if the findings may depend on other lines: results with findings are then
+            computed each time.
     """
     if isinstance(memory, Forgetful):
         return make()
@@ -54,7 +57,7 @@ def told_before(
 
 
 def _spelling(origin: Origin) -> Hashable:
-    """All that messages may take from a command's origin, but for its line and its file."""
+    """Return everything that messages may take from a command's origin, except its line and its file."""
     line = origin.span.line
     places: list[Hashable] = [
         None if one is None else (one.line - line, one.column, one.end_line - line, one.end_column)
@@ -73,7 +76,9 @@ def _last_line(origin: Origin) -> int:
 
 
 def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
-    """Whether a finding speaks of nothing but the lines of its command: else it may be another where other lines have changed."""
+    """Return True if a finding concerns only the lines of its command; otherwise it may change with other
+    lines.
+    """
     spans = [edit.span for edit in one.fix.edits] if one.fix else []
     spans += [one.span] if one.span else []
     last = _last_line(origin)
@@ -83,7 +88,7 @@ def _is_of_command(one: Diagnostic, origin: Origin) -> bool:
 
 
 def _moved(one: Diagnostic, origin: Origin, place: str, lines: int) -> Diagnostic:
-    """A finding of a command that stands `lines` further down now."""
+    """Return a finding of a command that is now `lines` further down."""
     span = None if one.span is None else _shifted(one.span, lines)
     fix = one.fix
     if fix is not None and lines:

@@ -1,4 +1,4 @@
-"""Turns about one fixed axis: between two orientations, and as they go on."""
+"""Compute turns about one fixed axis: between two orientations, and continued."""
 
 from __future__ import annotations
 
@@ -9,20 +9,21 @@ from yarclang.robot.kinematics.fk import skew
 from yarclang.transforms import constant
 
 NO_TURN = 1e-9
-"""A turn smaller than this [rad] has no axis, and needs none."""
+"""A turn smaller than this has no axis, and needs none [rad]."""
 
 HALF_TURN = np.pi - 1e-6
-"""A turn beyond this [rad] has no short way."""
+"""A turn larger than this has no short way [rad]."""
 
 
 def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
-    """The short turn from one rotation (3, 3) to another.
+    """Compute the short turn from one rotation (3, 3) to another.
 
     Returns:
-        The axis (3,), a unit vector in the axes of {B}, and the angle [rad]; None for half a turn, which has no short way.
+        The axis (3,), a unit vector in the axes of {B}, and the angle [rad]; None for half a turn, which has
+        no short way.
     """
     turn = second @ first.T
-    # sine times the axis, and the cosine: well conditioned together for every angle
+    # sine times the axis, and cosine: together well conditioned for every angle
     sine = np.array([turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]) / 2.0
     cosine = (np.trace(turn) - 1.0) / 2.0
     size = float(np.linalg.norm(sine))
@@ -34,10 +35,11 @@ def turn_between(first: Array, second: Array) -> tuple[Array, float] | None:
 
 
 def turns_between(first: Array, second: Array) -> tuple[Array, Array]:
-    """Return the short turns between pairs of rotations (N, 3, 3), each as of `turn_between` to the last bit.
+    """Compute the short turns between pairs of rotations (N, 3, 3): the same bits as `turn_between` returns.
 
     Returns:
-        The axes (N, 3), unit vectors in the axes of {B}, and the angles (N,) [rad]; NaN for half a turn, which has no short way.
+        The axes (N, 3), unit vectors in the axes of {B}, and the angles (N,) [rad]; NaN for half a turn,
+        which has no short way.
     """
     turn = second @ first.transpose(0, 2, 1)
     sines = np.empty((len(turn), 3))
@@ -56,11 +58,11 @@ def turns_between(first: Array, second: Array) -> tuple[Array, Array]:
 
 
 _UP = constant(np.array([0.0, 0.0, 1.0]))
-"""The axis of no turn at all."""
+"""The axis of a turn by zero."""
 
 
 def turned(rotation: Array, axis: Array, angles: Array) -> Array:
-    """Return rotations turned about unit vectors in {B}.
+    """Return rotations turned about unit vectors in {B}, by Rodrigues' formula.
 
     Args:
         rotation: (..., 3, 3), broadcast against the turns.

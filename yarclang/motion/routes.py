@@ -1,7 +1,8 @@
-"""Where the motions of a program lead: the path of each, from where the last one ended.
+"""Route the motions of a program: the path of each, from the end of the last one.
 
-A pose target of a joint motion has several solutions, and which one is taken decides what the Cartesian motions behind it can do. The
-nearest is taken first; where a motion that follows can't be done from there, the next ones are tried.
+A pose target of a joint motion has several solutions, and the choice decides what the Cartesian motions after
+it can do. The nearest is taken first; if a motion that follows can't be done from there, the next ones are
+tried.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Route:
-    """The path of one motion, and the joint positions (k, n) [rad or m] that were chosen for its way-points."""
+    """The path of one motion, and the joint positions (k, n) [rad or m] chosen for its way-points."""
 
     path: Path
     waypoints: Array
@@ -66,9 +67,12 @@ class Route:
 
 @frozen
 class _Stand:
-    """What is known between two steps: where the robot stands (None: nowhere known) with what is open around, and the last motion whose
-    solution was chosen and decides where the robot stands (None: where it stands was written). `flange` is where the flange stands,
-    base_from_flange (4, 4), where no more than that is known. `parts` says where the cell's parts are.
+    """What is known between two steps.
+
+    `ways` has the robot's position on the open control-flow paths (None if it isn't known). `choice` is the
+    last motion with a free choice of solution that decides this position; None if the position is given by
+    the text. `flange` is the flange's pose base_from_flange (4, 4), if only that is known. `parts` are the
+    places of the cell's parts.
     """
 
     ways: Ways[Array | None]
@@ -78,14 +82,16 @@ class _Stand:
 
     @property
     def q(self) -> Array | None:
-        """Where the robot stands (n,) [rad or m]."""
+        """The robot's position (n,) [rad or m]."""
         return self.ways.state
 
 
 @dataclass(slots=True)
 class _Done:
-    """What came of one step. `broken` says that it can't be done from where the robot stood, though perhaps from elsewhere; `way` is
-    that of its frame where no more is known of it.
+    """The result of one step.
+
+    `before` and `behind` are what is known before and after it. `broken` is True if it can't be done from the
+    robot's position, though perhaps from another one. `way` is the way of its frame, if no more is known.
     """
 
     before: _Stand
@@ -95,12 +101,12 @@ class _Done:
     broken: bool = False
     way: FrameWay | None = None
     cell: Cell | None = None
-    """The cell as it is during a motion."""
+    """The cell during a motion."""
 
 
 @dataclass(slots=True)
 class Router:
-    """Routes the steps of a program one after the other; `done` has what came of each."""
+    """Routes the steps of a program one after the other; `done` has the result of each."""
 
     robot: Robot
     steps: Sequence[Step]
@@ -108,31 +114,33 @@ class Router:
     cell: Cell | None = None
     memory: Memory = NO_MEMORY
     cells: Mapping[int, Cell | None] | None = None
-    """The cell as it is during each motion, where that is given."""
+    """The cell during each motion, if it is given."""
     searches: int = 1
-    """How many ways round are looked for, of which the quickest is taken."""
+    """Number of ways around obstacles that are searched for; the fastest is taken."""
     done: list[_Done] = field(default_factory=list)
     _choices: dict[int, Array] = field(default_factory=dict)
-    """What was taken instead of the nearest, by step."""
+    """Solutions taken instead of the nearest, by step."""
     _in_vain: set[tuple[SourceFile, Span]] = field(default_factory=set)
-    """The commands for which was searched, and nothing found."""
+    """Commands for which a search found nothing."""
     _handling: Handling = field(init=False)
     _grasps: dict[int, Grasp] = field(default_factory=dict)
-    """What the SETs of grippers do, by step."""
+    """The effects of SETs of grippers, by step."""
     _blocked: set[tuple[SourceFile, Span]] = field(default_factory=set)
-    """The commands whose poses are blocked, for which poses beside them were tried."""
+    """Commands whose poses are blocked, and for which nearby poses were tried."""
     _ahead: WaysAhead = field(init=False)
     _reached: ReachedAhead = field(init=False)
 
     def __post_init__(self) -> None:
-        """Find the ways in and out of grippers."""
+        """Find the straight ways on which grippers approach and leave parts."""
         self._reached = ReachedAhead(self.robot, self.steps)
         self._ahead = WaysAhead(self.robot, self.steps, long_chains(self.steps))
         self._handling = handling_of(self.robot, self.cell, self.steps)
 
     def _solver(self, number: int, step: Motion, before: _Stand) -> Solver:
-        """What solves the poses of a command. It searches long only in the first round of a loop, and for how far poses are out of reach for some
-        commands of a program.
+        """Return the solver for the poses of a command.
+
+        It searches long only in the first pass of a loop, and measures how far poses are out of reach only
+        for some commands of a program.
         """
         origin = step.origin
         is_again = (origin.source, origin.span) in self._in_vain
@@ -141,7 +149,7 @@ class Router:
         return Solver(self.robot, self._around(number, step, before), measures, is_again, self.searches)
 
     def _around(self, number: int, step: Motion, before: _Stand) -> Cell | None:
-        """Return the cell as it is during a motion."""
+        """Return the cell during a motion."""
         handling = self._handling
         if self.cells is not None:
             return self.cells.get(number, self.cell)
@@ -149,7 +157,7 @@ class Router:
             return self.cell
         touches = handling.touches(number, self._grasps.get)
         if not step.leads_frame and before.q is not None:
-            # of straight ways of a frame only the certificate looks at what they meet
+            # for straight ways of a frame, only the certificate checks what they meet
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
         return handling.around(before.parts.parts, touches)
@@ -159,7 +167,9 @@ class Router:
         return _Stand(Ways(self.start), parts=self._handling.first())
 
     def advance(self) -> None:
-        """Route the next step; where it can't be done from here, from another solution of an earlier target if one serves."""
+        """Route the next step. If it can't be done from here, try the other solutions of an earlier
+        target.
+        """
         before = self.done[-1].behind if self.done else self._first()
         done = self._step(len(self.done), before)
         self.done.append(done)
@@ -167,7 +177,9 @@ class Router:
             self._choose_otherwise(before.choice)
 
     def _choose_otherwise(self, chosen: int) -> None:
-        """Try the other solutions of step `chosen`, the nearest first, until the steps from there to the last can be done."""
+        """Try the other solutions of step `chosen`, the nearest first, until all steps from there to the last
+        can be done.
+        """
         tried = self.done[chosen:]
         last = len(self.done)
         step = self.steps[chosen]
@@ -204,7 +216,7 @@ class Router:
         self.done[chosen:] = tried
 
     def _near(self, number: int) -> Array | None:
-        """To what the solution of the last pose of a motion shall be near."""
+        """Return the joint position that the solution of a motion's last pose should be near."""
         done = self.done[number]
         if done.route is None or len(done.route.waypoints) < 2:
             return done.before.q
@@ -237,7 +249,9 @@ class Router:
         return _Done(before, behind, None, tuple(findings.found))
 
     def _flow(self, number: int, step: Action, stand: _Stand, findings: Collector) -> _Stand:
-        """What is known behind a step that doesn't move the robot: something else only at the ways of a WHEN, and where a gripper closes or opens."""
+        """Return what is known after a step that doesn't move the robot: it changes only at the branches of a
+        WHEN, and where a gripper closes or opens.
+        """
         if self._handling.is_needed:
             parts, grasp = self._handling.passed(stand.parts, number, stand.q)
             if grasp is not None:
@@ -265,12 +279,12 @@ class Router:
             return None
 
         ways = stand.ways.turned(step, meet)
-        # the solutions that were chosen before are fixed by all ways together
+        # solutions chosen earlier are fixed by all paths together
         is_met = isinstance(step, EndWhen | Loop | EndLoop)
         return _Stand(ways, None, None, stand.parts) if is_met else replace(stand, ways=ways)
 
     def _same(self, one: Array, other: Array) -> bool:
-        """Whether two joint positions are one for the controller: far below a count."""
+        """Return True if two joint positions are the same for the controller: closer than a count by far."""
         return bool((np.abs(one - other) <= 1e-9 * self.robot.axis_units).all())
 
     def _motion(
@@ -297,7 +311,7 @@ class Router:
                 return led, None
             return led, Route(led.path, led.waypoints)
 
-        # the fix of a way round takes names that stand nowhere in the text
+        # the fix of a way around obstacles uses names that occur nowhere in the text
         around = isinstance(step, AvoidMove)
         led, route = told_before(self.memory, key, step.origin, findings, make, may_look_around=around)
         behind = _Stand(
@@ -322,7 +336,9 @@ class Router:
     def _from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> _Done:
-        """Check what can be checked of a motion from an unknown place: whether its poses can be reached at all, and the way of its frame."""
+        """Check a motion from an unknown position as far as possible: if its poses can be reached at all, and
+        the way of its frame.
+        """
         flange = None if before.flange is None else before.flange.tobytes()
         key = ("anywhere", self.robot, flange, key_of(step), solver.measures)
 
@@ -336,7 +352,12 @@ class Router:
     def _goals_from_anywhere(
         self, solver: Solver, number: int, step: Motion, before: _Stand, findings: Collector
     ) -> tuple[Array | None, Array | None, FrameWay | None]:
-        """Return where a motion from an unknown place leads: joint positions (n,) if they are written, the flange's pose (4, 4), and the way of its frame."""
+        """Return where a motion from an unknown position leads.
+
+        Returns:
+            Joint positions (n,) if they are given, the flange's pose (4, 4), and the way of its frame; None
+            for what isn't known.
+        """
         if isinstance(step, TimedMove):
             return step.table.positions[-1], None, None
         goals: tuple[Goal, ...] = step.goals
@@ -358,17 +379,19 @@ class Router:
 _BLOCKED = "Y0925"
 
 MOST_MEASURED = 20
-"""Commands of a program for which is searched how far they are out of reach: each search takes about 0.1 s."""
+"""Number of commands of a program for which the distance out of reach is measured: each search takes about
+0.1 s.
+"""
 
 
 def _moved(stand: _Stand, q: Array | None) -> _Stand:
-    """Return what is known if the robot stands at `q` (n,) [rad or m] now; None: nowhere known."""
-    # twice as quick as `replace`: this is done for every motion of a program that is edited
+    """Return what is known after a motion to `q` (n,) [rad or m]; None if the position isn't known."""
+    # twice as fast as `replace`: this runs for every motion of a program that is edited
     return _Stand(Ways(q, stand.ways.ends, stand.ways.open), None, None, stand.parts)
 
 
 def _flange_at(robot: Robot, goal: Goal, stands: Array) -> Array:
-    """Return where the flange stands at the goal of a motion of the joints from `stands` (n,), base_from_flange (4, 4)."""
+    """Return the flange's pose base_from_flange (4, 4) at the goal of a joint motion from `stands` (n,)."""
     match goal:
         case PoseGoal():
             return flange_at(goal)

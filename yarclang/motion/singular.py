@@ -1,4 +1,4 @@
-"""How near a path of the moving frame comes to a singularity, and what that costs."""
+"""Measure how near a path of the moving frame comes to a singularity, and the cost."""
 
 from __future__ import annotations
 
@@ -12,18 +12,22 @@ from yarclang.motion.cartesian import CartesianPath
 from yarclang.robot.kinematics.singularity import are_all_above, smallest_singular_values
 
 NEAR = 0.06
-"""Below this smallest singular value a path counts as near a singularity: far from one it is 0.1 to 0.5."""
+"""Smallest singular value below which a path counts as near a singularity; far from one it is 0.1 to 0.5."""
 
 _COSTS = 2.0
-"""A path that asks so many times as much of its joints there as on the average pays for it."""
+"""Ratio of the joints' load there to the average load, from which a path counts as slowed by a
+singularity.
+"""
 
 _STILL = 1e-9
 
 
 @frozen
 class Nearest:
-    """The place `s` of a path that is nearest to a singularity: the smallest singular value there, and the `joint` that turns most,
-    by `rate` [rad or m per m of the way, or per rad of a pure turn].
+    """The place `s` of a path that is nearest to a singularity.
+
+    `smallest` is the smallest singular value there. `joint` is the joint that moves most, by `rate` [rad or m
+    per m of the path, or per rad of a pure turn]. `turns` is True for a pure turn.
     """
 
     s: float
@@ -34,7 +38,9 @@ class Nearest:
 
 
 def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
-    """Return True for each of some paths of one arm and one moving frame that is proved to keep away from singularities."""
+    """Return True for each path that is proved to keep away from singularities; all paths are of one arm and
+    one moving frame.
+    """
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     q = [path.followed.q for path in paths]
     if are_all_above(chain, np.concatenate(q), tool, NEAR):
@@ -43,13 +49,14 @@ def keep_away(paths: Sequence[CartesianPath]) -> list[bool]:
 
 
 def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
-    """Where a path comes near a singularity and pays for it in joint speed; None where it keeps away, or passes without a cost.
+    """Return where a path comes near a singularity and pays for it in joint speed; None if it keeps away, or
+    passes at no cost.
 
-    The places are those at which the arm was followed: the nearer a singularity, the denser they are.
+    The places examined are those at which the arm was followed: near a singularity they are denser.
 
     Args:
         path: the path.
-        velocity: the joints' limits (n,) [rad/s or m/s].
+        velocity: the joints' velocity limits (n,) [rad/s or m/s].
     """
     extent, turns = path.extent
     s, q = path.followed.s, path.followed.q
@@ -59,7 +66,7 @@ def nearest_singularity(path: CartesianPath, velocity: Array) -> Nearest | None:
     if smallest.min() >= NEAR:
         return None
     slope = np.abs(np.diff(q, axis=0)) / np.diff(s)[:, None]
-    # the share of its speed that the busiest joint needs, were the path gone along in 1 s
+    # the share of its speed limit that the busiest joint needs if the path takes 1 s
     shares = slope / velocity
     load = shares.max(axis=1)
     near = np.minimum(smallest[1:], smallest[:-1]) < NEAR

@@ -1,8 +1,10 @@
-"""Joint positions along a line or an arc as one polynomial: a few places are solved, and all others follow from these.
+"""Approximate joint positions along a line or an arc by one polynomial: a few places are solved, and all
+others follow from them.
 
-The joints of an arm are analytic functions of the place on such a path, except at singularities. So their Chebyshev interpolation converges geometrically: on a short
-line, 16 places give all others to the last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Whether that is so is looked at
-by forward kinematics, between the places; where it isn't, there is no polynomial.
+Except at singularities, the joints of an arm are analytic functions of the place on such a path, so that
+their Chebyshev interpolation converges geometrically. On a short line, 16 places determine all others to the
+last digits (Trefethen, Approximation Theory and Approximation Practice, ch. 8). Forward kinematics checks the
+polynomial between the places; if it is inaccurate, there is none.
 """
 
 from __future__ import annotations
@@ -31,15 +33,16 @@ _EXACT = 1e-12
 """The largest miss of the path between the solved places [m or rad]."""
 
 _AT_ONCE = 8_192
-"""Places at which a polynomial is evaluated at a time."""
+"""Places at which a polynomial is evaluated together."""
 
 
 @frozen(eq=False)
 class Smooth:
     """The joint positions of a path over s from 0 to 1.
 
-    `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is longer than any joint's axis is away from the
-    moving frame's origin; `is_sliding` (n,) says which joints slide.
+    `coefficients` (d + 1, n) are those of the Chebyshev polynomials of 1 - 2 s [rad or m]. `lever` [m] is
+    larger than the distance of the moving frame's origin from any joint's axis; `is_sliding` (n,) is 1 for
+    joints that slide.
     """
 
     coefficients: Array
@@ -55,14 +58,14 @@ class Smooth:
         return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Bound how far the moving frame is from the path.
+        """Bound the distance of the moving frame from the path.
 
         Args:
             q: (N, n) joint positions [rad or m].
-            s: (N,) the places at which these should be.
+            s: (N,) their places on the path.
 
         Returns:
-            The distance [m] and the angle [rad], each at least as large as it is.
+            Upper bounds of the distance [m] and of the angle [rad].
         """
         off = np.abs(q - self.at(s))
         turn = off @ (1.0 - self.is_sliding)
@@ -70,7 +73,9 @@ class Smooth:
 
 
 def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
-    """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path that has none."""
+    """Return the joint positions along paths of one arm and one moving frame as polynomials; None for a path
+    that has none.
+    """
     found: list[Smooth | None] = [None] * len(paths)
     missing = [place for place, path in enumerate(paths) if isinstance(path.frame, Line | Arc)]
     for degree in _DEGREES:
@@ -83,7 +88,7 @@ def smooth(paths: Sequence[CartesianPath]) -> list[Smooth | None]:
 
 
 def _of_degree(degree: int, paths: Sequence[CartesianPath]) -> list[Smooth | None]:
-    """Return the polynomials of a degree, where they lead along the path."""
+    """Return the polynomials of one degree; None for each that misses its path."""
     places, between, to_coefficients, to_between = _nodes(degree)
     chain, tool = paths[0].chain, paths[0].flange_from_moving
     values = np.array(joints_of(paths, [places] * len(paths)))
@@ -110,17 +115,23 @@ def _poses(paths: Sequence[CartesianPath], s: Array) -> Array:
 
 @cache
 def _nodes(degree: int) -> tuple[Array, Array, Array, Array]:
-    """Return the places that are solved, those between them that are looked at, and from values at the first the coefficients and the values at the second."""
+    """Return Chebyshev nodes, places between them, and matrices for values at the nodes.
+
+    Returns:
+        The places to solve; places between them, for checks; the matrix from values to coefficients; and the
+        matrix from values to values at the second places.
+    """
     count = degree + 1
     places = (1.0 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2.0
     between = (1.0 - np.cos(np.pi * np.arange(count + 1) / count)) / 2.0
+    # discrete orthogonality of the Chebyshev polynomials at their roots
     to_coefficients = _chebyshev(places, count) * (2.0 / count)
     to_coefficients[0] /= 2.0
     return places, between, to_coefficients, _chebyshev(between, count).T @ to_coefficients
 
 
 def _chebyshev(s: Array, count: int) -> Array:
-    """Return the first Chebyshev polynomials of 1 - 2 s (count, N) at `s` (N,)."""
+    """Return the first Chebyshev polynomials of 1 - 2 s, (count, N), at `s` (N,)."""
     x = 1.0 - 2.0 * s
     polynomials = np.empty((count, len(s)))
     polynomials[0], polynomials[1] = 1.0, x

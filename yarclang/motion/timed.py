@@ -1,9 +1,10 @@
-"""Fitting the path of a timetable to the controller's segments.
+"""Fit the path of a timetable to the controller's segments.
 
-The path is given in time, so nothing is left to choose but the segments and how smooth the curve is. Where the acceleration of the path jumps, as it does at both ends of a
-spline that is clamped there, a curve through all knots overshoots. So the control points are those of least squares: of the distances at the knots, and, with a weight,
-of the differences between the accelerations and the path's own. The larger the weight, the less the curve overshoots and the farther it is from the path; the
-largest is taken that keeps the tolerance.
+The path is a function of time, so that only the segments and the curve's smoothness can be chosen. Where the
+acceleration of the path jumps, as it does at both ends of a clamped spline, a curve through all knots
+overshoots. The control points therefore minimize a sum of squares: of the distances at the knots, and, with a
+weight, of the differences between the accelerations and the path's own. The larger the weight, the less the
+curve overshoots and the farther it is from the path. The largest weight that keeps the tolerance is used.
 """
 
 from __future__ import annotations
@@ -23,32 +24,38 @@ from yarclang.progress import go_on
 from yarclang.units import MS
 
 LATE = 1.0 * MS
-"""The duration may be longer than that of the table by so much [s]: the segment times of the controller have steps."""
+"""Time by which the duration may exceed that of the table [s]: the segment times of the controller have
+steps.
+"""
 
 _SHARE = 0.85
-"""The share of the tolerance that is used: the distance is looked at in some places only."""
+"""Share of the tolerance that is used, since the distance is sampled only at some places."""
 
 _BETWEEN = 4
-"""A segment is looked at in so many places."""
+"""Number of samples in each segment."""
 
 _WEIGHTS = (1e6, 1e5, 1e4, 1e3, 1e2, 1e1, 1.0, 0.1, 0.0)
-"""The weights of the accelerations that are tried."""
+"""Weights of the accelerations that are tried."""
 
 _GAIN = 0.98
-"""Shorter segments are tried further while they bring an excess down to this share at least."""
+"""Shorter segments are tried as long as each step reduces an excess at least to this share."""
 
 _FINER = 0.6
-"""By which factor shorter segments are tried next, where limits are broken or the curve overshoots."""
+"""Factor to the next shorter segments, if limits are broken or the curve overshoots."""
 
 _OVERSHOOT = 1.15
-"""Shorter segments are tried if accelerations are larger than those of the path by more than this factor, and than half of the limit."""
+"""Shorter segments are tried if accelerations exceed those of the path, and half of the limit, by more than
+this factor.
+"""
 
 _ROUNDS = 12
 
 
 @frozen
 class Broken:
-    """A limit is broken: `demand` says which, `share` how much of it is used (1 is all), `time` [s] when."""
+    """A limit is broken: `demand` names it, `share` is its used share (1 is all of it), `time` [s] is
+    when.
+    """
 
     demand: Demand
     share: float
@@ -57,9 +64,10 @@ class Broken:
 
 @frozen
 class Missed:
-    """The path can't be held: in `joint` by `off` [rad or m], `time` [s] after the start, at the shortest segments, of `segment` [s].
+    """The path can't be held: `joint` misses it by `off` [rad or m], `time` [s] after the start, with the
+    shortest segments of `segment` [s].
 
-    `share` is how much of what is allowed it uses.
+    `share` is the miss as a share of the allowed one.
     """
 
     joint: int
@@ -71,27 +79,27 @@ class Missed:
 
 @frozen
 class TooShort:
-    """A table ends, after `duration` [s], before the fewest segments could: these last `shortest` [s]."""
+    """A table ends after `duration` [s], earlier than the fewest segments can: these last `shortest` [s]."""
 
     duration: float
     shortest: float
 
 
 Refused = Broken | Missed | TooShort
-"""Why a timetable can't be carried out as it is; a slower one can."""
+"""The reasons why a timetable can't be carried out as it is; a slower one can."""
 
 
 def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Curve | Refused | TooLong:
     """Choose segments and control points of a motion along a timetable.
 
     Args:
-        path: where the joints shall be.
-        within: (n,) how far each joint may be from there at the same time [rad or m].
-        bounds: the limits to keep; that of the jerk isn't, since the table decides it.
-        grid: the segment times that the controller takes.
+        path: the joints' positions over time.
+        within: (n,) the largest distance of each joint from its position at the same time [rad or m].
+        bounds: the limits to keep, except that of jerk, since the table decides it.
+        grid: the segment times that the controller accepts.
 
     Returns:
-        The curve; it lasts as long as the table, or up to `LATE` longer.
+        The curve, which lasts as long as the table or up to `LATE` longer; or the reason why there is none.
     """
     bounds = bounds.without_jerk()
     wanted = min(grid.largest, path.duration / FEWEST_SEGMENTS)
@@ -111,7 +119,7 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
         points, excess = trial.solved(0.0)
         if excess > _SHARE:
             if is_last:
-                # what is so fast that no segments are short enough breaks a limit first of all
+                # if no segments are short enough for a fast motion, report the limit that it breaks first
                 demand = max(bounds.demands(points), key=lambda one: one.segment)
                 found = _broken(demand, segment) if demand.segment > segment else None
                 return broken or found or trial.missed(points, segment)
@@ -140,10 +148,10 @@ def fit_timed(path: TimedPath, within: Array, bounds: Bounds, grid: Grid) -> Cur
 
 
 STEPS = 24
-"""How many stretches are tried at most."""
+"""The largest number of stretches that are tried."""
 
 FINE = 1.001
-"""A stretch is the shortest that works but for this factor."""
+"""Factor up to which a stretch is the shortest that works."""
 
 
 def shortest_stretch(
@@ -154,18 +162,18 @@ def shortest_stretch(
     grid: Grid,
     stretch: float,
 ) -> float | None:
-    """Look for the shortest stretch of a timetable that keeps all limits.
+    """Search for the shortest stretch of a timetable that keeps all limits.
 
     Args:
-        path_at: gives the path at a stretch.
-        refused: why `stretch` doesn't work.
-        within: as of `fit_timed`.
-        bounds: as of `fit_timed`.
-        grid: as of `fit_timed`.
+        path_at: returns the path at a stretch.
+        refused: the reason why `stretch` doesn't work.
+        within: as for `fit_timed`.
+        bounds: as for `fit_timed`.
+        grid: as for `fit_timed`.
         stretch: one that doesn't work.
 
     Returns:
-        A stretch of few digits that was tried and works; None where none is found.
+        A stretch with few digits that was tried and works; None if none is found.
     """
     fails, works = stretch, math.inf
     nearest = stretch * _needed(refused)
@@ -190,7 +198,11 @@ def shortest_stretch(
 
 
 def _needed(refused: Refused) -> float:
-    """Return about the factor by which all times have to grow: velocities fall with it, accelerations, and what the shortest segments miss, with its square."""
+    """Return the approximate factor by which all times must grow.
+
+    Velocities fall with its first power; accelerations, and the misses of the shortest segments, with its
+    square.
+    """
     if isinstance(refused, TooShort):
         return refused.shortest / refused.duration
     if isinstance(refused, Missed):
@@ -205,7 +217,7 @@ def _few_digits(stretch: float) -> float:
 
 
 _ORDERS = {"velocity": 1, "motor speed": 1, "zone speed": 1, "acceleration": 2, "jerk": 3}
-"""With which power of time limits scale."""
+"""The power of time with which each limit scales."""
 
 
 def _broken(demand: Demand, segment: float) -> Broken:
@@ -215,16 +227,19 @@ def _broken(demand: Demand, segment: float) -> Broken:
 
 
 _NUMBERS = 4096
-"""So many numbers of segments are looked at."""
+"""Numbers of segments that are compared, in each direction."""
 
 
 def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
-    """Return the number of segments and their time [s], near to `wanted`, that last as long as a table, or longer by no more than `LATE`."""
+    """Return the number of segments and their time [s], near `wanted`, that last as long as a table, or
+    longer by at most `LATE`.
+    """
     steps = duration / grid.quantum
     most = max(FEWEST_SEGMENTS, math.floor((duration + LATE) / grid.smallest + 1e-9))
     least = min(most, max(FEWEST_SEGMENTS, math.ceil(duration / wanted - 1e-9)))
     fewest = max(FEWEST_SEGMENTS, math.ceil(duration / grid.largest - 1e-9))
-    # a few thousand numbers, larger ones first: of a long motion, one in twenty has segments whose steps fit
+    # try some thousand numbers, larger ones first: for a long motion, one in twenty has segments whose steps
+    # fit
     larger = np.arange(least, min(most, least + _NUMBERS) + 1)
     smaller = np.arange(least - 1, max(fewest, least - _NUMBERS) - 1, -1)
     numbers = np.concatenate((larger, smaller))
@@ -237,7 +252,11 @@ def _divided(duration: float, wanted: float, grid: Grid) -> tuple[int, float]:
 
 @frozen(eq=False)
 class _Trial:
-    """A number of segments: where the joints shall be at the knots, `knots` (n + 1, d), and `between` them ((n * _BETWEEN + 1), d); `within` (d,)."""
+    """Trial of a timetable with a fixed number of segments.
+
+    `knots` (n + 1, d) are the wanted positions at the knots, `between` (n * _BETWEEN + 1, d) those at all
+    samples; `within` (d,) is the tolerance.
+    """
 
     path: TimedPath
     within: Array
@@ -246,7 +265,7 @@ class _Trial:
 
     @staticmethod
     def of(path: TimedPath, within: Array, segments: int) -> _Trial:
-        """Look where the joints shall be."""
+        """Sample the wanted positions."""
         count = segments * _BETWEEN
         between = path.joints(np.arange(count + 1) / count)
         return _Trial(path, within, between[::_BETWEEN], between)
@@ -257,7 +276,9 @@ class _Trial:
         return points, float((np.abs(_looked_at(points) - self.between) / self.within).max())
 
     def smoothest(self, points: Array) -> Array:
-        """Return the control points with the largest weight that keep the tolerance; `points` are those with none."""
+        """Return the control points with the largest weight that keep the tolerance; `points` are those
+        without weight.
+        """
         low, high = 0, len(_WEIGHTS) - 1
         while low < high:
             middle = (low + high) // 2
@@ -269,13 +290,15 @@ class _Trial:
         return points
 
     def overshoot(self, curve: Curve, bounds: Bounds) -> float:
-        """Return by which factor accelerations are larger than the largest of the path, or than half of the limit."""
+        """Return the factor by which accelerations exceed the largest of the path, or half of the limit if
+        that is larger.
+        """
         asked = np.abs(np.diff(self.knots, 2, axis=0)).max(axis=0) / curve.segment**2
         made = np.abs(np.diff(curve.points, 2, axis=0)).max(axis=0) / curve.segment**2
         return float((made / np.maximum(asked, bounds.acceleration / 2.0)).max())
 
     def missed(self, points: Array, segment: float) -> Missed:
-        """Return where control points miss the path most."""
+        """Return the place at which control points miss the path most."""
         off = np.abs(_looked_at(points) - self.between)
         at, joint = divmod(int(np.argmax(off / self.within)), off.shape[1])
         most = float(off[at, joint])
@@ -283,7 +306,7 @@ class _Trial:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n * _BETWEEN + 1, d) of control points (n + 3, d) at knots and between them."""
+    """Return the values (n * _BETWEEN + 1, d) of control points (n + 3, d) at the knots and between them."""
     f = [points[i : len(points) - 3 + i] for i in range(4)]
     found = np.empty((len(f[0]) * _BETWEEN + 1, points.shape[1]))
     for place in range(_BETWEEN):
@@ -296,10 +319,11 @@ def _looked_at(points: Array) -> Array:
 
 
 def _least_squares(knots: Array, weight: float) -> Array:
-    """Return the control points (n + 3, d) of least squares for positions at knots 0 to n, (n + 1, d).
+    """Return the control points (n + 3, d) that fit positions at knots 0 to n, (n + 1, d), by least squares.
 
-    The first three are the start and the last three the end. At each knot from 1 to n - 1 there is one row for the position, and one, times the root of `weight`, for the second
-    difference. Each unknown stands in three rows of either kind, so the normal equations have the same numbers in every row.
+    The first three are the start and the last three the end. Each knot from 1 to n - 1 contributes one row
+    for the position and one, times the root of `weight`, for the second difference. Each unknown occurs in
+    three rows of either kind, so that the normal equations have the same coefficients in every row.
     """
     from scipy.linalg import solveh_banded
 

@@ -1,4 +1,4 @@
-"""The first trials of lines, made for many of them together: most lines need few others."""
+"""Make the first trials of many lines together: most lines need few more."""
 
 from __future__ import annotations
 
@@ -21,27 +21,30 @@ from yarclang.motion.trials import Trials, try_together
 from yarclang.robot.model import Tolerance
 
 _MOST_ROWS = 20_000
-"""Segments of the motions that are worked out together."""
+"""The largest number of segments of the motions that are computed together."""
 
 
 @frozen(eq=False)
 class Tried:
-    """The trials of a motion with the first one made, and True if its path is known to keep away from singularities."""
+    """The trials of a motion, including the first one, and True if its path is known to keep away from
+    singularities.
+    """
 
     trials: Trials
     profile: Profile
     keeps_away: bool
 
     def trials_of(self, profile: Profile) -> Trials | None:
-        """Return the trials if they are of this profile."""
+        """Return the trials if they are of this profile, otherwise None."""
         return self.trials if profile is self.profile else None
 
 
 @dataclass(slots=True)
 class TriedAhead:
-    """Makes the first trials of motions.
+    """Maker of the first trials of motions.
 
-    `motions` are those of a program with their paths, in order (None: not known). `asked` gives what a motion has to keep.
+    `motions` are those of a program in order, with their paths; None if a path isn't known. `asked` returns
+    the limits and the tolerance of a motion.
     """
 
     motions: Sequence[tuple[Motion, Path] | None]
@@ -51,7 +54,7 @@ class TriedAhead:
     _growing: Growing = field(default_factory=Growing)
 
     def of(self, number: int) -> Tried | None:
-        """Return what was tried of a motion; None if that is left to do."""
+        """Return the trials of a motion, or None if none were made."""
         if number not in self._ready:
             self._ready.clear()
             size = self._growing.size(number)
@@ -60,7 +63,7 @@ class TriedAhead:
         return self._ready.pop(number, None)
 
     def _work(self, number: int, size: int) -> None:
-        """Try the motions from a number on that are like it, up to `size` of them."""
+        """Try consecutive motions of the same kind together, from a number on, up to `size` of them."""
         begun = list[_Begun]()
         for here in range(number, min(number + size, len(self.motions))):
             one = self._begun(here)
@@ -81,7 +84,7 @@ class TriedAhead:
         self._growing.done(number + len(begun) - 1)
 
     def _begun(self, number: int) -> _Begun | None:
-        """Return what is tried of a motion first; None for a motion of another kind."""
+        """Return the first trial to make of a motion; None for a motion of another kind."""
         motion = self.motions[number]
         if motion is None:
             return None
@@ -90,7 +93,7 @@ class TriedAhead:
             return None
         profile, timing = load_profile(step.profile), step.timing
         if timing.ceiling is not None:
-            return None  # which is asked for besides the limits
+            return None  # the ceiling is a further demand
         full = None if timing.speed is None else full_time(path, timing.speed)
         if timing.speed is not None:
             if full is None or not profile.has_cruise:
@@ -119,7 +122,9 @@ class TriedAhead:
 
 @frozen(eq=False)
 class _Begun:
-    """A motion of which is known what is tried first: so many segments of a time, or, if its `segment` time is None, what the shortest duration asks for."""
+    """A motion whose first trial is known: `segments` segments of `segment` [s]; or, if `segment` is None,
+    those of the shortest duration.
+    """
 
     path: CartesianPath
     trials: Trials

@@ -1,6 +1,8 @@
-"""Laws that speed up, cruise and slow down, with accelerations that rise and fall in ramps of whole segments.
+"""Compute laws that speed up, cruise and slow down, with accelerations that rise and fall in ramps of whole
+segments.
 
-A form is (blend, ramp): the segments of speeding up (and of slowing down), and of each of its two ramps.
+A form is (blend, ramp): the number of segments of speeding up (and of slowing down), and of each of its two
+ramps.
 """
 
 from __future__ import annotations
@@ -12,14 +14,15 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 
 FEWEST_IN_BLEND = 2
-"""A blend is two ramps of one segment at least."""
+"""A blend has at least two ramps of one segment."""
 
 _ROUNDING = 1e-9
-"""The rounding error of a difference of numbers of segments, and some more."""
+"""More than the rounding error of a difference of numbers of segments."""
 
 
 def trapezoid(segments: int, blend: int, ramp: int) -> Array:
-    """The control values (n + 3,) of s: acceleration is linear between knots, so the curve is the law exactly.
+    """Return the control values (n + 3,) of s: acceleration is linear between knots, so that the curve is
+    exactly the law.
 
     Args:
         segments: n, at least twice the blend.
@@ -38,13 +41,14 @@ def trapezoid(segments: int, blend: int, ramp: int) -> Array:
 
 
 def cruising(segments: int, cruise: float, ramp: int) -> Array:
-    """The control values (n + 3,) of a law whose cruise would take the whole way in `cruise` segments, a whole number or not.
+    """Return the control values (n + 3,) of a law whose cruise would take the whole path in `cruise`
+    segments, an integer or not.
 
-    The blend n - cruise lies between two whole numbers: speeding up is a mixture of both.
+    If the blend n - cruise lies between two integers, speeding up is a mixture of both.
 
     Args:
         segments: n, at least two more than `cruise` and at most twice as many.
-        cruise: the segments that the way takes at full speed.
+        cruise: the segments that the path takes at full speed.
         ramp: segments in which the acceleration rises, at most half of the blend.
     """
     rise = _pulse(segments, segments - cruise, ramp)
@@ -53,8 +57,8 @@ def cruising(segments: int, cruise: float, ramp: int) -> Array:
 
 @frozen
 class Ramp:
-    """Speeding up, or slowing down: it begins at knot `start`, a whole number or not, takes `width` segments, and its acceleration rises in
-    `rise` of them and falls in as many.
+    """Speeding up or slowing down: it begins at knot `start`, an integer or not, and takes `width` segments;
+    its acceleration rises in `rise` of them and falls in as many.
     """
 
     start: float
@@ -63,14 +67,14 @@ class Ramp:
 
     @property
     def middle(self) -> float:
-        """Where half of the speed is reached."""
+        """The time at which half of the speed is reached, in segments."""
         return self.start + self.width / 2.0
 
 
 def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
-    """The control values (n + 3,) of a law that speeds up in one ramp and slows down in another one.
+    """Return the control values (n + 3,) of a law that speeds up in one ramp and slows down in another.
 
-    From the middle of one to that of the other the whole way would be gone at full speed.
+    The time between the middles of the two ramps is that of the whole path at full speed.
 
     Args:
         segments: n; both ramps lie within.
@@ -82,12 +86,13 @@ def between_ramps(segments: int, first: Ramp, last: Ramp) -> Array:
 
 
 def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
-    """The control values (n + 3,) of a law that speeds up in a ramp, and slows down just to the last of the segments.
+    """Return the control values (n + 3,) of a law that speeds up in a ramp, and slows down until the last of
+    the segments.
 
     Args:
         segments: n.
         first: speeding up.
-        cruise: the segments that the whole way would take at full speed, a whole number or not.
+        cruise: the segments that the whole path would take at full speed, an integer or not.
         rise: segments in which the acceleration rises and falls while slowing down.
     """
     width = 2.0 * (segments - first.middle - cruise)
@@ -95,7 +100,9 @@ def to_rest(segments: int, first: Ramp, cruise: float, rise: int) -> Array:
 
 
 def _shifted(segments: int, ramp: Ramp) -> Array:
-    """Accelerations (n + 1,) at the knots of one ramp, which add up to 1: a mixture of two that begin at whole knots."""
+    """Return accelerations (n + 1,) at the knots of one ramp, with sum 1: a mixture of two ramps that begin
+    at integer knots.
+    """
     whole = int(ramp.start + _ROUNDING)
     later = max(ramp.start - whole, 0.0)
     knot = np.arange(ramp.width + 1)
@@ -109,7 +116,9 @@ def _shifted(segments: int, ramp: Ramp) -> Array:
 
 
 def _pulse(segments: int, blend: float, ramp: int) -> Array:
-    """Accelerations (n + 1,) at the knots that add up to 1, from knot 0 on: a mixture of two whole blends."""
+    """Return accelerations (n + 1,) at the knots with sum 1, from knot 0 on: a mixture of two blends of
+    integer length.
+    """
     whole = int(blend + _ROUNDING)
     longer = max(blend - whole, 0.0)
     pulse = np.zeros(segments + 1)
@@ -122,7 +131,9 @@ def _pulse(segments: int, blend: float, ramp: int) -> Array:
 
 
 def _of_accelerations(accelerations: Array) -> Array:
-    """The control values (n + 3,) whose second differences are the accelerations (n + 1,) at the knots."""
+    """Return the control values (n + 3,) whose second differences are the accelerations (n + 1,) at the
+    knots.
+    """
     control = np.zeros(len(accelerations) + 2)
     control[2:] = np.cumsum(np.cumsum(accelerations))
     control[-3:] = 1.0
@@ -130,7 +141,9 @@ def _of_accelerations(accelerations: Array) -> Array:
 
 
 def trapezoid_strain(segments: int, forms: NDArray[np.int64]) -> Array:
-    """Peaks (K, 3) of velocity, acceleration and jerk over distance, in units of segments, of `forms` (K, 2)."""
+    """Return the peaks (K, 3) of velocity, acceleration and jerk over distance, in units of segments, of
+    `forms` (K, 2).
+    """
     blend, ramp = forms.T
     velocity = 1.0 / (segments - blend)
     acceleration = velocity / (blend - ramp)

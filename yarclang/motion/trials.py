@@ -1,7 +1,7 @@
-"""Trials: a path and a law on a number of segments, and what the limits ask of the segment time then.
+"""Try a path and a law on a number of segments, and compute the demands of the limits on the segment time.
 
-The control points don't depend on the segment time: once they are known, the shortest time in
-which they keep all limits is a closed form.
+The control points don't depend on the segment time. Once they are known, the shortest time in which they keep
+all limits follows in closed form.
 """
 
 from __future__ import annotations
@@ -26,25 +26,31 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Tolerance
 
 _SHARE_OF_TOLERANCE = 0.7
-"""The deviation is looked at in the middle of each segment; the proof of it comes later."""
+"""Share of the tolerance that is used, since the deviation is sampled in the middle of each segment; the
+proof comes later.
+"""
 
 _SHARE_OF_SPLINE = 0.55
-"""The same of a spline of poses, whose bends are of any sharpness between its way-points."""
+"""Share of the tolerance for a spline of poses, whose bends may be of any sharpness between its way-
+points.
+"""
 
 
 _KEPT = 200_000
-"""Segments of all trials of a motion that are kept: 10 MB of control points."""
+"""Number of segments of all trials of a motion that are kept: 10 MB of control points."""
 
 _FAR = 3.0
-"""Of what is foreseen from the steepest slope of a path, about the least segment times may be this many times as long."""
+"""Factor by which segment times may exceed the estimate from the steepest slope of a path."""
 
 MANY_SEGMENTS = 24
-"""So many that the form of a law hardly depends on their number any more."""
+"""Number of segments from which the form of a law hardly depends on their number."""
 
 
 @frozen(eq=False)
 class Trial:
-    """Control points for a number of segments and a form of the law, and what the limits ask of them."""
+    """Control points for a number of segments and a form of the law, and the demands of the limits on
+    them.
+    """
 
     segments: int
     form: Form
@@ -54,7 +60,7 @@ class Trial:
 
     @property
     def demand(self) -> Demand:
-        """The limit that asks most."""
+        """The demand of the limit that requires the longest segments."""
         return max(self.demands, key=lambda demand: demand.segment)
 
 
@@ -76,15 +82,17 @@ class Trials:
     _is_smooth_known: bool = False
 
     def trial(self, segments: int, form: Form) -> Trial:
-        """The control points for a number of segments and a form."""
+        """Return the trial with a number of segments and a form."""
         return self.trials([(segments, form)])[0]
 
     def trials(self, wanted: Sequence[tuple[int, Form]]) -> list[Trial]:
-        """The same for many at once: their joint positions are solved together."""
+        """Return many trials at once: their joint positions are solved together."""
         return _made([(self, segments, form) for segments, form in wanted])
 
     def within(self, segments: int, segment: float) -> Trial:
-        """The trial with the first form that keeps the limits at a segment time, or the fastest one."""
+        """Return the trial with the first form that keeps the limits at a segment time [s], or the fastest
+        one.
+        """
         forms = self.law.forms(segments)
         first = self._likely(segments, forms, segment)
         trial = self.trial(segments, _form(forms[first]))
@@ -102,26 +110,32 @@ class Trials:
         return self.fastest(segments)
 
     def fastest(self, segments: int) -> Trial:
-        """The trial with the form that needs the shortest segments."""
+        """Return the trial with the form that needs the shortest segments."""
         return self.fastest_of([segments])[0]
 
     def fastest_of(self, numbers: Sequence[int]) -> list[Trial]:
-        """The same for each number of segments."""
+        """Return the fastest trial for each number of segments."""
         look_together([(self, number) for number in numbers])
         return [self._fastest[number] for number in numbers]
 
     def foreseen_least(self, trial: Trial, numbers: range) -> list[float]:
-        """About the shortest segment times [s] of other numbers of segments: exact for straight lines in joint space."""
+        """Estimate the shortest segment times [s] for other numbers of segments: exact for straight lines in
+        joint space.
+        """
         return [float(self._foreseen(trial, self.law.forms(number), number).min()) for number in numbers]
 
     def foreseen_shortest(self) -> float:
-        """About the shortest duration [s], from the steepest slope of the path alone, unless the law knows it."""
+        """Estimate the shortest duration [s] from the steepest slope of the path alone, unless the law knows
+        it.
+        """
         if self.law.shortest is not None:
             return self.law.shortest
         return MANY_SEGMENTS * float(self._from_slope(MANY_SEGMENTS, self.law.forms(MANY_SEGMENTS)).min())
 
     def is_slow(self, segments: int, segment: float) -> bool:
-        """Return True if a number of segments of a time [s] each are far from every limit of speed, in any form of the law; no slow zone is near."""
+        """Return True if segments of a given time [s] are far from every speed limit in any form of the law,
+        and no slow zone is near.
+        """
         bounds, slope = self.bounds, self.path.slope
         if bounds.zones is not None:
             return False
@@ -133,12 +147,14 @@ class Trials:
         return bool(_FAR * peak * share <= segment)
 
     def deviation(self, trial: Trial) -> tuple[float, float]:
-        """How far the curve is from the path, in the middle of the segments and at the knots [m], [rad]."""
+        """Return the largest distance of the curve from the path, in the middle of the segments and at the
+        knots [m], [rad].
+        """
         known = self._deviations.get((trial.segments, trial.form)) or self._surely(trial)
         return known or self.path.deviation(_looked_at(trial.points), _looked_at(trial.control))
 
     def segments_for_tolerance(self, trial: Trial) -> int | None:
-        """How many segments are needed to hold the path; None where the trial holds it."""
+        """Return how many segments are needed to hold the path; None if the trial holds it."""
         if self.path.is_straight_in_joints:
             return None
         go_on()
@@ -154,7 +170,9 @@ class Trials:
         return max(trial.segments + 1, math.ceil(trial.segments * math.pow(min(excess, 256.0), 0.25)))
 
     def _surely(self, trial: Trial) -> tuple[float, float] | None:
-        """Return a bound of the deviation [m], [rad] where it shows that a trial with many segments keeps the tolerance."""
+        """Return an upper bound of the deviation [m], [rad] if it proves that a trial with many segments
+        keeps the tolerance; otherwise None.
+        """
         if self._smooth is None or trial.segments < MANY:
             return None
         position, angle = self._smooth.deviation(_looked_at(trial.points), _looked_at(trial.control))
@@ -162,7 +180,9 @@ class Trials:
         return (position, angle) if excess <= _SHARE_OF_TOLERANCE else None
 
     def _forget(self) -> None:
-        """Drop the trials that were made first, as long as all have too many segments together: those of a long motion take the memory of the whole program."""
+        """Drop the oldest trials while all have too many segments together: those of a long motion would fill
+        the memory.
+        """
         kept = sum(segments for segments, _ in self._made)
         for key in list(self._made)[:-1]:
             if kept <= _KEPT:
@@ -171,7 +191,7 @@ class Trials:
             del self._made[key]
 
     def _likely(self, segments: int, forms: NDArray[np.int64], segment: float) -> int:
-        """About the first form that keeps the limits."""
+        """Estimate the first form that keeps the limits."""
         first = self._first.get((segments, segment))
         if first is None:
             first = int(np.argmax(self._from_slope(segments, forms) <= segment))
@@ -179,7 +199,7 @@ class Trials:
         return first
 
     def _from_slope(self, segments: int, forms: NDArray[np.int64]) -> Array:
-        """About the segment times (K,) that forms need, from the steepest slope of the path alone."""
+        """Estimate the segment times (K,) that forms need, from the steepest slope of the path alone."""
         strain = self.law.strain(segments, forms)
         if self._rates is None:
             slope, bounds = self.path.slope, self.bounds
@@ -189,8 +209,8 @@ class Trials:
         return needed
 
     def _foreseen(self, trial: Trial, forms: NDArray[np.int64], segments: int | None = None) -> Array:
-        """About the segment times (K,) that other forms, of as many segments or others, would need: exact for straight
-        lines in joint space.
+        """Estimate the segment times (K,) that other forms would need, with the same or another number of
+        segments: exact for straight lines in joint space.
         """
         had = self.law.strain(trial.segments, np.array([trial.form], dtype=np.int64))[0]
         gets = self.law.strain(segments or trial.segments, forms)
@@ -201,11 +221,11 @@ class Trials:
 
 
 def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float]]) -> None:
-    """Make the trials that `within` begins with, and find their deviations, for many paths together.
+    """Make the trials with which `within` begins, and find their deviations, for many paths together.
 
     Args:
         all_trials: of paths of one arm and one moving frame.
-        wanted: for each, the number of segments, and the segment time [s].
+        wanted: for each, the number of segments and the segment time [s].
     """
     first = list[tuple[Trials, int, Form]]()
     for trials, (segments, segment) in zip(all_trials, wanted, strict=True):
@@ -215,7 +235,7 @@ def try_together(all_trials: Sequence[Trials], wanted: Sequence[tuple[int, float
 
 
 def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
-    """Find the deviations of trials together, each of a path of one arm and one moving frame."""
+    """Find the deviations of trials together, each on a path of one arm and one moving frame."""
     cartesian = [
         (trials, trial, trials.path) for trials, trial in made if isinstance(trials.path, CartesianPath)
     ]
@@ -236,7 +256,9 @@ def find_deviations(made: Sequence[tuple[Trials, Trial]]) -> None:
 
 
 def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
-    """Look for the form that needs the shortest segments, for paths of one arm and one moving frame, each with a number of segments."""
+    """Find the form that needs the shortest segments, for several paths of one arm and one moving frame, each
+    with a number of segments.
+    """
     wanted = [(trials, number) for trials, number in wanted if number not in trials._fastest]
     forms = [trials.law.forms(number) for trials, number in wanted]
     likely = [
@@ -264,7 +286,9 @@ def look_together(wanted: Sequence[tuple[Trials, int]]) -> None:
 
 
 def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
-    """Return trials of some paths of one arm and one moving frame, each a number of segments and a form: those that are missing are made together."""
+    """Return trials of paths of one arm and one moving frame, each with a number of segments and a form;
+    missing ones are made together.
+    """
     go_on()
     missing: dict[int, tuple[Trials, dict[tuple[int, Form], Array]]] = {}
     for trials, segments, form in wanted:
@@ -283,7 +307,9 @@ def _made(wanted: Sequence[tuple[Trials, int, Form]]) -> list[Trial]:
 
 
 def _points(wanted: Sequence[tuple[Trials, list[Array]]]) -> list[list[Array]]:
-    """Return the control points of the joints for control values of the share of the way, some for each path."""
+    """Return the control points of the joints for control values of the share of the path, some for each
+    path.
+    """
     _smoothen([trials for trials, controls in wanted if any(len(one) - 3 >= MANY for one in controls)])
     found = list[list[Array]]()
     left = list[tuple[Path, Array]]()
@@ -326,7 +352,7 @@ def _smoothen(all_trials: Sequence[Trials]) -> None:
 
 
 def _solved(wanted: Sequence[tuple[Path, Array]]) -> list[Array]:
-    """Return the joint positions (N, n) of paths at places (N,), a path as often as it has places."""
+    """Return the joint positions (N, n) of each path at its places (N,)."""
     cartesian = [path for path, _ in wanted if isinstance(path, CartesianPath)]
     if len(cartesian) == len(wanted) > 1:
         return joints_of(cartesian, [knots for _, knots in wanted])
@@ -341,7 +367,9 @@ def _straight(path: Path, control: Array) -> Array:
 
 
 def _looked_at(points: Array) -> Array:
-    """Return the values (n + 2, ...) of control points at which a deviation is looked for: the knots 2 to n - 2 were solved."""
+    """Return the values (n + 2, ...) of control points at which the deviation is sampled; the knots 2 to n -
+    2 were solved.
+    """
     return np.concatenate((knot_values(points)[[1, -2]], middle_values(points)))
 
 

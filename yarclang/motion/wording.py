@@ -1,4 +1,4 @@
-"""What messages about motions are made of: amounts in words."""
+"""Word the amounts in messages about motions."""
 
 from __future__ import annotations
 
@@ -12,22 +12,22 @@ Message = tuple[str, str, Span, str, Fix | None]
 """A finding's code, its sentence, its place, the help and the fix."""
 
 MessageAbout = tuple[str, str, Span, str, Fix | None, Subject]
-"""A message, and what the finding is about."""
+"""A message, and the subject of the finding."""
 
 _ANGLE_NOISE = 1e-3
-"""A smaller angle [rad] that is left beside a distance comes from the search for the distance."""
+"""A smaller angle left beside a distance is noise of the search for the distance [rad]."""
 
 _DISTANCE_NOISE = 1e-6
-"""A smaller distance [m] that is left beside an angle comes from the search for both."""
+"""A smaller distance left beside an angle is noise of the search for both [m]."""
 
 
 def percent_text(share: float) -> str:
-    """A share in percent."""
+    """Return a share in percent."""
     return f"{share * 100:.3g} %" if share < 10.0 else f"{share * 100:,.0f} %"
 
 
 def miss_text(distance: float, angle: float) -> str:
-    """A distance [m], an angle [rad] or both: what isn't rounding."""
+    """Return a distance [m], an angle [rad] or both, without what is rounding."""
     if angle <= _ANGLE_NOISE:
         return length_text(distance)
     turn = f"{angle / DEG:.3g} deg"
@@ -35,23 +35,25 @@ def miss_text(distance: float, angle: float) -> str:
 
 
 def length_text(metres: float) -> str:
-    """A length [m] in mm."""
+    """Return a length [m] in mm."""
     return f"{metres / MM:.3g} mm" if abs(metres) < 1.0 else f"{metres / MM:,.0f} mm"
 
 
 def amount_text(robot: Robot, joint: int, value: float) -> str:
-    """A way of a joint [rad or m] in its unit."""
+    """Return a joint's motion [rad or m] in its unit."""
     return f"{value / robot.axis_units[joint]:.4g} {robot.axis_unit_names[joint]}"
 
 
 def beyond_text(robot: Robot, joint: int, excess: float) -> str:
-    """By how much a joint is beyond its limits [rad or m], above the upper one or, if negative, below the lower one."""
+    """Return by how much a joint exceeds its limits [rad or m]: the upper one, or, if negative, the lower
+    one.
+    """
     side = "above its upper" if excess > 0 else "below its lower"
     return f"{robot.joint_names[joint]} {amount_text(robot, joint, abs(excess))} {side} limit"
 
 
 def range_text(robot: Robot, joint: int) -> str:
-    """The limits of a joint."""
+    """Return the limits of a joint."""
     lower, upper = (
         limit[joint] / robot.axis_units[joint] for limit in (robot.limits.lower, robot.limits.upper)
     )

@@ -1,4 +1,6 @@
-"""Slow zones of the cell: how slow a curve has to be in them. They are limits like any other; the control points don't depend on the segment time."""
+"""Limit curves by the slow zones of the cell. Slow zones are limits like any other, since control points
+don't depend on the segment time.
+"""
 
 from __future__ import annotations
 
@@ -23,31 +25,31 @@ HEADROOM = 4e-4
 """The share of a zone's speed that is left for printing with finitely many decimals."""
 
 BELOW_CEILING = 1.0 - 2.0 * HEADROOM
-"""A cruise goes at this share of a motion's ceiling."""
+"""The share of a motion's ceiling at which a cruise goes."""
 
 _SHARP = 1e-3
-"""Speeds are told to within this share of them: so much slower than allowed a motion may be."""
+"""Relative accuracy of speeds: a motion may be slower than allowed by this share."""
 
 _PLACES = 100
-"""Places of a way that are looked at to foresee how fast it can be gone."""
+"""Places of a path that are sampled to estimate its speed."""
 
 _FEW = 12
-"""Parts of a way that are looked at to foresee whether it gets into a zone."""
+"""Parts of a path that are examined to foresee if it enters a zone."""
 
 _STEEPER = 1.5
-"""A way may be steeper somewhere than it is about, by this factor."""
+"""Factor by which a path may be steeper at some places than its estimated slope."""
 
 _LARGER = 2.0 * SLACK
-"""Zones count as larger by this [m]: the printed curve may enter them where this one doesn't."""
+"""Distance by which zones are enlarged [m]: the printed curve may enter them where this one doesn't."""
 
 
 _TOGETHER = 8
-"""Segments of which the fastest is looked for."""
+"""Segments in each group of which the fastest is found."""
 
 
 @frozen(eq=False)
 class SlowZones:
-    """What slow zones watch while a motion is under way."""
+    """The things that slow zones watch during a motion."""
 
     scene: Scene
     watches: tuple[Watch, ...]
@@ -60,9 +62,15 @@ class SlowZones:
     def asked(
         self, points: Array, segment: float, *, stops: bool = False
     ) -> Iterator[tuple[float, int, Watch]]:
-        """What zones ask of control points (N, n) beyond a segment time [s]: the segment time, and the first control point of the difference that asks for it.
+        """Yield the demands of zones on control points (N, n) beyond a segment time [s].
 
-        With `stops`, it only matters whether they ask for more.
+        Args:
+            points: the control points.
+            segment: the segment time that is known to be needed [s].
+            stops: True if it only matters that a zone demands more.
+
+        Yields:
+            The segment time [s], the first control point of the most demanding difference, and the watch.
         """
         if not self.watches or len(points) < 4:
             return
@@ -83,18 +91,21 @@ class SlowZones:
                 sharp=_SHARP,
             )
             if found.segment[0] >= 0:
-                # what asks for less doesn't matter any more
+                # smaller demands no longer matter
                 segment = float(found.speed[0]) / limit
                 yield segment, int(found.segment[0]) + 1, watch
                 if stops:
                     return
 
     def too_fast(self, points: Array, segment: float) -> tuple[Array, Array]:
-        """Return the segments (K,) of control points (N, n) in which something is too fast in its zone, one of each few, and by which factor (K,).
+        """Return the segments in which something is too fast in its zone, one of each group, and the factors.
 
         Args:
-            points: the control points.
+            points: the control points (N, n).
             segment: the segment time [s].
+
+        Returns:
+            The segments (K,), and the factor of the excess in each (K,).
         """
         if not self.watches or len(points) < 4:
             return np.zeros(0), np.zeros(0)
@@ -114,7 +125,12 @@ class SlowZones:
         return np.concatenate(where), np.concatenate(factors)
 
     def beside(self, way: Callable[[Array], Array], slope: Array) -> SlowZones | None:
-        """Those that a way (its joints over the share of it) may get into, with about the steepest `slope` (n,) of the joints over it."""
+        """Return the zones that a path may enter; None if there are none.
+
+        Args:
+            way: returns joint positions (N, n) at places (N,) of the path.
+            slope: (n,) the joints' steepest slope, approximately.
+        """
         q = way(np.linspace(0.0, 1.0, _FEW + 1))
         step = np.broadcast_to(_STEEPER * slope / _FEW, q[1:].shape)
         enters = may_enter(self.scene, (q[:-1], q[1:]), step, self.watches)
@@ -122,24 +138,26 @@ class SlowZones:
         return SlowZones(self.scene, near) if near else None
 
     def shortest(self, way: Callable[[Array], Array]) -> float:
-        """About the least time [s] that the whole of a way (its joints over the share of it) takes at a steady speed."""
+        """Estimate the least time [s] of the whole path at constant speed; `way` returns joint positions (N,
+        n) at places (N,).
+        """
         points = way(np.linspace(0.0, 1.0, _PLACES + 1))
         return max((segment for segment, _, _ in self.asked(points, 0.0)), default=0.0) * _PLACES
 
     @property
     def ceiling(self) -> float:
-        """The speed [m/s] that the frame of a motion may have anywhere, infinite where it may have any."""
+        """The speed limit of a motion's frame everywhere [m/s]; infinite if there is none."""
         return min((one.zone.speed or 0.0 for one in self.watches if is_ceiling(one)), default=np.inf)
 
     def without_ceiling(self) -> SlowZones | None:
-        """Return the zones of the cell alone."""
+        """Return only the zones of the cell."""
         rest = tuple(one for one in self.watches if not is_ceiling(one))
         if len(rest) == len(self.watches):
             return self
         return SlowZones(self.scene, rest) if rest else None
 
     def together(self, other: SlowZones | None) -> SlowZones:
-        """What is watched where two motions overlap."""
+        """Return everything that is watched where two motions overlap."""
         if other is None or other is self:
             return self
         known = {(one.zone.name, one.item.name if one.item else "") for one in self.watches}
@@ -150,7 +168,7 @@ class SlowZones:
 
 
 def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | None:
-    """The slow zones that a motion has to keep, its own ceiling among them; None where there are none."""
+    """Return the slow zones that a motion has to keep, its own ceiling among them; None if there are none."""
     has_zones = cell is not None and any(zone.rule == "slow" for zone in cell.zones)
     ceiling = motion.timing.ceiling
     if not has_zones and ceiling is None:
@@ -165,7 +183,7 @@ def slow_zones(robot: Robot, cell: Cell | None, motion: Motion) -> SlowZones | N
 
 
 def moving_of(robot: Robot, motion: Motion) -> Moving:
-    """The frame that a motion moves."""
+    """Return the frame that a motion moves."""
     link = motion.origin.tool
     if link is None:
         return tool_frame(robot)
@@ -180,11 +198,11 @@ def moving_of(robot: Robot, motion: Motion) -> Moving:
 
 
 def _in_knots(points: Array) -> Course:
-    """The curve of control points (N, n) with segments of 1 s."""
+    """Return the curve of control points (N, n) with segments of 1 s."""
     f0, f1, f2, f3 = (points[at : len(points) - 3 + at] for at in range(4))
     steps = f1 - f0, f2 - f1, f3 - f2
     first, second = steps[1] - steps[0], steps[2] - steps[1]
-    # the velocity's Bezier points bound it
+    # the velocity is within the hull of its Bezier points
     peaks = np.maximum.reduce(
         [np.abs(steps[0] + steps[1]) / 2.0, np.abs(steps[1]), np.abs(steps[1] + steps[2]) / 2.0]
     )

@@ -1,4 +1,6 @@
-"""Links that the collision check can't see: said when a robot is made and when it is checked, not of each program."""
+"""Find links that the collision check can't see. The warnings are shown when a robot is made and when it is
+checked, not for each program.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,9 @@ from yarclang.source import SourceFile
 
 
 def bare_links(robot: Robot) -> tuple[Diagnostic, ...]:
-    """Return a warning for each joint that moves nothing with a collision shape; none for a robot that was made without files."""
+    """Return a warning for each joint that moves no link with a collision shape; none for a robot that was
+    made without files.
+    """
     if robot.written is None:
         return ()
     urdf = read_urdf(SourceFile(robot.urdf, robot.written.urdf))

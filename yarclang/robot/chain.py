@@ -1,4 +1,4 @@
-"""The chain from the base to the flange: along a URDF's joints, and as screws by Pinocchio."""
+"""Build the chain from the base to the flange: as joints of a URDF, and as screws by Pinocchio."""
 
 from __future__ import annotations
 
@@ -15,9 +15,10 @@ from yarclang.toml.file import did_you_mean
 
 
 def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | None:
-    """All joints from link `base` to link `flange`, fixed ones too; None where there is no way.
+    """Return all joints from link `base` to link `flange`, fixed ones included, or None if they aren't
+    connected.
 
-    The URDF must be a sound tree with both links.
+    The URDF must be a sound tree that has both links.
     """
     above = {joint.child: joint for joint in urdf.joints.values()}
     joints: list[Joint] = []
@@ -31,11 +32,16 @@ def joints_between(urdf: Urdf, base: str, flange: str) -> tuple[Joint, ...] | No
 
 
 def check_chain(urdf: Urdf, joints: Sequence[Joint], ignored: Collection[str] = ()) -> bool:
-    """Findings about joints of the chain that no motor can move, and about moving joints elsewhere that
-    robot.toml doesn't say to be ignored.
+    """Report joints of the chain that no motor can move, and moving joints elsewhere that robot.toml doesn't
+    list as ignored.
+
+    Args:
+        urdf: findings go to it.
+        joints: the joints of the chain, fixed ones included.
+        ignored: names of the moving joints that robot.toml ignores.
 
     Returns:
-        Whether all joints of the chain have types that an arm's joints can have.
+        True if all joints of the chain have types that an arm's joints can have.
     """
     inside = {joint.name for joint in joints}
     sound = True
@@ -62,7 +68,13 @@ _TYPES = "Use revolute, continuous, prismatic or fixed."
 
 
 def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Sequence[str]]) -> None:
-    """Findings about the moving joints that move nothing that could collide."""
+    """Report moving joints that move no link with a collision shape.
+
+    Args:
+        urdf: findings go to it.
+        joints: the joints of the chain.
+        shapes: the collision shapes of each link.
+    """
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():
         below.setdefault(joint.parent, []).append(joint)
@@ -70,7 +82,7 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
         if joint.kind not in MOVING:
             continue
         body, todo = [], [joint.child]
-        while todo:  # the links that fixed joints make one body with the joint's child
+        while todo:  # collect the links that fixed joints join to the joint's child
             body.append(todo.pop())
             todo += [other.child for other in below.get(body[-1], []) if other.kind == "fixed"]
         if not any(shapes.get(link) for link in body):
@@ -80,7 +92,9 @@ def check_bodies(urdf: Urdf, joints: Sequence[Joint], shapes: Mapping[str, Seque
 
 
 def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, Name]]:
-    """Return which of the links that robot.toml names, by key, the URDF doesn't have: key, message, help and the link."""
+    """Return a finding for each link that robot.toml names (by key) and the URDF doesn't have: key, message,
+    help and subject.
+    """
     return [
         (key, f"{key} is the link {link[:40]}, which the URDF doesn't have.", *did_you_mean(link, urdf.links))
         for key, link in names.items()
@@ -89,7 +103,7 @@ def find_links(urdf: Urdf, names: dict[str, str]) -> list[tuple[str, str, str, N
 
 
 def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain | None:
-    """The chain as a product of exponentials; None and a finding where Pinocchio refuses the file.
+    """Return the chain as a product of exponentials; None, with a finding, if Pinocchio rejects the file.
 
     Args:
         urdf: a URDF without errors.
@@ -101,7 +115,7 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
 
     try:
         model = pin.buildModelFromXML(urdf.text)
-    except Exception as error:  # boost throws several kinds, and all mean the same
+    except Exception as error:  # boost throws several kinds, which all mean the same
         root = urdf.root or Element("", {}, 0, 0)
         message = f"Pinocchio can't read the URDF: {str(error)[:200].rstrip('.')}."
         urdf.say("Y1360", message, "What it prints on the terminal names the element.", root)
@@ -121,7 +135,7 @@ def screws(urdf: Urdf, base: str, flange: str, joints: Sequence[Joint]) -> Chain
 
 
 def frozen(values: object) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    """A read-only float64 array, without negative zeros."""
+    """Return a read-only float64 array without negative zeros."""
     array = np.array(values, dtype=np.float64) + 0.0
     array.setflags(write=False)
     return array

@@ -1,4 +1,4 @@
-"""What the values of a robot.toml must fulfil together, beyond the form of each (schema.py)."""
+"""Check the values of a robot.toml against each other and the URDF, beyond the form of each (schema.py)."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
 
 MOST_JOINTS = 9
 RESERVED = ("B", "FLANGE")
-"""The ends of the chain, which every robot has as frames."""
+"""The ends of the chain, which are frames of every robot."""
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _INDEX = re.compile(r"[Pp]\d+")
 
 
 def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> None:
-    """All findings about the values of a robot.toml.
+    """Report all findings about the values of a robot.toml.
 
     Args:
         file: findings go to it.
         draft: its tables.
-        chain: the moving joints from the base to the flange, or None where the URDF can't tell.
+        chain: the moving joints from the base to the flange, or None if the URDF has errors.
     """
     names = _check_joints(file, draft, chain)
     _check_names(file, draft)
@@ -46,7 +46,9 @@ def check_table(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None
 
 
 def _likely_size(draft: RobotDraft, tables: int) -> int:
-    """How many joints the robot seems to have while the URDF can't tell: what most of the lists agree on."""
+    """Return the probable number of joints while the URDF has errors: the length that most of the lists
+    have.
+    """
     actuation, motors, controller = draft.table.actuation, draft.table.motors, draft.table.controller
     lists: list[Sequence[object] | None] = []
     lists += [actuation.K, actuation.J, actuation.a0] if actuation else []
@@ -57,7 +59,7 @@ def _likely_size(draft: RobotDraft, tables: int) -> int:
 
 
 def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | None) -> tuple[str, ...] | None:
-    """The joints' names in order, or None where they aren't known."""
+    """Check the tables of the joints, and return the joints' names in order, or None if they aren't known."""
     tables: Mapping[str, JointTable] = draft.table.joints or {}
     kinds = {joint.name: joint.kind for joint in chain or ()}
     for name, table in tables.items():
@@ -99,7 +101,7 @@ def _check_joints(file: TomlFile, draft: RobotDraft, chain: Sequence[Joint] | No
 
 
 def _check_joint(file: TomlFile, draft: RobotDraft, name: str, table: JointTable, kind: str) -> None:
-    """The position limits of a joint; `kind` is empty for a table that belongs to no joint."""
+    """Check the position limits of a joint; `kind` is empty for a table that belongs to no joint."""
     path: Path = ("joints", name, "position")
     limits = table.position
     if limits is None:
@@ -142,7 +144,7 @@ def _check_positions(
 
 
 def _check_names(file: TomlFile, draft: RobotDraft) -> None:
-    """The names that programs and messages use: of the robot, its frames, tools and positions."""
+    """Check the names that programs and messages use: of the robot, its frames, tools and positions."""
     named: list[tuple[Path, str, str]] = []
     if draft.table.name is not None:
         named.append((("name",), draft.table.name, "robot"))
@@ -166,7 +168,7 @@ def _check_names(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
-    """Sizes and parents of the frames."""
+    """Check the sizes and parents of the frames."""
     frames = draft.table.frames
     upper = {name.upper(): name for name in frames if name.upper() not in RESERVED}
     parents: dict[str, str] = {}
@@ -195,14 +197,14 @@ def _check_frames(file: TomlFile, draft: RobotDraft) -> None:
 
 
 def check_narrower(urdf: Urdf, draft: RobotDraft, chain: Sequence[Joint]) -> None:
-    """Findings about limits of the URDF that are narrower than those of robot.toml, which count."""
+    """Report limits of the URDF that are narrower than those of robot.toml, which take precedence."""
     for joint in chain:
         table, limit = (draft.table.joints or {}).get(joint.name), joint.element.first("limit")
         if table is None or limit is None:
             continue
         unit, name = (MM, "mm") if joint.kind == "prismatic" else (DEG, "deg")
         wider: list[tuple[str, float, float, str]] = []
-        # CAD exports write 0 and 0 where they know no range, and 0 for an unknown speed
+        # CAD exports write the range 0 to 0 if it isn't known, and 0 for an unknown speed
         ranged = joint.lower is None or joint.upper is None or joint.lower < joint.upper
         if table.position is not None and len(table.position) == 2 and joint.kind != "continuous" and ranged:
             for key, theirs, ours, sign in (

@@ -1,4 +1,4 @@
-"""Which links of a robot may touch each other: pairs of robot.toml, and those that an SRDF disables."""
+"""Collect the pairs of links that may touch each other: from robot.toml, and those that an SRDF disables."""
 
 from __future__ import annotations
 
@@ -19,7 +19,14 @@ Pair = tuple[str, str]
 
 
 def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -> frozenset[Pair]:
-    """The pairs of links and tools, each in alphabetical order; findings where one names neither."""
+    """Return the allowed pairs of links and tools, each pair in alphabetical order.
+
+    Args:
+        file: findings about unknown names go to it.
+        folder: the folder of the robot.toml.
+        table: its tables.
+        urdf: its URDF.
+    """
     pairs: set[Pair] = set()
     tools = {name.upper() for name in table.tools}
     for at, said in enumerate(table.collision.allowed):
@@ -41,7 +48,9 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
 
 
 def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pair]:
-    """The pairs that an SRDF disables. What reads an SRDF elsewhere passes over names that it doesn't know."""
+    """Yield the pairs that an SRDF disables, and report names that the URDF doesn't have. Other readers of
+    SRDF files ignore unknown names.
+    """
     source = read_text(folder / name, "")
     if isinstance(source, Diagnostic):
         if source.source is not None:
@@ -61,7 +70,7 @@ def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pa
 
 
 def _link(text: UrdfText, element: Element, key: str, urdf: Urdf) -> str:
-    """The link of an attribute; empty with a finding."""
+    """Return the link of an attribute; empty, with a finding, if it is missing or unknown."""
     name = element.attributes.get(key, "")
     if not name:
         text.say(

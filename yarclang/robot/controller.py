@@ -1,7 +1,7 @@
-"""What all kinds of controllers have in common, as far as a robot.toml tells of them.
+"""Declare what all kinds of controllers have in common, as far as a robot.toml describes them.
 
-A kind is a package `yarclang/backend_NAME`: its `kind.py` has a `KIND`, which is all that is needed to read a robot; its `backend.py` has all else
-(`yarclang/backend.py`).
+A kind is a package `yarclang/backend_NAME`. Its `kind.py` has a `KIND` with all that is needed to read a
+robot; its `backend.py` has everything else (`yarclang/backend.py`).
 """
 
 from __future__ import annotations
@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 
 @frozen
 class SignalVariable:
-    """The controller's variable of an input or output in its usual form; else None, what is wrong with it, and the remedy; `is_taken` if yarclang itself uses it."""
+    """The controller's variable of an input or output.
+
+    `name` is its usual form, or None if the text names no variable; then `fault` is the reason and `remedy`
+    the correction. `is_taken` is True if yarclang itself uses the variable.
+    """
 
     name: str | None
     fault: str = ""
@@ -31,15 +35,18 @@ NO_SIGNAL = SignalVariable(None, "is no variable: this controller has none", "le
 
 
 class Controller(Protocol):
-    """How a robot hangs on its controller. Each kind has a class of its own, a frozen dataclass with what else it needs."""
+    """The connection of a robot to its controller.
+
+    Each kind of controller has its own class, a frozen dataclass that may have more fields.
+    """
 
     @property
     def kind(self) -> str:
-        """The name of the kind, as robot.toml writes it."""
+        """The name of the kind, as in robot.toml."""
 
     @property
     def axes(self) -> tuple[str, ...]:
-        """What the controller calls each joint."""
+        """The controller's name of each joint."""
 
     @property
     def motors(self) -> tuple[int, ...]:
@@ -47,7 +54,7 @@ class Controller(Protocol):
 
     @property
     def smallest_segment(self) -> float:
-        """The shortest segment that the controller calculates in time [s]."""
+        """The shortest segment that the controller can calculate in time [s]."""
 
     @property
     def largest_segment(self) -> float:
@@ -55,7 +62,7 @@ class Controller(Protocol):
 
     @property
     def hold_time(self) -> float:
-        """How long a hold takes to bring the robot to rest on its path [s]."""
+        """The time that a hold takes to bring the robot to rest on its path [s]."""
 
     @property
     def rapid_share(self) -> float:
@@ -63,30 +70,33 @@ class Controller(Protocol):
 
     @property
     def text(self) -> str:
-        """Where the robot hangs on it, for people: `coordinate system 1`."""
+        """The robot's place on the controller, for people: `coordinate system 1`."""
 
     @property
     def timing(self) -> str:
-        """What the shortest segment follows from, for people."""
+        """The reason for the length of the shortest segment, for people."""
 
     def signal(self, text: str) -> SignalVariable:
-        """Return what a text in upper case names as the variable of an input or output."""
+        """Return the variable of an input or output that a text in upper case names."""
 
 
 @frozen(eq=False)
 class Kind:
-    """A kind of controller, as far as a robot.toml tells of it.
+    """A kind of controller, as far as a robot.toml describes it.
 
     Attributes:
-        name: as robot.toml writes it.
+        name: as in robot.toml.
         title: for people, with its article.
-        table: returns the form of `[controller]`, a `ControllerTable` (`robot/schema.py`); it imports pydantic.
-        check: says what is wrong with a table of that form, for a robot of so many joints.
-        not_coupled: says what to do where the axes of joints whose motors are coupled can't be; empty: they can, or are no axes.
-        controller: makes the controller of a table without mistakes, and of the motors' numbers.
-        restored: makes a controller of what `dataclasses.asdict` made of one.
-        lines: returns `[controller]` for a new robot of so many joints.
-        signal: tells what a text in upper case names as the variable of an input or output, where the robot isn't known.
+        table: returns the form of `[controller]`, a `ControllerTable` (`robot/schema.py`); it imports
+            pydantic.
+        controller: makes the controller from a table without mistakes, and the motors' numbers.
+        restored: makes a controller from the result of `dataclasses.asdict`.
+        lines: returns the lines of `[controller]` for a new robot with that number of joints.
+        check: reports mistakes in a table of that form, for a robot with that number of joints.
+        not_coupled: returns the remedy if the axes of joints with coupled motors can't be coupled; empty if
+            they can, or if they are no axes.
+        signal: returns the variable of an input or output that a text in upper case names, if the robot isn't
+            known.
     """
 
     name: str

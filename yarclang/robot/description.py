@@ -1,6 +1,6 @@
-"""Reading a robot: its robot.toml and URDF become a `Robot`, or findings about both files.
+"""Read a robot: its robot.toml and URDF become a `Robot`, or findings about both files.
 
-Everything heavy (pydantic, Pinocchio) is imported where it is first used.
+Heavy libraries (pydantic, Pinocchio) are imported where they are first used.
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ T = TypeVar("T")
 
 
 def load_robot(name_or_path: str) -> Result[Robot]:
-    """Reads a robot; one of the standard library once, as long as none of its files changes.
+    """Read a robot; one of the standard library only once, as long as none of its files changes.
 
     Args:
-        name_or_path: a robot of the standard library by its name in any case (INDUSTRIAL6), or the path of a
-            robot.toml, or of a folder that has one.
+        name_or_path: the name of a robot of the standard library in any case (INDUSTRIAL6), or the path of a
+            robot.toml or of a folder that contains one.
 
     Returns:
         The robot, with warnings if there are any; or None and all mistakes of robot.toml and URDF.
@@ -80,12 +80,14 @@ def load_robot(name_or_path: str) -> Result[Robot]:
 
 @lru_cache(maxsize=16)
 def _of_library(path: Path, _: Hashable) -> Result[Robot]:
-    """Read a robot of the library; the second argument changes with its files."""
+    """Read a robot of the library; the second argument changes with its files and is part of the cache's
+    key.
+    """
     return _read(path)
 
 
 def _stamp(folder: Path) -> Hashable:
-    """Return a value that changes when a file of a robot's folder does."""
+    """Return a value that changes when a file of a robot's folder changes."""
     try:
         files = [(one, one.stat()) for one in sorted(folder.iterdir())]
     except OSError:
@@ -102,7 +104,15 @@ def _read(path: Path) -> Result[Robot]:
 
 
 def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
-    """The robot of a robot.toml's text that stands in a folder, for example of one that is being edited; else as `load_robot`."""
+    """Read a robot from the text of a robot.toml, for example while it is edited.
+
+    Args:
+        source: the text.
+        folder: the folder in which the file belongs.
+
+    Returns:
+        As for `load_robot`.
+    """
     data = parse_toml(source)
     if isinstance(data, Diagnostic):
         return _nothing(data)
@@ -110,7 +120,7 @@ def read_robot(source: SourceFile, folder: Path) -> Result[Robot]:
 
 
 def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robot]:
-    """The robot of a robot.toml that is TOML."""
+    """Read the robot of a robot.toml that is valid TOML."""
     from yarclang.robot.draft import read_draft
     from yarclang.robot.tools import check_tools, flange_frames, tools_of
 
@@ -156,7 +166,7 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
 
 
 def _open_urdf(file: TomlFile, folder: Path, draft: RobotDraft) -> tuple[Urdf | None, dict[str, list[str]]]:
-    """The URDF with its findings, and the collision shapes of its links."""
+    """Return the URDF with its findings, and the collision shapes of its links."""
     name = draft.table.urdf
     if name is None:
         return None, {}
@@ -179,7 +189,7 @@ def _chain(
     ends: tuple[str, str],
     ignored: Sequence[str],
 ) -> tuple[Joint, ...] | None:
-    """The moving joints from base to flange, or None and a finding."""
+    """Return the moving joints from base to flange, or None with a finding."""
     base, flange = ends
     joints = joints_between(urdf, base, flange)
     if joints is None:
@@ -216,7 +226,7 @@ def _assemble(
     chain: Chain,
     frames: Mapping[str, Array],
 ) -> Robot:
-    """The robot in SI without its bodies, of tables without mistakes."""
+    """Build the robot in SI, without its bodies, from tables without mistakes."""
     actuation, motors, controller = _given(table.actuation), _given(table.motors), _given(table.controller)
     units = np.where(chain.is_prismatic, MM, DEG)
     size = len(joints)
@@ -271,17 +281,18 @@ def _fingerprint(
     allowed: frozenset[tuple[str, str]],
     more: tuple[tuple[Tool, ...], Dynamics],
 ) -> str:
-    """SHA-256 of what the files say of programs: values, joints and collision shapes (meshes with their bytes), tools, and masses where torques are checked.
+    """Return the SHA-256 of everything in the files that affects programs.
 
-    Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
+    That is values, joints, collision shapes (meshes by their bytes), tools, and masses if torques are
+    checked. Comments, layout, visual shapes, and whether a number has a decimal point make no difference.
     """
     joints = {
         joint.name: [joint.kind, joint.parent, joint.child, joint.xyz, joint.rpy, joint.axis]
         for joint in urdf.joints.values()
     }
     tools, dynamics = more
-    # what a robot doesn't have leaves its fingerprint as it is
-    later = {"tools", "bodies", "dynamics", "ramps"}  # what ramps give stands in the joints
+    # keys that a robot doesn't use must not change its fingerprint
+    later = {"tools", "bodies", "dynamics", "ramps"}  # the results of ramps are in the joints
     values = table.model_dump(exclude={"urdf", "ignored_joints", "collision", "jog", *later})
     for joint in values["joints"].values():
         joint.pop("effort")
@@ -308,12 +319,12 @@ def _kind(kind: str) -> JointKind:
 
 
 def _known(kind: str) -> Kind:
-    """The kind of controller of tables without mistakes."""
+    """Return the kind of controller of tables without mistakes."""
     return _given(kind_of(kind))
 
 
 def _given(value: T | None) -> T:
-    """A required value of tables without mistakes."""
+    """Return a required value of tables without mistakes."""
     if value is None:
         raise AssertionError("a required key passed the checks without a value")
     return value

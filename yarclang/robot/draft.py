@@ -1,4 +1,4 @@
-"""Reading the tables of a robot.toml as far as they can be read."""
+"""Read the tables of a robot.toml, as many as can be read."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ RobotDraft = Draft[RobotTable]
 
 
 def read_draft(data: dict[str, Any]) -> RobotDraft:
-    """The tables of a robot.toml, without the keys whose values have the wrong form.
+    """Return the tables of a robot.toml, without the keys whose values have the wrong form.
 
     Args:
-        data: what tomllib made of the file; bad keys are taken out of it.
+        data: the result of tomllib; bad keys are removed from it.
     """
     told = data.get("controller")
     kind = told.get("kind", DEFAULT) if isinstance(told, dict) else DEFAULT
@@ -30,7 +30,9 @@ def read_draft(data: dict[str, Any]) -> RobotDraft:
 
 
 def _ramped(draft: RobotDraft) -> RobotDraft:
-    """Return the draft with the accelerations and jerks that [ramps] gives joints without their own: such keys aren't missing."""
+    """Return the draft with accelerations and jerks from [ramps] for the joints that have none of their own;
+    such keys aren't missing.
+    """
     ramps, joints = draft.table.ramps, draft.table.joints
     if ramps is None or joints is None:
         return draft

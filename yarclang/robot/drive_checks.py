@@ -1,4 +1,4 @@
-"""What the motors and the controller of a robot.toml must fulfil (the paper's eq. 5, TSRM 269)."""
+"""Check the motors and the controller of a robot.toml (the paper's eq. 5, TSRM 269)."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WORST_CONDITION = 1e6
 
 
 def check_drives(file: TomlFile, draft: RobotDraft, size: int) -> None:
-    """All findings about [actuation], [motors] and [controller] of a robot with `size` joints."""
+    """Report all findings about [actuation], [motors] and [controller] of a robot with `size` joints."""
     _check_actuation(file, draft, size)
     _check_controller(file, draft, size)
 
@@ -51,13 +51,13 @@ def _check_actuation(file: TomlFile, draft: RobotDraft, size: int) -> None:
 
 
 def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
-    """Whether J can be inverted, and whether the controller can couple its axes."""
+    """Check that J can be inverted, and that the controller can couple its axes."""
     controller = draft.table.controller
     axes = controller.axes if controller else None
     kind = kind_of(controller.kind) if controller else None
     groups = _groups(coupling)
     uneven = [(motors, joints) for motors, joints in groups if len(motors) != len(joints)]
-    for motors, joints in uneven[:1]:  # the others follow from it
+    for motors, joints in uneven[:1]:  # the others follow from the first
         message = (
             f"J couples {_count(len(motors), 'motor')} (number {_listed(motors)}) "
             f"with {_count(len(joints), 'joint')} (number {_listed(joints)})."
@@ -85,7 +85,9 @@ def _check_coupling(file: TomlFile, draft: RobotDraft, coupling: Array) -> None:
 def _groups(
     coupling: Array,
 ) -> list[tuple[list[int], list[int]]]:
-    """The rows (motors) and columns (joints) of J that hang together by entries that aren't zero."""
+    """Return the rows (motors) and columns (joints) of J that are connected by nonzero entries, group by
+    group.
+    """
     todo = [("row", at) for at in range(len(coupling))] + [("column", at) for at in range(len(coupling))]
     groups: list[tuple[list[int], list[int]]] = []
     done: set[tuple[str, int]] = set()
@@ -123,7 +125,15 @@ def _check_controller(file: TomlFile, draft: RobotDraft, size: int) -> None:
 
 
 def check_twice(file: TomlFile, code: str, path: Path, what: str, names: Sequence[str]) -> None:
-    """Say which names are there twice."""
+    """Report names that occur twice.
+
+    Args:
+        file: findings go to it.
+        code: the code of the finding.
+        path: the list in the file.
+        what: the names' kind, for the message.
+        names: one for each joint.
+    """
     first: dict[str, int] = {}
     for at, name in enumerate(names):
         if name in first:

@@ -1,7 +1,9 @@
-"""Torques of a moving arm, at many instants at once (recursive Newton-Euler; Featherstone, Rigid Body Dynamics Algorithms, ch. 5).
+"""Compute torques of a moving arm, at many instants at once (recursive Newton-Euler; Featherstone, Rigid Body
+Dynamics Algorithms, ch. 5).
 
-Rigid bodies alone: no friction, no motors' rotors, no springs. Each link has a frame whose z is its joint's axis, so that a joint turns two rows, and what lies between two joints is a
-constant matrix. The instants are the last index: a step is a few operations on whole rows.
+The model consists of rigid bodies only: no friction, rotors or springs. Each link has a frame whose z is its
+joint's axis, so that a joint rotates two rows and all that lies between two joints is a constant matrix. The
+last index counts the instants: a step is a few operations on whole rows.
 """
 
 from __future__ import annotations
@@ -17,14 +19,14 @@ BLOCK = 2048
 
 
 def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
-    """What the motors have to give.
+    """Compute the torques that the motors must supply.
 
     Args:
-        chain: the arm.
+        chain: the arm, n joints.
         dynamics: its masses.
-        q: (P, n) joint positions [rad or m]; `v` their velocities and `a` their accelerations.
-        v: (P, n).
-        a: (P, n).
+        q: (P, n) joint positions [rad or m].
+        v: (P, n) joint velocities.
+        a: (P, n) joint accelerations.
 
     Returns:
         (P, n) torques of turning joints [N m], forces of sliding ones [N].
@@ -37,34 +39,38 @@ def torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> A
 
 
 def holding_torques(chain: Chain, dynamics: Dynamics, q: Array) -> Array:
-    """What the motors have to give (P, n) where the arm stands still: against gravity alone."""
+    """Return the torques (P, n) that hold the arm at rest against gravity, at joint positions `q` (P, n)."""
     still = np.zeros_like(q)
     return torques(chain, dynamics, q, still, still)
 
 
 def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> Array:
-    """The same with the instants last, (n, P)."""
+    """Compute `torques` with the instants last, (n, P)."""
     links = _links(chain, dynamics)
     size, count = q.shape
     angle = q * links.turn[:, None]
     sin, cos = np.sin(angle), np.cos(angle)
-    # of each link, in its own axes: how it turns, and how its origin is accelerated, against a fall
+    # for each link, in its own axes: angular velocity, angular acceleration, and acceleration of its origin;
+    # gravity enters as an upward acceleration of the base
     spin, spin_rate = np.zeros((3, count)), np.zeros((3, count))
     rise = np.repeat(-dynamics.gravity[:, None], count, axis=1)
     forces, moments, arms = [], [], []
+    # outward from the base: motion of each link, and the force and moment about its origin that this motion
+    # needs
     for joint in range(size):
         arm = links.shift[joint][:, None]
         turn, slide = links.turn[joint], links.slide[joint]
         if slide:
             axis = links.step[joint][:, 2:]
             arm = arm + slide * q[joint] * axis
+            # the Coriolis term of a sliding joint: 2 ω × v
             rise = rise + slide * (a[joint] * axis + 2.0 * v[joint] * _cross(spin, axis))
         rise = rise + _swung(spin, spin_rate, arm)
         spin, spin_rate, rise = (
             _into(links.step[joint], sin[joint], cos[joint], one) for one in (spin, spin_rate, rise)
         )
         if turn:
-            # across the axis the turn of what is before turns this joint's own rate
+            # the joint's own rate turns with the links before it: ω × (axis · rate)
             spin_rate[0] += spin[1] * (turn * v[joint])
             spin_rate[1] -= spin[0] * (turn * v[joint])
             spin_rate[2] += turn * a[joint]
@@ -75,6 +81,7 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
         forces.append(force)
         moments.append(inertia @ spin_rate + _cross(spin, inertia @ spin) + _cross(center, force))
         arms.append(arm)
+    # inward from the flange: each joint carries its link and all links after it
     found = np.empty((size, count))
     force, moment = forces[-1], moments[-1]
     for joint in reversed(range(size)):
@@ -90,8 +97,11 @@ def _torques(chain: Chain, dynamics: Dynamics, q: Array, v: Array, a: Array) -> 
 
 @frozen(eq=False)
 class _Links:
-    """The constants of an arm: of each joint `step` (n, 3, 3), the turn into its frame from the one before, and `shift` (n, 3), where it is there; of what it moves
-    `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) in its frame. `turn` and `slide` are about and along z, per unit of joint position.
+    """The constants of an arm.
+
+    For each joint, `step` (n, 3, 3) is the rotation of its frame relative to the one before, and `shift` (n,
+    3) its origin there. For the body that it moves, `mass` (n,), `center` (n, 3) and `inertia` (n, 3, 3) are
+    in the joint's frame. `turn` and `slide` (n,) are the motion about and along z per unit of joint position.
     """
 
     step: Array
@@ -121,27 +131,30 @@ def _links(chain: Chain, dynamics: Dynamics) -> _Links:
 
 
 def _swung(spin: Array, spin_rate: Array, arm: Array) -> Array:
-    """How a point at an arm (3, 1) or (3, P) is accelerated by a turn alone."""
+    """Return the acceleration of a point at `arm` (3, 1) or (3, P) that rotation alone causes: α × r + ω × (ω
+    × r).
+    """
+    # ω × (ω × r) = ω (ω · r) - r (ω · ω)
     along = (spin * arm).sum(axis=0)
     swung: Array = _cross(spin_rate, arm) + spin * along - arm * (spin * spin).sum(axis=0)
     return swung
 
 
 def _into(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """Vectors (3, P) in the axes of a link, from those of the link before."""
+    """Return vectors (3, P) in the axes of a link, given in those of the link before."""
     x, y, z = step.T @ one
     return np.stack([cos * x + sin * y, cos * y - sin * x, z])
 
 
 def _out_of(step: Array, sin: Array, cos: Array, one: Array) -> Array:
-    """The other way round."""
+    """Return vectors (3, P) in the axes of the link before, given in those of a link."""
     x, y, z = one
     back: Array = step @ np.stack([cos * x - sin * y, sin * x + cos * y, z])
     return back
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """The cross products of (3, P) and (3, P) or (3, 1)."""
+    """Return the cross products of (3, P) with (3, P) or (3, 1)."""
     return np.stack(
         [
             one[1] * other[2] - one[2] * other[1],

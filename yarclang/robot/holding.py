@@ -1,4 +1,4 @@
-"""Where an arm can hold its flange, and in how many orientations: a wrong robot is seen by it."""
+"""Show where an arm can hold its flange, and in how many orientations, so that a wrong robot is noticed."""
 
 from __future__ import annotations
 
@@ -10,18 +10,21 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
 
 CELLS = 32
-"""Cells of a side of a section."""
+"""Cells along each side of a section."""
 
 TRIED = 300_000
-"""Joint positions within limits, spread evenly: the same time for any arm, which a search for solutions doesn't have."""
+"""Number of joint positions within limits, spread evenly. It takes the same time for any arm, unlike a search
+for solutions.
+"""
 
 
 @frozen(eq=False)
 class Held:
-    """The flange's places, in cells, and the share of the 24 orientations of a cube near which it was held in each.
+    """The cells that the flange reaches, and in how many orientations.
 
-    `share` (CELLS, CELLS) is from 0 to 1, NaN where the flange never was; its rows go along `up`, its columns along `across`,
-    both the edges (CELLS + 1,) of cells [m] in {B}.
+    `share` (CELLS, CELLS), from 0 to 1, is the share of the 24 orientations of a cube near which the flange
+    was held in each cell, NaN where it never was. Its rows run along `up`, its columns along `across`; both
+    are the edges (CELLS + 1,) of the cells [m] in {B}.
     """
 
     axes: tuple[str, str]
@@ -31,10 +34,12 @@ class Held:
 
 
 def sections(robot: Robot) -> tuple[Held, Held]:
-    """Return what is seen from the side, by the distance from the z axis of {B}, and from above, by x and y.
+    """Return the sections seen from the side, by the distance from the z axis of {B}, and from above, by x
+    and y.
 
-    Orientations are seen from the side from a frame that turns about z with the flange's place, and from above from {B}. An arm whose
-    first joint turns about z loses nothing by it from the side.
+    Orientations in the view from the side are relative to a frame that turns about z with the flange's place;
+    from above they are relative to {B}. The view from the side thus loses nothing for an arm whose first
+    joint turns about z.
     """
     poses = flange_poses(robot.chain, within(robot.chain, robot.limits, TRIED))
     x, y, z = poses[:, :3, 3].T

@@ -1,4 +1,4 @@
-"""All kinds of controllers: each package `yarclang/backend_*`, and those of other packages."""
+"""Find all kinds of controllers: each package `yarclang/backend_*`, and those of other packages."""
 
 from __future__ import annotations
 
@@ -13,16 +13,18 @@ from yarclang.named import by_name
 from yarclang.robot.controller import Kind, SignalVariable
 
 DEFAULT = "turbo-pmac"
-"""The kind of a robot.toml that doesn't say any."""
+"""The kind of a robot.toml that names none."""
 
 GROUP = "yarclang.backends"
-"""Entry points of other packages: the kind's name, and a module that has its `KIND` and its `BACKEND`."""
+"""Entry point group for other packages: the kind's name, and a module that has its `KIND` and its
+`BACKEND`.
+"""
 
 _plugged: dict[str, str] = {}
 
 
 def kind_of(name: str) -> Kind | None:
-    """Return a kind by its name; None: there is none of that name."""
+    """Return the kind of that name, or None if there is none."""
     if name in _plugged:
         return _loaded(_plugged[name])
     if name in _own():
@@ -32,19 +34,21 @@ def kind_of(name: str) -> Kind | None:
 
 
 def known_signal(text: str) -> SignalVariable:
-    """Return what a text in upper case names as the variable of an input or output of any kind of controller, where the robot isn't known."""
+    """Return the variable of an input or output that a text in upper case names, for any kind of controller,
+    if the robot isn't known.
+    """
     found = [kind.signal(text) for name in kind_names() if (kind := kind_of(name)) is not None]
     return next((one for one in found if one.name is not None), found[0])
 
 
 def title_of(name: str) -> str:
-    """Return what a kind is called for people, with its article; its name if there is no such kind."""
+    """Return the title of a kind for people, with its article, or its name if there is no such kind."""
     kind = kind_of(name)
     return name if kind is None else kind.title
 
 
 def kind_names() -> tuple[str, ...]:
-    """Return the names of all kinds, in alphabetic order."""
+    """Return the names of all kinds in alphabetical order."""
     return tuple(sorted({*_own(), *_elsewhere(), *_plugged}))
 
 
@@ -64,7 +68,12 @@ def module_of(name: str) -> str:
 
 @contextmanager
 def plugged(name: str, module: str) -> Iterator[None]:
-    """Let there be another kind as long as the context lasts: `module` has its `KIND` and its `BACKEND`."""
+    """Register another kind as long as the context lasts.
+
+    Args:
+        name: the kind's name.
+        module: the module that has its `KIND` and its `BACKEND`.
+    """
     _plugged[name] = module
     try:
         yield

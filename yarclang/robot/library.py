@@ -1,4 +1,4 @@
-"""Where robots are: the folder of the standard library, and the summary of each robot in it."""
+"""Find robots: the folder of the standard library, and the summary of each robot in it."""
 
 from __future__ import annotations
 
@@ -23,17 +23,20 @@ class RobotSummary:
 
 
 def stdlib_folder() -> Path:
-    """The standard library: `stdlib` inside the installed package, in a checkout beside it."""
+    """Return the folder of the standard library: `stdlib` inside the installed package, or beside it in a
+    checkout.
+    """
     package = Path(__file__).resolve().parents[1]
     installed = package / "stdlib"
     return installed if installed.is_dir() else package.parent / "stdlib"
 
 
 def list_robots() -> tuple[RobotSummary, ...]:
-    """Return the robots of the standard library by name; reads only their robot.toml, and checks nothing else.
+    """Return the robots of the standard library by name. Only their robot.toml is read, and nothing else is
+    checked.
 
     Raises:
-        NamedTwice: two folders have a robot of one name.
+        NamedTwice: two folders have a robot of the same name.
     """
     summaries = (_summary(path) for path in sorted((stdlib_folder() / "robots").glob(f"*/{DESCRIPTION}")))
     found = ((one.name, one.folder.name, one) for one in summaries if one is not None)
@@ -41,9 +44,9 @@ def list_robots() -> tuple[RobotSummary, ...]:
 
 
 def find_robot(name_or_path: str) -> tuple[Path | None, str]:
-    """The robot.toml of a name (in any case) or path; else None, and the name that may be meant.
+    """Return the robot.toml of a name (in any case) or path; or None and the name that may be meant.
 
-    A name of the standard library goes before a folder of that name.
+    A name of the standard library takes precedence over a folder of that name.
     """
     robots = stdlib_folder() / "robots"
     names = [path.parent.name for path in robots.glob(f"*/{DESCRIPTION}")]
@@ -71,4 +74,4 @@ def _summary(path: Path) -> RobotSummary | None:
             str(data["name"]).upper(), str(data.get("title", "")), path.parent, len(data["joints"])
         )
     except (OSError, ValueError, KeyError, TypeError, RecursionError):
-        return None  # load_robot says what is wrong with it
+        return None  # load_robot reports what is wrong with it

@@ -1,4 +1,4 @@
-"""The collision shapes of a URDF's links, placed on the arm."""
+"""Place the collision shapes of a URDF's links on the arm."""
 
 from __future__ import annotations
 
@@ -20,13 +20,11 @@ T = TypeVar("T")
 
 
 def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) -> tuple[LinkShape, ...]:
-    """All collision shapes, in the order of the file.
-
-    Joints that aren't the arm's stand at zero.
+    """Return all collision shapes, in the order of the file. Joints that don't belong to the arm are at zero.
 
     Args:
         urdf: a URDF without errors.
-        folder: where it stands; mesh names are seen from there.
+        folder: its folder; mesh names are relative to it.
         base: the link that is {B}.
         moving: the arm's moving joints, from the base to the flange.
     """
@@ -44,7 +42,9 @@ def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) ->
 
 
 def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, int]]:
-    """Of each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints are above it."""
+    """Return for each link root_from_link (4, 4) with all joints at zero, and how many of the moving joints
+    are above it.
+    """
     below: dict[str, list[Joint]] = {}
     for joint in urdf.joints.values():
         below.setdefault(joint.parent, []).append(joint)
@@ -64,7 +64,7 @@ def link_places(urdf: Urdf, moving: Sequence[Joint]) -> dict[str, tuple[Array, i
 
 
 def placed_at(urdf: Urdf, origin: Element | None) -> Array:
-    """link_from_it (4, 4) of an <origin>, which was checked; without one it is the link's frame."""
+    """Return link_from_it (4, 4) of an <origin> that was checked; the identity without one."""
     placed = np.eye(4)
     rpy = urdf.numbers(origin, "rpy", 3, (0.0, 0.0, 0.0))
     placed[:3, :3] = rpy_rotation(np.array(_given(rpy)))
@@ -73,7 +73,7 @@ def placed_at(urdf: Urdf, origin: Element | None) -> Array:
 
 
 def shape_of(urdf: Urdf, shape: Element, folder: Path) -> Shape:
-    """The shape of an element that was checked (urdf_shapes.py)."""
+    """Return the shape of an element that was checked (urdf_shapes.py)."""
 
     def size(key: str) -> float:
         return _given(urdf.numbers(shape, key, 1))[0]

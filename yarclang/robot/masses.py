@@ -1,4 +1,4 @@
-"""What the joints have to move: masses of a URDF's links and of tools, put together joint by joint."""
+"""Combine the masses of a URDF's links and of tools into one body for each joint."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from yarclang.robot.urdf import Joint, Urdf
 from yarclang.transforms import constant
 
 GRAVITY = 9.81
-"""Along the negative z axis of the URDF's root, if robot.toml doesn't say more [m/s^2]."""
+"""Gravity along the negative z axis of the URDF's root, unless robot.toml sets another [m/s^2]."""
 
 
 @frozen(eq=False)
 class _Lump:
-    """A body that `joint` joints move: `mass` [kg], `center` (3,) in {B} [m], `inertia` (3, 3) about it [kg m^2]."""
+    """A body on the link that joint number `joint` (from 1) moves: `mass` [kg], `center` (3,) in {B} [m],
+    `inertia` (3, 3) about it [kg m^2].
+    """
 
     joint: int
     mass: float
@@ -34,14 +36,15 @@ def dynamics_of(
     tools: Sequence[Tool],
     said: tuple[Sequence[float | None], Sequence[float] | None, bool],
 ) -> Dynamics:
-    """What is known of masses and efforts.
+    """Return what is known of masses and efforts.
 
     Args:
         urdf: a URDF without errors.
         ends: the link that is {B}, and the arm's moving joints.
         chain: the same arm.
-        tools: those that are mounted count.
-        said: by robot.toml: the effort of each joint (None: as the URDF says), gravity in {B} [m/s^2] (None: downwards), and whether torques are to be checked.
+        tools: all tools; those that are mounted count.
+        said: values of robot.toml: the effort of each joint (None: that of the URDF), gravity in {B} [m/s^2]
+            (None: downwards), and True if torques are checked.
     """
     base, moving = ends
     efforts, gravity, wanted = said
@@ -93,21 +96,21 @@ def _tools(tools: Sequence[Tool], chain: Chain) -> Iterator[_Lump]:
 
 
 def _together(lumps: Sequence[_Lump]) -> _Lump:
-    """Bodies that never move against each other as one."""
+    """Combine bodies that never move relative to each other."""
     mass = sum(one.mass for one in lumps)
     if mass == 0.0:
         return _Lump(0, 0.0, np.zeros(3), sum((one.inertia for one in lumps), np.zeros((3, 3))))
     center = sum((one.mass * one.center for one in lumps), np.zeros(3)) / mass
     inertia = np.zeros((3, 3))
     for one in lumps:
-        # a body without mass turns as it is, wherever it is
+        # parallel axis theorem; a body without mass contributes its inertia wherever it is
         away = one.center - center
         inertia += one.inertia + one.mass * (away @ away * np.eye(3) - np.outer(away, away))
     return _Lump(lumps[0].joint, mass, center, inertia)
 
 
 def _effort(urdf: Urdf, joint: Joint, said: float | None) -> float:
-    """CAD exports write 0 where they know none."""
+    """Return a joint's effort, infinite if it isn't known: CAD exports write 0 then."""
     if said is not None:
         return said
     limit = joint.element.first("limit")

@@ -1,7 +1,9 @@
-"""Joints that follow another by <mimic>: by which factor and offset, and how a robot.toml says it.
+"""Describe joints that follow another by <mimic>: their factor and offset, and how a robot.toml expresses
+them.
 
-A joint of the chain has a motor of its own. One that follows another while its motor stands still is coupled in J of robot.toml:
-counts = K J q + a0 has the row (..., -k, ..., 1, ...) then, and a0 is -K b, so that the count 0 means q = k q' + b.
+Each joint of the chain has a motor of its own. A joint that follows another while its own motor is at rest is
+coupled in J of robot.toml: in counts = K J q + a0 its row is (..., -k, ..., 1, ...), and its a0 is -K b, so
+that the count 0 means q = k q' + b.
 """
 
 from __future__ import annotations
@@ -17,7 +19,8 @@ from yarclang.units import DEG, MM
 class Mimic:
     """A joint of the chain that follows a leader: `joint` = `factor` * `leader` + `offset`, in deg and mm.
 
-    `raw` are multiplier and offset as in the URDF, in rad and m. `leader_kind` is None if the URDF doesn't have the leader.
+    `raw` are multiplier and offset as in the URDF, in rad and m. `leader_kind` is None if the URDF doesn't
+    have the leader.
     """
 
     joint: Joint
@@ -29,7 +32,7 @@ class Mimic:
 
     @property
     def equation(self) -> str:
-        """The equation with its units, and what stands in the URDF."""
+        """The equation with its units, and the values in the URDF."""
         unit = "mm" if self.leader_kind == "prismatic" else "deg"
         own = "mm" if self.joint.kind == "prismatic" else "deg"
         sign = "-" if self.offset < 0.0 else "+"
@@ -40,7 +43,9 @@ class Mimic:
         )
 
     def remedy(self, chain: Sequence[Joint]) -> str:
-        """Return how robot.toml says it, if the leader is in the chain too; a sentence."""
+        """Return a sentence that says how robot.toml expresses the coupling, or that it can't because the
+        leader isn't in the chain.
+        """
         name = self.joint.name
         if self.leader not in (joint.name for joint in chain) or self.leader == name:
             return f"As {self.leader[:40]} isn't another joint of the chain, robot.toml can't say this."
@@ -51,11 +56,11 @@ class Mimic:
 
 
 def mimic_of(joint: Joint, joints: Sequence[Joint]) -> Mimic | None:
-    """Return which joint a joint follows, and how; None without <mimic>.
+    """Return the <mimic> of a joint, or None without one.
 
     Args:
         joint: of a URDF without errors.
-        joints: all of the URDF, for the leader's kind.
+        joints: all joints of the URDF, for the leader's kind.
     """
     element = joint.element.first("mimic")
     if element is None:

@@ -1,7 +1,7 @@
-"""A robot as the stages see it: plain data in SI units, already checked.
+"""Define a robot as the later stages see it: plain data in SI units, already checked.
 
-`yarclang.robot.description` makes it from a robot.toml and a URDF. Arrays are float64 and read-only,
-one entry a joint, from the base to the flange.
+`yarclang.robot.description` makes it from a robot.toml and a URDF. Arrays are float64 and read-only, with one
+entry for each joint, from the base to the flange.
 """
 
 from __future__ import annotations
@@ -23,16 +23,20 @@ from yarclang.units import DEG, MM
 Array = NDArray[np.float64]
 
 REDUCED_SPEED = 250.0 * MM
-"""The largest speed of a tool where people are within reach [m/s] (ISO 10218-1)."""
+"""The largest speed of a tool if people are within reach [m/s] (ISO 10218-1)."""
 START_SHARE = 0.05
-"""Share of the limits of acceleration and jerk that a robot may use up in the first segment of a motion because it stands beside the start."""
+"""Share of the acceleration and jerk limits that the first segment of a motion may use because the robot
+stands beside the start.
+"""
 JointKind = Literal["revolute", "prismatic", "continuous"]
 
 
 @frozen(eq=False)
 class Lines:
-    """The axes of a chain with all joints at zero, in {B}: unit directions `axes` (n, 3), a point on each, `points` (n, 3) [m], and how much
-    a joint turns about its axis and slides along it for each unit of its position, `turn` and `slide` (n,).
+    """The axes of a chain in {B}, with all joints at zero.
+
+    `axes` (n, 3) are unit directions, `points` (n, 3) [m] a point on each axis. `turn` and `slide` (n,) are
+    the rotation about the axis and the translation along it per unit of joint position.
     """
 
     axes: Array
@@ -42,7 +46,7 @@ class Lines:
 
 
 class Kinematics(Protocol):
-    """Forward kinematics for `yarclang.collision` and `yarclang.handling`, given with a chain."""
+    """Forward kinematics for `yarclang.collision` and `yarclang.handling`, which a chain brings along."""
 
     def placements(self, chain: Chain, q: Array) -> Array:
         """Return (n + 1, 3, 4, P) for joint positions (P, n): see `yarclang.robot.placements`."""
@@ -54,16 +58,19 @@ class Kinematics(Protocol):
         """Return the axes of a chain."""
 
     def elbow(self, chain: Chain) -> tuple[int, Array] | None:
-        """Return the joint in which the elbow is, counted from 0, and its point (3,) in {B} with all joints at zero; None if there is none."""
+        """Return the joint at the elbow, counted from 0, and its point (3,) in {B} with all joints at zero;
+        None if there is no elbow.
+        """
 
 
 @frozen(eq=False)
 class Chain:
     """The serial chain from {B} to {FLANGE}, as a product of exponentials.
 
-    `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then
-    angular part (a revolute axis w through point c has (-w x c, w); a prismatic one (v, 0)).
-    `base_from_flange` (4, 4) is the flange with all joints at zero. `kinematics` moves the chain; None: that of the planner. The judge gives its own.
+    `screws` (n, 6) are the joint axes in {B} with all joints at zero: linear part, then angular part (a
+    revolute axis w through point c is (-w x c, w); a prismatic one is (v, 0)). `base_from_flange` (4, 4) is
+    the flange with all joints at zero. `kinematics` moves the chain; None for the planner's kinematics. The
+    judge brings its own.
     """
 
     screws: Array
@@ -77,14 +84,16 @@ class Chain:
 
     @property
     def is_prismatic(self) -> NDArray[np.bool_]:
-        """Which joints slide (n,); it can't be written to."""
+        """True for each joint that slides (n,); read-only."""
         return _prismatic(self)
 
 
 @frozen(eq=False)
 class Limits:
-    """Joint limits (n,) each: position from `lower` to `upper` [rad or m] (infinite where there is none),
-    and the largest velocity, acceleration, jerk, and acceleration of an emergency stop.
+    """Joint limits, (n,) each.
+
+    Positions are from `lower` to `upper` [rad or m], infinite without a limit. The others are the largest
+    velocity, acceleration, jerk, and acceleration of an emergency stop.
     """
 
     lower: Array
@@ -97,11 +106,11 @@ class Limits:
 
 @frozen(eq=False)
 class Actuation:
-    """Motor positions from joint positions, the paper's eq. 5: counts = K J q + a0.
+    """The map from joint positions to motor positions, the paper's eq. 5: counts = K J q + a0.
 
-    `gear` is K (n,) in counts per axis unit, `coupling` J (n, n), `offset` a0 (n,) in counts.
-    q is in axis units here: deg for a revolute joint, mm for a prismatic one.
-    `velocity` (n,) is the largest speed of each motor [counts/s].
+    `gear` is K (n,) in counts per axis unit, `coupling` J (n, n), `offset` a0 (n,) in counts. q is in axis
+    units here: deg for a revolute joint, mm for a prismatic one. `velocity` (n,) is the largest speed of each
+    motor [counts/s].
     """
 
     gear: Array
@@ -112,19 +121,20 @@ class Actuation:
 
 @frozen
 class Tolerance:
-    """How far the executed path may be from the programmed one."""
+    """The largest distance of the executed path from the programmed one."""
 
     position: float = 0.02 * MM
-    """[m], of the moving frame, and of prismatic joints"""
+    """of the moving frame, and of prismatic joints [m]"""
     angle: float = 0.002 * DEG
-    """[rad], of the moving frame, and of revolute joints"""
+    """of the moving frame, and of revolute joints [rad]"""
 
     def of_motion(self, told: float | None, *, leads_frame: bool) -> Tolerance:
         """Return the tolerance of a motion.
 
         Args:
-            told: what the motion says of the distance [m]; None: nothing.
-            leads_frame: whether it leads the moving frame along a path: then that may also be turned, by a degree for each millimetre that is told.
+            told: the distance that the motion allows [m], or None if it sets none.
+            leads_frame: True if the motion leads the moving frame along a path: the frame may then also turn,
+                by one degree for each millimetre of `told`.
         """
         if told is None:
             return self
@@ -133,9 +143,9 @@ class Tolerance:
 
 @frozen(eq=False)
 class LinkShape:
-    """A collision shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero.
+    """A collision shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero.
 
-    `joint` is how many of the arm's joints move it, those from the base on: none of a link that stands still.
+    `joint` is the number of the arm's joints that move it, counted from the base: 0 for a link at rest.
     """
 
     link: str
@@ -146,7 +156,7 @@ class LinkShape:
 
 @frozen(eq=False)
 class ToolShape:
-    """A shape of a tool, and where it is on the flange: `flange_from_shape` (4, 4) [m]."""
+    """A shape of a tool, and its place on the flange: `flange_from_shape` (4, 4) [m]."""
 
     flange_from_shape: Array
     shape: Shape
@@ -154,9 +164,10 @@ class ToolShape:
 
 @frozen(eq=False)
 class Tool:
-    """What hangs on the flange, or, if it isn't `mounted`, could.
+    """A tool on the flange, or, if it isn't `mounted`, one that can be put there.
 
-    `mass` is in kg, `center` (3,) its centre [m] and `inertia` (3, 3) about that [kg m^2], in the axes of {FLANGE}.
+    `mass` is in kg, `center` (3,) its centre of mass [m] and `inertia` (3, 3) about that [kg m^2], in the
+    axes of {FLANGE}.
     """
 
     name: str
@@ -169,11 +180,12 @@ class Tool:
 
 @frozen(eq=False)
 class Dynamics:
-    """What the joints have to move, with all of them at zero, in {B}: of what joint k moves and joint k + 1 doesn't, mounted tools among it, `mass` (n,) [kg], `center`
-    (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2].
+    """The masses that the joints move, in {B} with all joints at zero.
 
-    `gravity` (3,) is in m/s^2, `effort` (n,) the largest torque or force of each joint [N m or N], infinite where none is known. `wanted` says whether robot.toml
-    wants efforts to be checked.
+    For the body that joint k moves and joint k + 1 doesn't, mounted tools included: `mass` (n,) [kg],
+    `center` (n, 3) [m], and `inertia` (n, 3, 3) about it [kg m^2]. `gravity` (3,) is in m/s^2. `effort` (n,)
+    is the largest torque or force of each joint [N m or N], infinite if it isn't known. `wanted` is True if
+    robot.toml asks for efforts to be checked.
     """
 
     mass: Array
@@ -185,13 +197,15 @@ class Dynamics:
 
     @property
     def is_checked(self) -> bool:
-        """Whether motions are held against efforts: all masses are known, and some effort is."""
+        """True if motions are checked against efforts: all masses and at least one effort are known."""
         return self.wanted and bool((self.mass > 0.0).all() and np.isfinite(self.effort).any())
 
 
 @frozen
 class Written:
-    """The texts of the files that a robot was read from, for readers that trust no other: robot.toml and URDF."""
+    """The texts of the files from which a robot was read, for readers that trust no other source: robot.toml
+    and URDF.
+    """
 
     toml: str
     urdf: str
@@ -201,12 +215,13 @@ class Written:
 class Robot:
     """A robot: geometry, limits, frames, actuation, controller.
 
-    `flange_from_frame` has each frame that sits on the flange, by its name in upper case
-    without braces; FLANGE itself is the identity. `positions` are the named joint
-    positions, HOME among them. `fingerprint` is the SHA-256 of all that programs depend on. `shapes` are the links' collision
-    shapes; `allowed` the pairs of links and tools, each in alphabetical order, that may touch each other. `dynamics` is None for a robot that was made
-    without files. `jog_speed` is the largest speed of the tool's origin in live motions [m/s]: ISO 10218-1's reduced speed, unless its file says otherwise.
-    `written` are the texts of its files; None for a robot that was made without files, or changed after it was read.
+    `flange_from_frame` has each frame on the flange, by its name in upper case without braces; FLANGE itself
+    is the identity. `positions` are the named joint positions, including HOME. `fingerprint` is the SHA-256
+    of everything that programs depend on. `shapes` are the links' collision shapes; `allowed` are the pairs
+    of links and tools that may touch each other, each pair in alphabetical order. `dynamics` is None for a
+    robot that was made without files. `jog_speed` is the largest speed of the tool's origin in live motions
+    [m/s]: ISO 10218-1's reduced speed, unless its file sets another. `written` are the texts of its files;
+    None for a robot that was made without files, or changed after it was read.
     """
 
     name: str
@@ -242,18 +257,18 @@ class Robot:
 
     @property
     def axis_units(self) -> Array:
-        """The axis unit of each joint in SI (n,): pi/180 for deg, 0.001 for mm; it can't be written to."""
+        """The axis unit of each joint in SI (n,): pi/180 for deg, 0.001 for mm; read-only."""
         return _axis_units(self.chain)
 
     @property
     def axis_unit_names(self) -> tuple[str, ...]:
-        """`deg` or `mm`, for each joint."""
+        """The name of each joint's axis unit, `deg` or `mm`."""
         return tuple("mm" if prismatic else "deg" for prismatic in self.chain.is_prismatic)
 
 
 @lru_cache(maxsize=256)
 def _prismatic(chain: Chain) -> NDArray[np.bool_]:
-    """Return which joints of a chain slide (n,); a chain never changes."""
+    """Return True for each joint of a chain that slides (n,); a chain never changes."""
     prismatic: NDArray[np.bool_] = ~np.any(chain.screws[:, 3:], axis=1)
     prismatic.setflags(write=False)
     return prismatic

@@ -1,6 +1,8 @@
-"""What an arm has to hold: its largest torques at rest, over all joint positions within its limits.
+"""Compute the largest torques with which an arm holds itself at rest, over all joint positions within its
+limits.
 
-Links and zones don't count here: a position that the arm can't reach without touching something may be the worst one, so the result is a bound from above.
+Links and zones don't count here: the worst position may be one that the arm can't reach without touching
+something. The result is therefore an upper bound.
 """
 
 from __future__ import annotations
@@ -13,16 +15,20 @@ from yarclang.robot.dynamics import holding_torques
 from yarclang.robot.model import Array, Chain, Dynamics
 
 _STARTS, _EACH = 48, 96
-"""Positions from which is searched, and so many of the first look for each of them, spread evenly."""
+"""Number of starts of the search, and of evenly spread positions among which each start is chosen."""
 _SWEEPS = 6
 _WIDE = np.pi
-"""What a joint without limits is moved by, to both sides [rad or m]."""
+"""Range of a joint without limits, to either side [rad or m]."""
 _THIRDS = np.array([0.0, 1.0, 2.0]) * 2.0 * np.pi / 3.0
 
 
 @frozen(eq=False)
 class Worst:
-    """Torques (n,) of the joints where each is largest [N m, or N], with their signs; `q` (n, n) are the joint positions there, a row a joint [rad or m]."""
+    """The largest torque of each joint.
+
+    `torque` (n,) are the torques [N m, or N], with their signs; `q` (n, n) are the joint positions at which
+    they occur, one row for each joint [rad or m].
+    """
 
     torque: Array
     q: Array
@@ -40,25 +46,27 @@ def worst_of(torque: Array, q: Array) -> Worst:
 
 
 def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) -> Worst:
-    """Find where gravity pulls most at each joint.
+    """Find the joint positions at which gravity loads each joint most.
 
-    Positions are spread first; the worst ones of parts of them are then moved along one joint after the other. As a function of one joint a holding
-    torque is a sine or a line, whose extremes are known from three of its values.
+    Positions are spread evenly and divided into groups. The worst one of each group is then improved along
+    one joint after the other: as a function of one joint, a holding torque is a sine or a line, whose
+    extremes follow from three of its values.
 
     Args:
-        chain: the arm.
+        chain: the arm, n joints.
         dynamics: its masses.
-        lower: (n,) limits of position; infinite ones are taken as -pi [rad or m].
-        upper: (n,) limits of position; infinite ones are taken as pi [rad or m].
+        lower: (n,) lower limits of position [rad or m]; -pi replaces infinite ones.
+        upper: (n,) upper limits of position [rad or m]; pi replaces infinite ones.
     """
     low = np.where(np.isfinite(lower), lower, -_WIDE)
     high = np.where(np.isfinite(upper), upper, _WIDE)
     size = chain.size
     spread = low + _spread(_STARTS * _EACH, size) * (high - low)
     torque = np.abs(holding_torques(chain, dynamics, spread)).reshape(_STARTS, _EACH, size)
-    at = torque.argmax(axis=1)  # (_STARTS, n): of each part, where each joint's torque is largest
+    # (_STARTS, n): in each group, the position at which each joint's torque is largest
+    at = torque.argmax(axis=1)
     q = spread.reshape(_STARTS, _EACH, size)[np.arange(_STARTS)[:, None], at].reshape(-1, size)
-    own = np.tile(np.arange(size), _STARTS)  # the joint whose torque a row is for
+    own = np.tile(np.arange(size), _STARTS)  # the joint whose torque a row maximizes
     for _ in range(_SWEEPS):
         for moved in range(size):
             q[:, moved] = _worst_along(chain, dynamics, q, own, moved, (low[moved], high[moved]))
@@ -71,25 +79,27 @@ def worst_holding(chain: Chain, dynamics: Dynamics, lower: Array, upper: Array) 
 def _worst_along(
     chain: Chain, dynamics: Dynamics, q: Array, own: NDArray[np.intp], moved: int, limits: tuple[float, float]
 ) -> Array:
-    """Return (R,) the position of one joint at which each row's torque is largest.
+    """Return the position (R,) of one joint at which each row's torque is largest.
 
     Args:
-        chain: the arm.
+        chain: the arm, n joints.
         dynamics: its masses.
-        q: (R, n) joint positions.
+        q: (R, n) joint positions [rad or m].
         own: (R,) the joint whose torque counts.
         moved: the joint that moves.
-        limits: of it.
+        limits: its lower and upper limit.
     """
     low, high = limits
     rows = np.arange(len(q))
+    # three equidistant angles determine mean + cosine · cos + sine · sin
     tried = np.repeat(q[None], 3, axis=0)
     tried[:, :, moved] = _THIRDS[:, None]
     values = holding_torques(chain, dynamics, tried.reshape(-1, q.shape[1])).reshape(3, *q.shape)
     value = values[:, rows, own]  # (3, R)
     mean = value.mean(axis=0)
     cosine, sine = (2.0 / 3.0 * (wave @ value) for wave in (np.cos(_THIRDS), np.sin(_THIRDS)))
-    # the extremes of the sine, with their repetitions within the limits; of a line they are wrong, but its ends are tried as well
+    # the extremes of the sine, with their repetitions within the limits; for a sliding joint they mean
+    # nothing, but the ends of its line are tried as well
     turns = np.arange(np.floor((low - np.pi) / np.pi), np.ceil((high + np.pi) / np.pi) + 1.0) * np.pi
     peaks = np.arctan2(sine, cosine) + turns[:, None]
     places = np.vstack([np.clip(peaks, low, high), np.full(len(q), low), np.full(len(q), high)])
@@ -103,7 +113,9 @@ def _worst_along(
 
 
 def _spread(count: int, size: int) -> Array:
-    """Return (count, size) points of the unit cube that are spread evenly (Roberts' sequence, the golden ratio in `size` dimensions)."""
+    """Return (count, size) points spread evenly over the unit cube (Roberts' sequence: the golden ratio in
+    `size` dimensions).
+    """
     ratio = 2.0
     for _ in range(40):
         ratio = (1.0 + ratio) ** (1.0 / (size + 1))

@@ -1,4 +1,6 @@
-"""Placements of all that a chain moves, as the planner computes them: a product of exponentials on whole arrays."""
+"""Compute the placements of all that a chain moves, for the planner: a product of exponentials on whole
+arrays.
+"""
 
 from __future__ import annotations
 
@@ -9,18 +11,18 @@ Array = NDArray[np.float64]
 
 
 def placements(screws: Array, q: Array) -> Array:
-    """Return where the links are at joint positions.
+    """Compute the placements of the links at joint positions.
 
     Args:
         screws: (n, 6) of a chain, linear part then angular part.
         q: (P, n) [rad or m].
 
     Returns:
-        (n + 1, 3, 4, P): the rotation and, as the fourth column, the shift [m] that bring what the first joints move from its place with all
-        joints at zero to its place at `q`.
+        (n + 1, 3, 4, P): entry k is the rotation and, as the fourth column, the translation [m] by which the
+        first k joints move a body from its place with all joints at zero to its place at `q`.
     """
     count, size = q.shape
-    # the positions come last while it is calculated: all steps go along whole rows
+    # positions are the last index during the computation: all steps run along whole rows
     pose = np.zeros((size + 1, 3, 4, count))
     pose[0, [0, 1, 2], [0, 1, 2]] = 1.0
     way = np.ascontiguousarray(q.T)
@@ -29,7 +31,7 @@ def placements(screws: Array, q: Array) -> Array:
         linear, angular = screws[joint, :3], screws[joint, 3:]
         w = _skew(angular)
         turn, shift = pose[joint, :, :3], pose[joint, :, 3]
-        # exp(screw q), after what the joints before do: I q + (1 - cos q) w + (q - sin q) w^2 for the shift
+        # exp(screw q), followed by the joints before: the translation is I q + (1 - cos q) w + (q - sin q) w²
         local = np.matmul(np.stack([linear, w @ linear, w @ w @ linear]), turn)
         np.multiply(local[:, 0], way[joint], out=pose[joint + 1, :, 3])
         pose[joint + 1, :, 3] += local[:, 1] * versine[joint]

@@ -1,4 +1,5 @@
-"""The form of a robot.toml: its tables, keys and types, in the units of the file (deg, mm, counts, ms).
+"""Define the form of a robot.toml: its tables, keys and types, in the units of the file (deg, mm, counts,
+ms).
 
 This module imports pydantic; import it late.
 """
@@ -32,14 +33,16 @@ Ramp = Annotated[float, Field(ge=1.0, le=60_000.0)]
 
 
 class RampsTable(Table):
-    """`[ramps]`: times [ms] in which joints without an acceleration or jerk of their own reach their velocity (`rise`) and acceleration limit (`ease`)."""
+    """`[ramps]`: times [ms] in which joints reach their velocity (`rise`) and their acceleration limit
+    (`ease`), for joints without an acceleration or jerk of their own.
+    """
 
     rise: Ramp | None = None
     ease: Ramp | None = None
 
 
 class FrameTable(Table):
-    """`[frames.NAME]`: mm, deg (roll, pitch, yaw), seen from the parent frame."""
+    """`[frames.NAME]`: mm, deg (roll, pitch, yaw), relative to the parent frame."""
 
     parent: str = "FLANGE"
     xyz: list[Number] = Field(default=[0.0, 0.0, 0.0])
@@ -64,7 +67,9 @@ class MotorsTable(Table):
 
 
 class ControllerTable(Table):
-    """`[controller]`, as far as all kinds have it: times in ms. Each kind has a form of its own (`Kind.table`)."""
+    """`[controller]` with the keys that all kinds have: times in ms. Each kind has a form of its own
+    (`Kind.table`).
+    """
 
     required: ClassVar[tuple[str, ...]] = ("axes",)
     kind: str = DEFAULT
@@ -82,7 +87,7 @@ class ToleranceTable(Table):
 
 
 class JogTable(Table):
-    """`[jog]`: how fast live motions move the tool's origin at most, mm/s."""
+    """`[jog]`: the largest speed of the tool's origin in live motions, mm/s."""
 
     speed: Annotated[float, Field(ge=0.1, le=5000.0)] = 250.0
 
@@ -95,7 +100,9 @@ class CollisionTable(Table):
 
 
 class ToolTable(Table):
-    """`[tools.NAME]`: what hangs on the flange; kg, mm, kg m^2 (xx, yy, zz, xy, xz, yz about the centre of mass), all seen from `frame`."""
+    """`[tools.NAME]`: a tool on the flange; kg, mm, kg m^2 (xx, yy, zz, xy, xz, yz about the centre of mass),
+    all relative to `frame`.
+    """
 
     frame: str = "FLANGE"
     mounted: bool = True
@@ -105,7 +112,7 @@ class ToolTable(Table):
 
 
 class BodyTable(Table):
-    """`[[bodies]]`: a shape of a tool, in mm and deg, seen from the tool's frame."""
+    """`[[bodies]]`: a shape of a tool, in mm and deg, relative to the tool's frame."""
 
     required = ("tool", "shape")
     tool: str | None = None
@@ -119,7 +126,7 @@ class BodyTable(Table):
 
 
 class DynamicsTable(Table):
-    """`[dynamics]`: gravity in m/s^2, seen from {B}, and whether torques are checked."""
+    """`[dynamics]`: gravity in m/s^2, in the axes of {B}; `checked` is True if torques are checked."""
 
     checked: bool = True
     gravity: list[Number] | None = None
@@ -200,7 +207,9 @@ class RobotTable(Document):
 
 @cache
 def robot_table(kind: str) -> type[RobotTable]:
-    """Return the form of a robot.toml whose controller is of a kind; of no kind that there is: a form that refuses it."""
+    """Return the form of a robot.toml for a kind of controller; for an unknown kind, a form that rejects
+    it.
+    """
     found = kind_of(kind) or kind_of(DEFAULT)
     assert found is not None
     controller = found.table()

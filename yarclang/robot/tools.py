@@ -1,4 +1,4 @@
-"""Tools of a robot.toml: their shapes, masses, and where they are on the flange."""
+"""Read the tools of a robot.toml: their shapes, masses, and places on the flange."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ if TYPE_CHECKING:
     from yarclang.robot.schema import BodyTable, RobotTable, ToolTable
 
 SLACK = 1e-6
-"""By this share of an inertia its parts may disagree: they are written with few digits."""
+"""Share of an inertia by which its components may be inconsistent, since they are written with few digits."""
 
 
 def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
-    """All findings about tools and their shapes, and about the gravity that pulls at them.
+    """Report all findings about tools and their shapes, and about gravity.
 
     Args:
         file: findings go to it.
         draft: its tables.
-        folder: where it stands; mesh files are seen from there.
+        folder: the folder of the file; mesh files are relative to it.
     """
     _sized(file, ("dynamics", "gravity"), draft.table.dynamics.gravity, 3)
     frames = {"FLANGE", *(name.upper() for name in draft.table.frames)}
@@ -58,7 +58,7 @@ def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
 
 
 def flange_frames(table: RobotTable) -> dict[str, Array]:
-    """flange_from_frame of each frame of the file, by its name in upper case, and of FLANGE."""
+    """Return flange_from_frame of each frame of the file, by its name in upper case, and of FLANGE."""
     frames = {name.upper(): frame for name, frame in table.frames.items()}
     placed: dict[str, Array] = {"FLANGE": np.eye(4)}
     while len(placed) <= len(frames):  # parents first; there is no circle
@@ -69,7 +69,7 @@ def flange_frames(table: RobotTable) -> dict[str, Array]:
 
 
 def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
-    """parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
+    """Return parent_from_frame (4, 4) of a place [mm] and R = Rz(yaw) Ry(pitch) Rx(roll) [deg]."""
     pose = np.eye(4)
     pose[:3, :3] = rpy_rotation(np.array(rpy) * DEG)
     pose[:3, 3] = np.array(xyz) * MM
@@ -79,7 +79,14 @@ def _transform(xyz: Sequence[float], rpy: Sequence[float]) -> Array:
 def tools_of(
     file: TomlFile, table: RobotTable, flange_from_frame: Mapping[str, Array], folder: FilePath
 ) -> tuple[Tool, ...]:
-    """The tools of tables without mistakes, in the order of the file."""
+    """Return the tools of tables without mistakes, in the order of the file.
+
+    Args:
+        file: findings about mesh files go to it.
+        table: the tables.
+        flange_from_frame: the frames on the flange, by name in upper case.
+        folder: the folder of the file; mesh files are relative to it.
+    """
     shapes: dict[str, list[ToolShape]] = {name.upper(): [] for name in table.tools}
     frames = {name.upper(): flange_from_frame[tool.frame.upper()] for name, tool in table.tools.items()}
     for at, body in enumerate(table.bodies):
@@ -101,7 +108,15 @@ def tools_of(
 def _check_tool(
     file: TomlFile, path: Path, tool: ToolTable, names: tuple[set[str], set[str]], *, weighed: bool
 ) -> None:
-    """A tool, among the frames of the file and those that couldn't be read; `weighed` says that a missing mass isn't another mistake."""
+    """Check one tool.
+
+    Args:
+        file: findings go to it.
+        path: the tool's table.
+        tool: its values.
+        names: the frames of the file, and the frames that couldn't be read.
+        weighed: True if a missing mass isn't already another mistake.
+    """
     frames, lost = names
     if tool.frame.upper() not in frames | lost:
         message = f"The frame of tool {path[1]} is {tool.frame[:40]}, which isn't a frame on the flange."
@@ -115,6 +130,7 @@ def _check_tool(
             file.say("Y1304", (*path, key), message, "Add mass = ..., in kg.", at_key=True)
     if tool.inertia is None or not whole:
         return
+    # principal moments of a rigid body are not negative, and each is at most the sum of the others
     least, middle, most = np.linalg.eigvalsh(_tensor(tool.inertia))
     if least < -SLACK * abs(most) or most > (least + middle) * (1.0 + SLACK):
         shown = ", ".join(f"{value:.4g}" for value in (least, middle, most))

@@ -1,8 +1,8 @@
-"""Reading a URDF with the lines of its elements, and checking its tree of links and joints.
+"""Read a URDF with the lines of its elements, and check its tree of links and joints.
 
-Pinocchio turns a URDF into a model, but of a bad one it says only that it is bad, and some mistakes it
-passes over in silence (an axis without xyz is the zero vector, a second origin is ignored). So all that
-it would stumble on is found here first.
+Pinocchio turns a URDF into a model, but of a bad file it reports only that it is bad, and it ignores some
+mistakes silently (an axis without xyz is the zero vector, a second origin is ignored). All such mistakes are
+therefore found here first.
 """
 
 from __future__ import annotations
@@ -21,18 +21,20 @@ from yarclang.toml.file import did_you_mean
 MOVING = ("revolute", "continuous", "prismatic")
 """The joint types of a robot arm; `fixed` joins two links to one body."""
 UNARMED = ("planar", "floating")
-"""Joint types that an arm's chain can't have; elsewhere in the file they may be."""
+"""Joint types that an arm's chain can't have; elsewhere in the file they are allowed."""
 
 _NAME = re.compile(r"[A-Za-z0-9_.\-]+")
 _ROOT = "universe"
-"""Pinocchio's own joint above the root: it takes one of this name for that, and its limits and place from there."""
+"""Pinocchio's own joint above the root. A joint of this name in the file would be mistaken for it and get its
+limits and place.
+"""
 MOST_LINKS = 1000
-"""Links of a file, and joints as well."""
+"""The largest number of links of a file, and of joints."""
 
 
 @frozen
 class Joint:
-    """A joint of the file. `xyz` [m], `rpy` [rad], `axis` of length 1."""
+    """A joint of the file: `xyz` [m], `rpy` [rad], `axis` of length 1."""
 
     name: str
     kind: str
@@ -55,11 +57,13 @@ class Urdf(UrdfText):
         self.links: dict[str, Element] = {}
         self.joints: dict[str, Joint] = {}
         self.sound = False
-        """Whether links and joints make one tree, so that one may walk along it."""
+        """True if links and joints form one tree, so that it can be traversed."""
 
 
 def read_urdf(source: SourceFile) -> Urdf:
-    """The links and joints of a URDF, and all findings about its tree; its shapes are another module's."""
+    """Read the links and joints of a URDF, and report all findings about its tree; its shapes are checked
+    elsewhere.
+    """
     urdf = Urdf(source)
     parse_xml(urdf)
     if urdf.root is not None and not urdf.findings:
@@ -85,7 +89,7 @@ def _read_header(urdf: Urdf, root: Element) -> None:
 
 
 def _is_small(urdf: Urdf, root: Element) -> bool:
-    """Return True if neither links nor joints are too many to read; of more, nothing else is said."""
+    """Return True if there are few enough links and joints to read; otherwise nothing else is reported."""
     for tag in ("link", "joint"):
         elements = root.all(tag)
         if len(elements) > MOST_LINKS:
@@ -112,7 +116,17 @@ def _read_joints(urdf: Urdf, root: Element) -> bool:
 def _register(
     urdf: Urdf, elements: list[Element], names: dict[str, Any], read: Callable[[Element], object | None]
 ) -> bool:
-    """Files elements by name; False where one has no name of its own or can't be read."""
+    """Register elements by name.
+
+    Args:
+        urdf: findings go to it.
+        elements: the elements.
+        names: receives the result of `read` for each name.
+        read: reads an element, and returns None if it can't be read.
+
+    Returns:
+        False if an element has no name of its own or can't be read.
+    """
     sound = True
     first: dict[str, Element] = {}
     for element in elements:
@@ -140,7 +154,7 @@ def _register(
 
 
 def _read_joint(urdf: Urdf, joint: Element) -> Joint | None:
-    """A joint with its numbers; None where one of its parts that make the tree is missing."""
+    """Return a joint with its numbers; None, with findings, if it has mistakes."""
     name, kind = joint.attributes.get("name", ""), joint.attributes.get("type", "")
     urdf.once(joint, ("parent", "child", "origin", "axis", "limit", "mimic", "dynamics"))
     before = len(urdf.findings)
@@ -184,7 +198,9 @@ _ATTRIBUTES = {
     "dynamics": ((), ("damping", "friction")),
     "calibration": ((), ("rising", "falling", "reference_position")),
 }
-"""Parts of a joint that say nothing here, but make a URDF unreadable if they are wrong: needed, optional."""
+"""Parts of a joint that have no effect here, but make a URDF unreadable if they are wrong: required and
+optional attributes.
+"""
 
 
 def _check_attributes(urdf: Urdf, place: Element, keys: tuple[tuple[str, ...], tuple[str, ...]]) -> None:
@@ -210,7 +226,9 @@ def _check_mimic(urdf: Urdf, name: str, mimic: Element | None) -> None:
 
 
 def turned(urdf: Urdf, origin: Element | None) -> tuple[float, ...] | None:
-    """Roll, pitch and yaw [rad] of an <origin>; the newer quaternion form isn't read."""
+    """Return roll, pitch and yaw [rad] of an <origin>; the newer quaternion form is rejected with a
+    finding.
+    """
     if origin is not None and "quat_xyzw" in origin.attributes:
         message = "The origin is turned by quat_xyzw, which older readers of URDF ignore."
         urdf.say("Y1341", message, "Write the same turn as rpy.", origin, "quat_xyzw")
@@ -241,7 +259,7 @@ def _link_of(urdf: Urdf, joint: Element, tag: str) -> str:
 
 
 def _check_tree(urdf: Urdf) -> bool:
-    """Whether the joints join the links to one tree."""
+    """Return True if the joints connect the links to one tree; otherwise report why not."""
     before = len(urdf.findings)
     for joint in urdf.joints.values():
         for tag, link in (("parent", joint.parent), ("child", joint.child)):
@@ -275,7 +293,7 @@ def _check_tree(urdf: Urdf) -> bool:
 
 
 def _loops(above: dict[str, Joint]) -> Iterator[list[Joint]]:
-    """The circles of joints, each once."""
+    """Yield the circles of joints, each once."""
     seen: set[str] = set()
     for link in above:
         path: dict[str, Joint] = {}

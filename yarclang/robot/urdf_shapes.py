@@ -1,7 +1,7 @@
-"""The shapes of a URDF's links: that none of them gets lost on the way to the collision check.
+"""Check the shapes of a URDF's links, so that none gets lost on the way to the collision check.
 
-Pinocchio drops a shape that it can't read and goes on, so that the arm would pass through things with the
-link that lost it; here each such shape is an error.
+Pinocchio drops a shape that it can't read and continues, so that the arm would move through things with the
+link that lost it. Here each such shape is an error.
 """
 
 from __future__ import annotations
@@ -21,19 +21,21 @@ _SIZES = {
     "capsule": (("radius", 1), ("length", 1)),
 }
 _MOST_SHAPES = 1000
-"""Collision shapes of a file: each costs some ms wherever the robot is read, and each may meet each."""
+"""The largest number of collision shapes of a file: each costs some ms wherever the robot is read, and every
+pair may collide.
+"""
 _INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
 def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
-    """Checks all bodies, masses and materials of a URDF.
+    """Check all bodies, masses and materials of a URDF.
 
     Args:
         urdf: findings go to it.
-        folder: where the URDF stands; mesh names are seen from there.
+        folder: the folder of the URDF; mesh names are relative to it.
 
     Returns:
-        For each link the collision shapes, in words that are equal for equal shapes.
+        For each link its collision shapes, as texts that are equal for equal shapes.
     """
     shapes: dict[str, list[str]] = {}
     if urdf.root is None or urdf.root.tag != "robot":
@@ -59,15 +61,15 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
 
 
 def mesh_path(filename: str, folder: Path) -> Path | None:
-    """Return the file that a mesh name means; None if there is none."""
+    """Return the file that a mesh name refers to, or None if there is none."""
     return next((path for path in mesh_places(filename, folder) if path.is_file()), None)
 
 
 def mesh_places(filename: str, folder: Path) -> list[Path]:
-    """Return the paths that a mesh name may mean, the first one first.
+    """Return the paths that a mesh name may refer to, in the order of preference.
 
-    A plain name is seen from the URDF's folder. `package://` is looked for there and in the
-    folders above, as Pinocchio does when it is given these as package folders.
+    A plain name is relative to the URDF's folder. `package://` is searched for there and in the folders
+    above, as Pinocchio does when it gets these as package folders.
     """
     url = urlparse(filename)
     if url.scheme == "file":
@@ -79,7 +81,7 @@ def mesh_places(filename: str, folder: Path) -> list[Path]:
 
 
 def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
-    """A <visual> or <collision>; its shape in words."""
+    """Check a <visual> or <collision>, and return its shape as a text."""
     urdf.once(body, ("origin", "geometry", "material"))
     origin, geometry = body.first("origin"), body.first("geometry")
     place = (urdf.numbers(origin, "xyz", 3, (0.0, 0.0, 0.0)), turned(urdf, origin))
@@ -102,7 +104,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
         urdf.say("Y1361", message, f"Put <{extra.tag}> into a <{body.tag}> of its own.", extra)
     shape = geometry.children[0]
     if shape.tag == "mesh":
-        # a picture may miss; what is to collide may not
+        # a missing picture does no harm, a missing collision shape does
         return (
             f"mesh {_check_mesh(urdf, where, shape, folder if body.tag == 'collision' else None)} at {place}"
         )
@@ -119,7 +121,7 @@ def _check_body(urdf: Urdf, link: Element, body: Element, folder: Path) -> str:
 
 
 def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> tuple[float, ...] | None:
-    """Sizes [m] of a shape."""
+    """Return the sizes [m] of a shape, and report sizes that aren't positive."""
     sizes = urdf.numbers(shape, key, count)
     if sizes is not None and min(sizes) <= 0.0:
         message = (
@@ -130,7 +132,9 @@ def _positive(urdf: Urdf, where: str, shape: Element, key: str, count: int) -> t
 
 
 def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> str:
-    """A mesh's scale, and the SHA-256 of its file; without a folder, the file isn't looked for."""
+    """Check a mesh, and return its scale and the SHA-256 of its file as a text; without a folder, the file
+    isn't searched for.
+    """
     scale = urdf.numbers(mesh, "scale", 3, (1.0, 1.0, 1.0))
     if scale is not None and 0.0 in scale:
         message = f"{where} has a mesh with the scale 0, which makes it flat."
@@ -154,7 +158,7 @@ def _check_mesh(urdf: Urdf, where: str, mesh: Element, folder: Path | None) -> s
 
 
 def _check_inertial(urdf: Urdf, link: Element) -> None:
-    """Mass and inertia, which Pinocchio drops in silence if they are wrong."""
+    """Check mass and inertia, which Pinocchio drops silently if they are wrong."""
     urdf.once(link, ("inertial",))
     inertial = link.first("inertial")
     if inertial is None:
@@ -175,7 +179,7 @@ def _check_inertial(urdf: Urdf, link: Element) -> None:
 
 
 def _check_materials(urdf: Urdf, root: Element) -> None:
-    """The materials of the whole file."""
+    """Check the materials of the whole file."""
     names: set[str] = set()
     for material in root.all("material"):
         name = material.attributes.get("name", "")

@@ -1,4 +1,6 @@
-"""The XML of a URDF: its elements with their places in the text, and the numbers in their attributes."""
+"""Parse the XML of a URDF: its elements with their places in the text, and the numbers in their
+attributes.
+"""
 
 from __future__ import annotations
 
@@ -15,15 +17,15 @@ from yarclang.subjects import Subject
 
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _LARGEST, _LARGEST_LIMIT = 1e6, 1e30
-"""Bounds against overflow; files use large numbers for limits that there aren't."""
+"""Bounds against overflow; files write large numbers for limits that don't exist."""
 _DEEPEST = 16
 _MOST_ELEMENTS = 100_000
-"""Elements of a file: a hundred for each of a thousand links."""
+"""The largest number of elements of a file: a hundred for each of a thousand links."""
 
 
 @dataclass(slots=True)
 class Element:
-    """An element of the file; `start` is where its tag begins in the text, `end` where the tag ends."""
+    """An element of the file; its opening tag is text[start:end]."""
 
     tag: str
     attributes: dict[str, str]
@@ -32,16 +34,18 @@ class Element:
     children: list[Element] = field(default_factory=list)
 
     def all(self, tag: str) -> list[Element]:
-        """The children with a tag."""
+        """Return the children with a tag."""
         return [child for child in self.children if child.tag == tag]
 
     def first(self, tag: str) -> Element | None:
-        """The first child with a tag, which is the one that counts."""
+        """Return the first child with a tag, which is the one that counts."""
         return next(iter(self.all(tag)), None)
 
 
 class UrdfText:
-    """The text of a URDF, its root element, and the findings about it; `kind` is what these call the file."""
+    """The text of a URDF, its root element, and the findings about it; `kind` is the file's name in
+    findings.
+    """
 
     def __init__(self, source: SourceFile, kind: str = "a URDF") -> None:
         self.source = source
@@ -53,7 +57,7 @@ class UrdfText:
         self.starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def offset(self, line: int, column: int) -> int:
-        """The place in the text of a line and column, both from 1."""
+        """Return the offset in the text of a line and column, both from 1."""
         return self.starts[min(line, len(self.starts)) - 1] + column - 1
 
     def say(
@@ -65,15 +69,24 @@ class UrdfText:
         attribute: str = "",
         subject: Subject | None = None,
     ) -> None:
-        """Adds a finding at an element's tag, or at one of its attributes."""
-        # names may have line ends, or marks that turn the direction of writing on a terminal
+        """Add a finding at an element's tag, or at one of its attributes.
+
+        Args:
+            code: the finding's code.
+            message: the thing, the number, the limit.
+            remedy: what to do.
+            place: the element.
+            attribute: one of the element's attributes, or empty for its tag.
+            subject: the name that the finding is about.
+        """
+        # names may contain line ends, or marks that change the writing direction on a terminal
         message = "".join(one if one.isprintable() else "?" for one in message)
         start, end = place.start, place.end
         if attribute:
             match = self._attribute(place, attribute)
             if match:
                 start, end = match.span(1)
-        if start >= len(self.text):  # behind the last line: show its end
+        if start >= len(self.text):  # after the last line: show its end
             start = end = len(self.text.rstrip("\n"))
         first = bisect.bisect_right(self.starts, start)
         last = bisect.bisect_right(self.starts, end)
@@ -83,9 +96,13 @@ class UrdfText:
     def numbers(
         self, place: Element | None, attribute: str, count: int, default: Sequence[float] | None = None
     ) -> tuple[float, ...] | None:
-        """The numbers of an attribute, or None with a finding.
+        """Return the numbers of an attribute, or None with a finding.
 
-        Without the element or, with a default, without the attribute it is the default.
+        Args:
+            place: the element; without one the result is `default`.
+            attribute: the attribute; without it the result is `default`, if there is one.
+            count: how many numbers there must be.
+            default: the numbers to return instead.
         """
         if place is None or (attribute not in place.attributes and default is not None):
             return tuple(default) if default is not None else None
@@ -114,7 +131,7 @@ class UrdfText:
         return tuple(float(part) for part in parts)
 
     def once(self, place: Element, tags: Iterable[str]) -> None:
-        """A finding for each child that repeats one of these tags: a URDF reader ignores it in silence."""
+        """Report each child that repeats one of these tags: readers of URDF ignore it silently."""
         for tag in tags:
             for extra in place.all(tag)[1:]:
                 self.say(
@@ -127,11 +144,11 @@ class UrdfText:
 
 
 class _EnoughError(Exception):
-    """Ends the parse: there is a finding already."""
+    """Ends the parse after a finding."""
 
 
 def parse_xml(urdf: UrdfText) -> None:
-    """Makes the tree of elements under `urdf.root`; what isn't XML, or no URDF, is a finding."""
+    """Build the tree of elements under `urdf.root`; a text that isn't XML, or no URDF, is a finding."""
     parser = expat.ParserCreate("utf-8")
     stack: list[Element] = []
     count = 0
@@ -190,6 +207,6 @@ def parse_xml(urdf: UrdfText) -> None:
 
 
 def _tag_end(text: str, start: int) -> int:
-    """Where the tag that begins at `start` ends."""
+    """Return the offset at which the tag that begins at `start` ends."""
     match = re.compile(r"""(?:[^>"']|"[^"]*"|'[^']*')*>?""").match(text, start)
     return match.end() if match else start

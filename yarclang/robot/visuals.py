@@ -1,6 +1,7 @@
-"""What the links of a robot look like: the visual shapes of its URDF, for pictures.
+"""Read the appearance of a robot's links for pictures: the visual shapes of its URDF.
 
-Nothing is judged by them, so that what can't be read is left out here, and the caller shows the collision shapes instead.
+No check depends on these shapes. A shape that can't be read is therefore left out here, and the caller shows
+the collision shapes instead.
 """
 
 from __future__ import annotations
@@ -25,9 +26,10 @@ Colour = tuple[float, float, float]
 
 @frozen(eq=False)
 class Visual:
-    """A visual shape of a link: `base_from_shape` (4, 4) [m] is where it is with all joints at zero, `joint` how many joints move it.
+    """A visual shape of a link: `base_from_shape` (4, 4) [m] is its place with all joints at zero, `joint`
+    the number of joints that move it.
 
-    `colour` are red, green and blue from 0 to 1; None where the URDF names none.
+    `colour` is red, green and blue from 0 to 1, or None if the URDF names none.
     """
 
     link: str
@@ -38,7 +40,9 @@ class Visual:
 
 
 def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
-    """All visual shapes of a robot that was read from files; none where these have changed so that they can't be read any more."""
+    """Return all visual shapes of a robot that was read from files; none if the files have changed and can't
+    be read any more.
+    """
     table, source = read_text(robot.folder / "robot.toml", ""), read_text(robot.folder / robot.urdf, "")
     if isinstance(table, Diagnostic) or isinstance(source, Diagnostic):
         return ()

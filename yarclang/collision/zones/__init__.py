@@ -1,1 +1,3 @@
-"""Zones of a cell: what they watch, how far that is from their borders, and whether it stays so along a motion."""
+"""Check zones of a cell: what they watch, its distance from their borders, and the proof that it stays so
+along a motion.
+"""

@@ -1,4 +1,4 @@
-"""Where on a motion a zone is broken, and how badly, for those who have to change it."""
+"""Find the part of a motion on which a zone is broken, and by how much, for messages."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from yarclang.collision.zones.workspace import Watch, slack_at, slack_of
 from yarclang.frozen import frozen
 
 SAMPLES = 200
-"""Places of the motion that are looked at."""
+"""Number of places of the motion that are sampled."""
 
 
 @frozen
 class Beyond:
-    """Between `begin` and `end` [s] after the motion's start a watch is broken, worst at `worst`, where its slack is `slack` [m, of a joint window rad or m]:
-    below zero. They are found by samples: between them it may be a little worse.
+    """The part of a motion on which a watch is broken.
+
+    It is from `begin` to `end` [s] after the motion's start, worst at `worst`, where its slack is `slack`
+    (negative) [m; rad or m for a joint window]. The values are sampled: between the samples it may be
+    slightly worse.
     """
 
     begin: float
@@ -26,11 +29,19 @@ class Beyond:
 
 
 def beyond(scene: Scene, course: Course, span: tuple[int, int], watch: Watch, seen: float) -> Beyond:
-    """Where a watch is broken on the segments `span`, from and up to, of a motion; `seen` is a time [s] of the course at which it is."""
+    """Return the part of a motion on which a watch is broken.
+
+    Args:
+        scene: the bodies of robot and cell.
+        course: the segments of all motions.
+        span: the motion's segments, from and up to.
+        watch: the broken watch.
+        seen: a time of the course at which it is broken [s].
+    """
     start, stop = (float(course.begins[edge]) for edge in span)
     times = np.sort(np.append(np.linspace(start, stop, SAMPLES), seen))
     slack = slack_at(scene, watch, course.at(times))
-    # distances at one place may differ by rounding from one call to the next
+    # distances at one place may differ by rounding from call to call
     limit = max(slack_of(watch), float(slack.min()) * (1.0 - 1e-6))
     (bad,) = np.nonzero(slack <= limit)
     ends = []

@@ -1,4 +1,4 @@
-"""The speed that a motion's frame never exceeds (`[V<=250]`), as a slow zone that is everywhere."""
+"""Limit the speed of a motion's frame (`[V<=250]`) by a slow zone that is everywhere."""
 
 from __future__ import annotations
 
@@ -24,5 +24,5 @@ def ceiling_watch(robot: Robot, moving: Moving, speed: float) -> Watch:
 
 
 def is_ceiling(watch: Watch) -> bool:
-    """Return True if a watch is that of a motion's ceiling, and of no zone of the cell."""
+    """Return True if a watch is a motion's speed limit, and not a zone of the cell."""
     return watch.zone.region is EVERYWHERE

@@ -1,8 +1,11 @@
-"""How far an item is from the border of a zone: at instants exactly, on pieces of a motion at least.
+"""Measure the distance of an item from the border of a zone: exactly at instants, and bounded from below on
+pieces of a motion.
 
-Two theorems carry it. A point whose acceleration is at most A is, within d seconds, no farther than A d^2 / 8 from the chord between where it is before and
-behind. And a region's signed distance is convex: on a chord it is nowhere larger than at its ends. So what is inside at both ends of a piece by
-more than that, is inside all along. To be outside of a convex region is to be beyond some plane, and each plane has the first theorem.
+Two theorems are used. First, a point whose acceleration is at most A is, on an interval of d seconds, no
+farther than A d² / 8 from the chord between its places at the ends. Second, a region's signed distance is
+convex: on a chord it is nowhere larger than at the chord's ends. Therefore an item that is inside at both
+ends of a piece by more than A d² / 8 is inside all along. Being outside a convex region means being beyond
+some plane, and the first theorem holds for each plane.
 """
 
 from __future__ import annotations
@@ -19,7 +22,7 @@ from yarclang.shapes import Array
 
 
 def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
-    """How far an item is inside a region at each instant (P,) [m]; negative by how far it sticks out."""
+    """Return how far an item is inside a region at each instant (P,) [m]; negative if it sticks out."""
     faces = faces_of(region)
     if faces is not None:
         flat: Array = (faces.offsets[:, None] - posed.support(item, faces.normals)).min(axis=0)
@@ -30,9 +33,14 @@ def depth_inside(region: Place, item: Item, posed: Posed) -> Array:
 
 
 def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | None = None) -> Array:
-    """How far an item is from a region at each instant (P,) [m]; negative by how deep it is in.
+    """Return the distance of an item from a region at each instant (P,) [m]; negative if it is inside, by its
+    depth.
 
-    `normal` (P, 3) is filled with the unit directions in {B} from the region to the item.
+    Args:
+        region: the region.
+        item: the item.
+        posed: the motion of the joints that carry the item.
+        normal: (P, 3) receives the unit directions in {B} from the region to the item; or None.
     """
     if isinstance(region, HalfSpace):
         if normal is not None:
@@ -49,7 +57,7 @@ def distance_outside(region: Place, item: Item, posed: Posed, normal: Array | No
 
 
 def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | None) -> Array:
-    """The same by coal, for bodies."""
+    """Compute `distance_outside` by coal, for bodies."""
     import coal
 
     assert item.base_from_body is not None
@@ -67,8 +75,17 @@ def _apart(shape: Any, placed: Any, item: Item, posed: Posed, normal: Array | No
 
 
 def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: Array) -> Array:
-    """A lower bound (P,) of how far an item is from a region on pieces [m], from balls around it; `way` (P,) is the longest that its points go."""
+    """Return lower bounds (P,) of the distance of an item from a region on pieces [m], from the ball around
+    the item.
+
+    Args:
+        region: the region.
+        item: the item.
+        ends: the motion of the joints that carry the item, at the beginnings and ends of the pieces.
+        way: (P,) upper bounds of the distance that its points travel [m].
+    """
     before, behind = (outside(region, posed.point(item.middle)) for posed in ends)
+    # a signed distance changes no faster than its point moves
     least: Array = (before + behind - way) / 2.0 - item.bound
     return least
 
@@ -76,11 +93,23 @@ def roughly_outside(region: Place, item: Item, ends: tuple[Posed, Posed], way: A
 def least_outside(
     region: Place, item: Item, pieces: Pieces, posed: tuple[Posed, Posed, Posed], bounds: Rates
 ) -> tuple[Array, Array]:
-    """How far an item is from a region on pieces: at least, and in the middle, (P,) each [m]; `posed` are what moves it at their begins, middles and ends."""
+    """Compute the distance of an item from a region on pieces.
+
+    Args:
+        region: the region.
+        item: the item.
+        pieces: of segments.
+        posed: the motion of the joints that carry the item, at the pieces' beginnings, middles and ends.
+        bounds: of the item's points on all segments.
+
+    Returns:
+        Lower bounds on the pieces, and the distances in their middles, (P,) each [m].
+    """
     long = pieces.end - pieces.begin
     normal = np.empty((len(long), 3))
     seen = distance_outside(region, item, posed[1], normal)
-    # beyond the plane that holds both apart in the middle, with what it lies behind its chord
+    # the plane that separates both in the middle: its gap at three instants, less the deviation from its two
+    # chords, A (d/2)² / 8
     planes = np.minimum.reduce([-one.support_each(item, -normal) for one in posed])
     planes = planes - reach(region, normal) - bounds.second[pieces.segment] * long**2 / 32.0
     least: Array = np.maximum(planes, seen - bounds.first[pieces.segment] * long / 2.0)

@@ -1,4 +1,4 @@
-"""Where items are and how fast they go at instants of a motion, and what bounds that between them."""
+"""Compute the places and velocities of items at instants of a motion, and bounds between the instants."""
 
 from __future__ import annotations
 
@@ -19,8 +19,10 @@ from yarclang.shapes import Array
 
 @frozen(eq=False)
 class Posed:
-    """What some of the joints move, at P instants: `turn` (3, 3, P) and `shift` (3, P) [m] bring it from where it is with all joints at zero to where it is;
-    `angular` and `linear` (3, P) are how fast it turns, and how fast its point in the origin of {B} goes then [rad/s, m/s].
+    """The motion, at P instants, of a body that some of the joints move.
+
+    `turn` (3, 3, P) and `shift` (3, P) [m] move it from its place with all joints at zero. `angular` [rad/s]
+    and `linear` [m/s] (3, P) are its angular velocity, and the velocity of its point at the origin of {B}.
     """
 
     turn: Array
@@ -29,27 +31,29 @@ class Posed:
     linear: Array
 
     def points(self, points: Array) -> Array:
-        """Where points (V, 3) of it are, (P, V, 3) in {B} [m]."""
+        """Return the places (P, V, 3) of its points (V, 3), in {B} [m]."""
         moved: Array = np.matmul(points, self.turn) + self.shift[:, None]
         return moved.transpose(2, 1, 0)
 
     def point(self, point: Array) -> Array:
-        """Where one point (3,) of it is, (P, 3) in {B} [m]."""
+        """Return the places (P, 3) of one of its points (3,), in {B} [m]."""
         moved: Array = np.matmul(point, self.turn) + self.shift
         return moved.T
 
     def support(self, item: Item, directions: Array) -> Array:
-        """How far an item reaches in unit directions (F, 3): the largest d . p over its points, (F, P) [m]."""
+        """Return the support of an item in unit directions (F, 3): the largest d · p over its points, (F, P)
+        [m].
+        """
         return _reach(item, np.tensordot(directions, self.turn, axes=1)) + directions @ self.shift
 
     def support_each(self, item: Item, directions: Array) -> Array:
-        """The same in one direction an instant, (P, 3): (P,) [m]."""
+        """Return the support of an item in one direction for each instant (P, 3): (P,) [m]."""
         own = np.einsum("pi,ijp->jp", directions, self.turn)
         reach: Array = _reach(item, own) + np.einsum("pi,ip->p", directions, self.shift)
         return reach
 
     def speed(self, item: Item) -> Array:
-        """The speed of the fastest point of an item (P,) [m/s], or a little more where it is round."""
+        """Return the speed of the fastest point of an item (P,) [m/s], or slightly more if it is round."""
         at = np.matmul(item.points, self.turn) + self.shift[:, None]
         velocity = _cross(self.angular[:, None], at) + self.linear[:, None]
         fastest: Array = np.sqrt(np.einsum("ivp,ivp->vp", velocity, velocity).max(axis=0))
@@ -59,11 +63,11 @@ class Posed:
         return fastest + turning
 
     def take(self, rows: Rows) -> Posed:
-        """Some of the instants."""
+        """Return some of the instants."""
         return Posed(*(getattr(self, name)[..., rows] for name in self.__dataclass_fields__))
 
     def beside(self, other: Posed) -> Posed:
-        """These instants, and then those of another."""
+        """Return these instants, followed by those of another."""
         return Posed(
             *(
                 np.concatenate([getattr(self, name), getattr(other, name)], axis=-1)
@@ -74,7 +78,9 @@ class Posed:
 
 @frozen(eq=False)
 class Arm:
-    """The arm at P instants: what the first joints move, none to all of them, each as in `Posed`."""
+    """The arm at P instants: row k is the motion of a body that the first k joints move, with the fields of
+    `Posed`.
+    """
 
     turn: Array
     shift: Array
@@ -83,15 +89,18 @@ class Arm:
 
     @staticmethod
     def at(scene: Scene, q: Array, rate: Array | None = None) -> Arm:
-        """The arm at joint positions (P, n) [rad or m] and their rates (P, n); without rates it stands."""
+        """Place the arm at joint positions (P, n) [rad or m], with joint rates (P, n); at rest without
+        rates.
+        """
         placed = place(scene, q)
-        # as they are calculated: the instants last
+        # `Posed` has the instants last
         turn, shift = placed.turn.transpose(0, 2, 3, 1), placed.shift.transpose(0, 2, 1)
         angular, linear = np.zeros(shift.shape), np.zeros(shift.shape)
         for joint in range(scene.chain.size if rate is not None else 0):
             assert rate is not None
             screw = scene.chain.screws[joint]
             spin, slide = np.matmul(screw[3:], turn[joint]), np.matmul(screw[:3], turn[joint])
+            # the velocity of a point at the origin of {B}: slide + shift x spin
             slide += _cross(shift[joint], spin)
             np.multiply(spin, rate[:, joint], out=angular[joint + 1])
             angular[joint + 1] += angular[joint]
@@ -100,12 +109,12 @@ class Arm:
         return Arm(turn, shift, angular, linear)
 
     def of(self, item: Item) -> Posed:
-        """What moves an item."""
+        """Return the motion of the body that carries an item."""
         return Posed(*(getattr(self, name)[item.joint] for name in self.__dataclass_fields__))
 
 
 def _reach(item: Item, directions: Array) -> Array:
-    """How far an item reaches in unit directions (..., 3, P) in its own axes, (..., P) [m]."""
+    """Return how far an item reaches in unit directions (..., 3, P) in its own axes, (..., P) [m]."""
     reach: Array = np.matmul(item.points, directions).max(axis=-2) + item.radius
     if item.disc:
         reach += item.disc * np.sqrt(np.maximum(1.0 - np.matmul(item.axis, directions) ** 2, 0.0))
@@ -113,7 +122,7 @@ def _reach(item: Item, directions: Array) -> Array:
 
 
 def _cross(one: Array, other: Array) -> Array:
-    """The cross products of vectors whose components come first, (3, ...)."""
+    """Return the cross products of vectors (3, ...), components first."""
     product = np.empty(np.broadcast_shapes(one.shape, other.shape))
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
@@ -124,7 +133,9 @@ def _cross(one: Array, other: Array) -> Array:
 
 @frozen(eq=False)
 class Rates:
-    """Bounds (N,) for each point of an item on segments of a course: of its speed [m/s], of its acceleration, and of the jerk [m/s^3]."""
+    """Upper bounds (N,), over all points of an item, of speed [m/s], acceleration [m/s^2] and jerk [m/s^3] on
+    segments of a course.
+    """
 
     first: Array
     second: Array
@@ -132,11 +143,18 @@ class Rates:
 
 
 def rates(chain: Chain, course: Course, item: Item) -> Rates:
-    """How fast the points of an item can be, and can change that, on each segment.
+    """Bound speed, acceleration and jerk of an item's points on each segment.
 
-    A partial derivative of a point by some joints is a chain of cross products with their axes, innermost that of the joint nearest to it: no longer than
-    the point's distance from that axis. Summed over the joint m nearest to it, that is R_m (B_m - B_(m-1)) with B the sums w, w^2 + a and
-    w^3 + 3 w a + j over the joints up to m. A joint that slides enters at most once, and innermost, with length 1: the derivative of B in its direction.
+    A partial derivative of a point with respect to some joints is a nested cross product with their axes; the
+    innermost axis is that of the joint nearest to the point. It is no longer than the point's distance from
+    that axis. Summed over the nearest joint m, the derivatives are at most R_m (B_m - B_(m-1)), with B the
+    expressions w, w² + a and w³ + 3 w a + j of the sums w, a, j over the joints up to m. A joint that slides
+    enters at most once, innermost, and with length 1: its terms are the derivative of B in its direction.
+
+    Args:
+        chain: the arm.
+        course: the segments.
+        item: the item.
     """
     reach, turn, slide = _reaches(chain, course, item)
     w, a, j = course.speed, course.strength, np.abs(course.j)
@@ -163,9 +181,11 @@ def rates(chain: Chain, course: Course, item: Item) -> Rates:
 
 
 def _reaches(chain: Chain, course: Course, item: Item) -> tuple[Array, Array, Array]:
-    """How far a point of an item can ever be from each axis (n,) [m], and how much each joint turns and slides about it.
+    """Return the largest distance of any point of an item from each axis (n,) [m], and how much each joint
+    turns and slides (n,) per unit.
 
-    From the item backwards: the point of an axis nearest to the last one chosen; the lengths add up, since what lies between two axes only turns.
+    Go from the item towards the base. On each axis take the point nearest to the point chosen last. The
+    lengths between these points add up, since a rotation doesn't change them.
     """
     lines = lines_of(chain)
     way = np.abs(course.x).max(axis=0) + np.diff(course.way, axis=0).max(axis=0)
@@ -193,21 +213,21 @@ class Pieces:
 
     @staticmethod
     def whole(course: Course, first: int, last: int) -> Pieces:
-        """The segments `first` up to `last` (not included)."""
+        """Return the segments from `first` up to `last` (not included)."""
         segment = np.arange(first, last)
         return Pieces(segment, np.zeros(len(segment)), np.diff(course.begins)[segment])
 
     @property
     def middle(self) -> Array:
-        """The times (P,) half way."""
+        """The times (P,) in the middle of the pieces, after the segments' starts [s]."""
         return (self.begin + self.end) / 2.0
 
     def take(self, rows: Rows) -> Pieces:
-        """Some of them."""
+        """Return some of the pieces."""
         return Pieces(self.segment[rows], self.begin[rows], self.end[rows])
 
     def halves(self) -> Pieces:
-        """Each cut in two: first all first halves, then all second ones."""
+        """Return each piece cut in two: first all first halves, then all second halves."""
         middle = self.middle
         return Pieces(
             np.concatenate([self.segment, self.segment]),
@@ -216,13 +236,17 @@ class Pieces:
         )
 
     def posed(self, item: Item, scene: Scene, course: Course, time: Array, *, moving: bool = False) -> Posed:
-        """What moves an item at times (P,) after the segments' starts."""
+        """Return the motion of the body that carries an item, at times (P,) after the segments' starts
+        [s].
+        """
         q, rate = joints(course, self.segment, time)
         return Arm.at(scene, q, rate if moving else None).of(item)
 
 
 class Ends:
-    """The arm at both ends of whole segments; most end where the next one begins, and are calculated once."""
+    """The arm at both ends of whole segments; most segments end where the next one begins, which is computed
+    once.
+    """
 
     def __init__(self, scene: Scene, course: Course, pieces: Pieces, *, moving: bool = False) -> None:
         begin, rate = joints(course, pieces.segment, pieces.begin)
@@ -237,14 +261,16 @@ class Ends:
         self.stops[jumps] = len(begin) + np.arange(len(jumps))
 
     def of(self, item: Item, rows: Rows | None = None) -> tuple[Posed, Posed]:
-        """What moves an item at the begins and at the ends of the segments, or of some of them."""
+        """Return the motion of the body that carries an item, at the beginnings and at the ends of all
+        segments or of the given ones.
+        """
         posed = self.arm.of(item)
         begins, stops = (self.begins, self.stops) if rows is None else (self.begins[rows], self.stops[rows])
         return posed.take(begins), posed.take(stops)
 
 
 class Whole:
-    """The arm at the ends of all segments of motions, calculated when it is first asked for, and once for all items."""
+    """The arm at the ends of all segments of motions, computed on first use, and once for all items."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course = scene, course
@@ -252,16 +278,16 @@ class Whole:
 
     @cached_property
     def ends(self) -> Ends:
-        """With their rates."""
+        """The arm at both ends of the segments, with rates."""
         return Ends(self.scene, self.course, self.pieces, moving=True)
 
 
 _SAME = 1e-10
-"""Joint positions and rates that differ by less [rad or m, and per s] are one but for rounding."""
+"""Joint positions and rates that differ by less than this [rad or m, and per s] differ only by rounding."""
 
 
 def joints(course: Course, segment: Rows, time: Array) -> tuple[Array, Array]:
-    """Joint positions and rates (P, n) at times (P,) after the starts of segments (P,)."""
+    """Return joint positions and rates, (P, n) each, at times (P,) after the starts of segments (P,)."""
     t = time[:, None]
     v, a, j = course.v[segment], course.a[segment], course.j[segment]
     return course.x[segment] + t * (v + t * (a / 2.0 + t * j / 6.0)), v + t * (a + t * j / 2.0)

@@ -1,4 +1,6 @@
-"""Whether anything can keep to the zones of a cell at all, and whether the robot's HOME does: what is to be said of a cell before any program."""
+"""Check, before any program, that the zones of a cell can be respected at all, and that the robot's HOME
+respects them.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,9 @@ from yarclang.units import MM
 
 
 def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
-    """A finding for each zone of a cell that nothing can keep to, by itself or beside an earlier one."""
+    """Yield a finding for each zone of a cell that nothing can respect, by itself or together with an earlier
+    zone.
+    """
     for at, zone in enumerate(cell.zones):
         why = _by_itself(robot, zone)
         for other in cell.zones[:at]:
@@ -28,7 +32,7 @@ def impossible_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
 
 
 def home_in_zones(robot: Robot, cell: Cell) -> Iterator[Diagnostic]:
-    """A finding for each zone that the robot's HOME breaks, with {TCP} as the tool."""
+    """Yield a finding for each zone that the robot's HOME breaks, with {TCP} as the tool."""
     told: set[str] = set()
     for watch, slack in broken_at(robot, cell, tool_frame(robot), robot.home):
         if watch.zone.name not in told:
@@ -50,7 +54,7 @@ def _told(code: str, cell: Cell, zone: Zone, message: str, help_: str) -> Diagno
 
 
 def _by_itself(robot: Robot, zone: Zone) -> str | None:
-    """Why a zone by itself is impossible; None where it isn't."""
+    """Return the reason why a zone by itself is impossible; None if it is possible."""
     for window in (zone.region, zone.posture):
         if isinstance(window, JointWindow) and (zone.rule in ("allowed", "posture")):
             joint = _joint_without(robot, window, robot.limits)
@@ -68,7 +72,7 @@ def _by_itself(robot: Robot, zone: Zone) -> str | None:
 
 
 def _depth(region: ShapeRegion) -> float:
-    """How far the point farthest inside is from the border [m]."""
+    """Return the distance of a region's innermost point from its border [m]."""
     match region.shape:
         case Box(size=size):
             return float(size.min()) / 2.0
@@ -79,7 +83,7 @@ def _depth(region: ShapeRegion) -> float:
 
 
 def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
-    """Why two zones can't both be kept to; None where they can."""
+    """Return the reason why two zones exclude each other; None if they don't."""
     one, other = first.region, second.region
     rules = {first.rule, second.rule}
     if isinstance(one, JointWindow) and isinstance(other, JointWindow):
@@ -102,14 +106,18 @@ def _beside(robot: Robot, first: Zone, second: Zone) -> str | None:
 
 
 def _joint_without(robot: Robot, one: JointWindow, other: JointWindow | Limits) -> str | None:
-    """A joint that has no position in a window and in another one, or in its limits."""
+    """Return a joint that has no position common to a window and to another window or its limits; None if all
+    have one.
+    """
     low, high = np.maximum(one.lower, other.lower), np.minimum(one.upper, other.upper)
     (empty,) = np.nonzero(low > high)
     return robot.joint_names[int(empty[0])] if len(empty) else None
 
 
 def _apart(one: Place, other: Place, margin: float) -> bool:
-    """Whether two regions have nothing in common; of a half space, less the margins."""
+    """Return True if two regions have nothing in common. A half space is reduced by the margin; other pairs
+    ignore it.
+    """
     if isinstance(one, HalfSpace) or isinstance(other, HalfSpace):
         half, rest = (one, other) if isinstance(one, HalfSpace) else (other, one)
         assert isinstance(half, HalfSpace)
@@ -122,13 +130,13 @@ def _apart(one: Place, other: Place, margin: float) -> bool:
 
 
 def _within(inner: Place, outer: Place) -> bool:
-    """Whether a region lies in one with flat faces."""
+    """Return True if a region lies in another one with flat faces."""
     faces = faces_of(outer)
     return faces is not None and bool((reach(inner, faces.normals) <= faces.offsets).all())
 
 
 def _how(robot: Robot, watch: Watch, slack: float) -> str:
-    """What is wrong with HOME."""
+    """Return a clause that says how HOME breaks a watch."""
     zone, q = watch.zone, robot.home
     window = zone.region if isinstance(zone.region, JointWindow) else zone.posture
     if window is not None and zone.rule in ("allowed", "posture"):

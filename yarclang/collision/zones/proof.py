@@ -1,7 +1,9 @@
-"""That what zones watch stays in them, or out of them, along a whole motion, and how near it comes to their borders: by halving.
+"""Prove that what zones watch stays in them, or out of them, along a whole motion, and how near it comes to
+their borders: by bisection.
 
-A piece is settled if the bounds of `gaps` say enough of it; else it is halved. They grow with the square of a piece's duration, so that a motion along a border needs
-few pieces; and nothing is missed, however short.
+A piece is settled if the bounds of `gaps` suffice; otherwise it is halved. The bounds' errors grow with the
+square of a piece's duration, so that a motion along a border needs few pieces; and nothing is missed, however
+short.
 """
 
 from __future__ import annotations
@@ -27,15 +29,17 @@ from yarclang.progress import go_on
 from yarclang.shapes import Array
 
 MOST = 500_000
-"""Where a watch needs more pieces than this, nothing can be told of what is left, and it counts as broken: only what no robot can do needs so many."""
+"""The largest number of pieces for a watch. If more are needed, the watch counts as broken: only motions that
+no robot can make need so many.
+"""
 BLOCK = 2048
-"""Pieces that are looked at together."""
+"""Pieces that are examined together."""
 Flags = NDArray[np.bool_]
 
 
 @frozen
 class Breach:
-    """A watch that is broken on a motion: where that was seen first among the samples [s]."""
+    """A watch that is broken on a motion, and the time of the first sample at which this was seen [s]."""
 
     motion: int
     watch: int
@@ -44,8 +48,11 @@ class Breach:
 
 @frozen(eq=False)
 class Kept:
-    """What was proved of G motions: `least` (G,) is a lower bound of the distance [m] of all that is watched from the borders that it must not cross,
-    and `nearest` (G,) the watch that comes nearest, -1 where all stay above `KNOWN`, of the samples at `when` (G,) [s]. `breaches` are broken.
+    """The result of a proof for G motions.
+
+    `least` (G,) is a lower bound of the distance [m] of everything watched from the borders that it must not
+    cross. `nearest` (G,) is the watch that comes nearest, -1 if all stay above `KNOWN`, and `when` (G,) [s]
+    the time of that sample. `breaches` are the broken watches.
     """
 
     least: Array
@@ -55,13 +62,13 @@ class Kept:
 
 
 def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequence[Watch]) -> Kept:
-    """Whether zones to stay in or out of are kept to, and postures in them.
+    """Prove that zones to stay in or out of are respected, and postures in them.
 
     Args:
         scene: the bodies of robot and cell.
-        course: segments, of all motions.
-        spans: (G, 2) the segments, from and up to, of each motion, one behind the other; none is empty.
-        watches: what is watched, and where. Slow zones aren't judged here.
+        course: the segments of all motions.
+        spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
+        watches: what is watched, and where. Slow zones aren't checked here.
     """
     search = _Search(scene, course, spans)
     for number, watch in enumerate(watches):
@@ -71,7 +78,7 @@ def kept(scene: Scene, course: Course, spans: NDArray[np.int64], watches: Sequen
 
 
 class _Search:
-    """What is known so far."""
+    """State and results of the search."""
 
     def __init__(self, scene: Scene, course: Course, spans: NDArray[np.int64]) -> None:
         self.scene, self.course, self.spans = scene, course, spans
@@ -118,13 +125,16 @@ class _Search:
                 waiting.append((part, (begins, stops)))
 
     def _rough(self, watch: Watch, item: Item, bounds: Rates) -> Rows:
-        """The segments on which balls don't settle a watch; of the others it is kept what they say."""
+        """Return the segments on which balls around the item don't settle a watch; record the bounds of the
+        others.
+        """
         region, margin, pieces = watch.zone.region, watch.zone.margin, self.pieces
         assert not isinstance(region, JointWindow)
-        # all instants once, not each as an end and as a begin
+        # each instant once, though it is both an end and a beginning
         far = outside(region, self.ends.arm.of(item).point(item.middle))
         before, behind = far[self.ends.begins], far[self.ends.stops]
         if watch.zone.rule == "allowed":
+            # convexity and the deviation from the chord: see gaps.py
             least = -np.maximum(before, behind) - item.bound - bounds.second * pieces.end**2 / 8.0
         else:
             least = (before + behind - bounds.first * pieces.end) / 2.0 - item.bound
@@ -171,7 +181,7 @@ class _Search:
     def _learn(
         self, number: int, segment: Rows, found: tuple[Array, Array, Array], margin: float, hit: Flags
     ) -> Rows:
-        """Keep what pieces of segments tell; those that aren't settled."""
+        """Record the bounds of pieces of segments, and return the pieces that aren't settled."""
         least, seen, when = found
         motion = self.motion[segment]
         self._break(number, segment, seen < margin - SLACK / 2.0, when, hit)
@@ -201,7 +211,7 @@ class _Search:
             pieces = pieces.take(np.flatnonzero(open_)).halves()
 
     def _break(self, number: int, segment: Rows, broken: Flags, when: Array, hit: Flags) -> None:
-        """Keep the first place of each motion where a watch is broken."""
+        """Record the first place of each motion at which a watch is broken."""
         for row in np.flatnonzero(broken).tolist():
             motion = int(self.motion[segment[row]])
             if not hit[motion]:

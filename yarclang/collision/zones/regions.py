@@ -1,6 +1,7 @@
-"""Regions of zones: how far points are outside of them.
+"""Compute signed distances of points from regions of zones.
 
-All are convex. The signed distance of a point, positive outside and negative by its depth inside, is convex too, and changes by no more than the point moves.
+All regions are convex. The signed distance of a point, positive outside and minus its depth inside, is
+therefore convex too, and it changes by no more than the point moves.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ Place = ShapeRegion | HalfSpace
 
 @frozen(eq=False)
 class Faces:
-    """A region with flat faces: the points p with normals . p <= offsets, (F, 3) and (F,); the normals point out of it."""
+    """A region with flat faces: the points p with normals · p <= offsets, (F, 3) and (F,); the normals point
+    outwards.
+    """
 
     normals: Array
     offsets: Array
@@ -28,7 +31,7 @@ class Faces:
 
 @lru_cache(maxsize=256)
 def faces_of(region: Place) -> Faces | None:
-    """The faces of a region; None of a round one. Remembered by the region's identity."""
+    """Return the faces of a region, or None for a round one; remembered by the region's identity."""
     if isinstance(region, HalfSpace):
         return Faces(-region.normal[None], np.array([-region.offset]))
     if not isinstance(region.shape, Box):
@@ -40,7 +43,7 @@ def faces_of(region: Place) -> Faces | None:
 
 @lru_cache(maxsize=256)
 def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
-    """A region's shape and place as coal sees them; remembered by the region's identity."""
+    """Return a region's shape and place for coal, remembered by the region's identity."""
     import coal
 
     placed = region.base_from_shape
@@ -48,7 +51,7 @@ def coal_of(region: ShapeRegion) -> tuple[Any, Any]:
 
 
 def outside(region: Place, points: Array) -> Array:
-    """The signed distances (...,) of points (..., 3) in {B} [m]."""
+    """Return the signed distances (...,) of points (..., 3) in {B} [m]."""
     if isinstance(region, HalfSpace):
         flat: Array = region.offset - points @ region.normal
         return flat
@@ -66,7 +69,9 @@ def outside(region: Place, points: Array) -> Array:
 
 
 def direction(region: Place, points: Array) -> Array:
-    """The unit directions (P, 3) in {B} from the region to points (P, 3), or, inside, to the border: that in which the signed distance grows."""
+    """Return the gradients (P, 3) in {B} of the signed distance at points (P, 3): unit directions from the
+    region to a point, or, inside, from the point to the border.
+    """
     if isinstance(region, HalfSpace):
         return np.broadcast_to(-region.normal, points.shape)
     local = _local(region, points)
@@ -85,14 +90,16 @@ def direction(region: Place, points: Array) -> Array:
                 [flat * steep[:, :1], steep[:, 1:] * np.copysign(1.0, local[:, 2:])], axis=1
             )
     size = _length(away)[:, None]
-    # in the middle of a ball, any direction is as good
+    # at the centre of a ball any direction is correct
     unit: Array = np.where(size > _TINY, away / np.maximum(size, _TINY), np.array([0.0, 0.0, 1.0]))
     turned: Array = unit @ region.base_from_shape[:3, :3].T
     return turned
 
 
 def reach(region: Place, directions: Array) -> Array:
-    """How far a region reaches in unit directions (P, 3): the largest d . p over its points [m]; infinite where it has no end."""
+    """Return the support of a region in unit directions (P, 3): the largest d · p over its points (P,) [m];
+    infinite where the region has no end.
+    """
     if isinstance(region, HalfSpace):
         along = directions @ region.normal
         return np.where(along < -1.0 + 1e-12, -region.offset, np.inf)
@@ -118,19 +125,21 @@ def _local(region: ShapeRegion, points: Array) -> Array:
 
 
 def _around(local: Array, radius: float, length: float) -> tuple[Array, Array]:
-    """How far points are beyond the wall of a cylinder, and beyond its ends."""
+    """Return how far points are beyond the wall of a cylinder, and beyond its ends."""
     return _length(local[..., :2]) - radius, np.abs(local[..., 2]) - length / 2.0
 
 
 def _beyond(beyond: Array) -> Array:
-    """The signed distance of what is beyond walls across each other, (..., K)."""
+    """Return the signed distance from a region, given how far points are beyond its perpendicular walls,
+    (..., K).
+    """
     far = _length(np.maximum(beyond, 0.0))
     signed: Array = np.where(far > 0.0, far, beyond.max(axis=-1))
     return signed
 
 
 def _steepest(beyond: Array) -> Array:
-    """The gradient (P, K) of that."""
+    """Return the gradient (P, K) of `_beyond`."""
     positive = np.maximum(beyond, 0.0)
     inside = np.eye(beyond.shape[1])[np.argmax(beyond, axis=1)]
     gradient: Array = np.where((positive > _TINY).any(axis=1, keepdims=True), positive, inside)

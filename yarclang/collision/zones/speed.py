@@ -1,7 +1,9 @@
-"""How fast what zones watch goes inside of them: the largest speed on whole motions, at every instant, by halving.
+"""Bound the speed of what zones watch inside of them: the largest speed on whole motions, at every instant,
+by bisection.
 
-The velocity of a point lies, within d seconds, no farther than its third derivative times d^2 / 8 from the straight line between what it is before and behind, and the
-length of a vector is largest at an end of a line. So the bound of a piece is sharp long before the piece is short.
+On an interval of d seconds, the velocity of a point is no farther than its third derivative times d² / 8 from
+the chord between the velocities at the ends, and the length of a vector is largest at an end of a chord. The
+bound of a piece is therefore sharp long before the piece is short.
 """
 
 from __future__ import annotations
@@ -28,13 +30,15 @@ from yarclang.shapes import Array
 Flags = NDArray[np.bool_]
 
 SHARP = 2e-4
-"""The largest speed is told to within this share of it."""
+"""Relative accuracy of the largest speed."""
 
 
 @frozen(eq=False)
 class Fastest:
-    """The largest speed (G,) of an item on each motion while it is in a zone [m/s], a proved bound; 0 where it never is. `segment` (G,) is where, -1 for nowhere,
-    and `time` (G,) when: the middle of the piece that it belongs to [s].
+    """The largest speed of an item on each motion while it is in a zone.
+
+    `speed` (G,) [m/s] is a proved bound, 0 if the item never is in the zone. `segment` (G,) is where it
+    occurs, -1 for nowhere, and `time` (G,) [s] when: the middle of the piece to which it belongs.
     """
 
     speed: Array
@@ -54,34 +58,35 @@ def fastest_inside(
     sharp: float = SHARP,
     whole: Whole | None = None,
 ) -> Fastest:
-    """How fast an item goes at most in a slow zone.
+    """Compute the largest speed of an item in a slow zone.
 
     Args:
         scene: the bodies of robot and cell.
-        course: segments, of all motions.
-        spans: (G, 2) the segments, from and up to, of each motion, one behind the other; none is empty.
+        course: the segments of all motions.
+        spans: (G, 2) the segments, from and up to, of each motion, one after the other; none is empty.
         watch: the zone and the item; its margin counts as inside.
-        least: speeds up to this one don't matter: they may be told as none, or as this one [m/s].
-        beyond: the zone is larger by this [m].
-        whole: the arm along these motions, where several watches are asked.
-        sharp: to within which share of it the largest speed is told.
-        stops: where all motions are known to be faster than `least`, how much faster doesn't matter, and only some speed that they have is told.
+        least: speeds up to this one don't matter: they may be returned as none, or as this one [m/s].
+        beyond: distance by which the zone is enlarged [m].
+        stops: True to end as soon as all motions are known to be faster than `least`; the result is then only
+            some speed that occurs on them.
+        sharp: relative accuracy of the largest speed.
+        whole: the arm along these motions, if several watches are computed; or None.
     """
     shared = whole or Whole(scene, course, spans)
     return _Search(shared, spans, watch, (least, beyond, sharp), stops=stops).made()
 
 
 def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Sequence[Watch]) -> Flags:
-    """Whether items may get into their zones on short ways, (W, R).
+    """Return a mask (W, R) of the items that may enter their zones on short ways.
 
     Args:
         scene: the bodies of robot and cell.
         ways: the joint positions at their beginnings and at their ends, (R, n) each [rad or m].
-        step: (R, n) how far each joint goes on them at most, forth and back.
+        step: (R, n) the largest distance that each joint travels on them, back and forth.
         watches: of slow zones.
     """
     begin, end = ways
-    # a course of one second a way
+    # a course of one second for each way
     still = np.zeros(begin.shape)
     course = Course.of(begin, end - begin, still, still, np.ones(len(begin)), step)
     ends = Ends(scene, course, Pieces.whole(course, 0, len(begin)))
@@ -100,11 +105,11 @@ def may_enter(scene: Scene, ways: tuple[Array, Array], step: Array, watches: Seq
 
 
 _ASIDE = 1e-3
-"""How far the arm may be beside the way that was looked at [m]."""
+"""Largest distance of the arm from the way that was examined [m]."""
 
 
 class _Search:
-    """One watch on all motions."""
+    """Search for the largest speed of one watch on all motions."""
 
     def __init__(
         self,
@@ -129,8 +134,8 @@ class _Search:
         self.time = np.zeros(len(spans))
 
     def made(self) -> Fastest:
-        """Halve until all is settled."""
-        # no point of it can be faster, wherever the arm is; nor where it is far away
+        """Halve pieces until all are settled, and return the result."""
+        # drop segments on which no point can be faster than `least`, and those far from the zone
         (rows,) = np.nonzero(self.bounds.first[self.pieces.segment] > self.least)
         if len(rows):
             rows = rows[~self._surely_far()[rows]]
@@ -141,12 +146,14 @@ class _Search:
             pieces, ends = self._look(pieces, ends)
             if self.stops and (self.segment >= 0).all():
                 break
-        # what was passed over is no faster than the best and this share of it
+        # pieces that were dropped are no faster than the best by more than this share
         speed = np.where(self.segment >= 0, self.best * (1.0 + self.sharp), 0.0)
         return Fastest(speed, self.segment, self.time)
 
     def _look(self, pieces: Pieces, ends: tuple[Posed, Posed]) -> tuple[Pieces, tuple[Posed, Posed] | None]:
-        """What is left of pieces, with the arm at their ends."""
+        """Examine pieces with the arm at their ends, and return those that are still open, with the arm at
+        their ends.
+        """
         long, segment = pieces.end - pieces.begin, pieces.segment
         bound = (
             np.maximum(*(arm.speed(self.item) for arm in ends)) + self.bounds.third[segment] * long**2 / 8.0
@@ -161,7 +168,7 @@ class _Search:
         out, in_middle = self._where(pieces, arms)
         (seen,) = np.nonzero(in_middle)
         self._learn(pieces.take(seen), middle.take(seen).speed(self.item))
-        # too short to tell whether they are in the zone: they count as if they were
+        # pieces too short to decide if they are in the zone count as inside
         still = self.bounds.first[pieces.segment] * (pieces.end - pieces.begin) <= SLACK
         (rows,) = np.nonzero(~out & still)
         self._learn(pieces.take(rows), bound[rows])
@@ -174,7 +181,7 @@ class _Search:
         return pieces.take(left).halves(), (begin.beside(half), half.beside(end))
 
     def _surely_far(self) -> Flags:
-        """Which whole segments are outside of the zone, from balls."""
+        """Return a mask of the whole segments on which the ball around the item is outside of the zone."""
         region, pieces = self.watch.zone.region, self.pieces
         if isinstance(region, JointWindow):
             return np.zeros(len(pieces.segment), dtype=np.bool_)
@@ -197,7 +204,9 @@ class _Search:
     def _where(
         self, pieces: Pieces, arms: tuple[Posed, Posed, Posed]
     ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Which pieces are outside of the zone all along, and which are in it in their middles."""
+        """Return a mask of the pieces that are entirely outside of the zone, and one of those whose middle is
+        in it.
+        """
         region = self.watch.zone.region
         if isinstance(region, JointWindow):
             q = joints(self.course, pieces.segment, pieces.middle)[0]
@@ -206,7 +215,7 @@ class _Search:
         return least > self.margin, seen <= self.margin + SLACK / 2.0
 
     def _learn(self, pieces: Pieces, speed: Array) -> None:
-        """Keep the largest speed of each motion, and where it is."""
+        """Record the largest speed of each motion, and its place."""
         motion = self.motion[pieces.segment]
         order = np.argsort(speed, kind="stable")  # the largest is written last
         larger = order[speed[order] > self.best[motion[order]]]

@@ -1,4 +1,4 @@
-"""What zones watch: parts of the arm that have room, and points."""
+"""Build the items that zones watch: solid parts of the arm, and points."""
 
 from __future__ import annotations
 
@@ -27,11 +27,12 @@ class Moving:
 
 @frozen(eq=False)
 class Item:
-    """A convex body, or a point, that the first `joint` joints move; all in {B} with all joints at zero [m].
+    """A convex body, or a point, that the first `joint` joints move; in {B} with all joints at zero [m].
 
-    It is the hull of `points` (V, 3), widened by a disc of radius `disc` across `axis` (3,), and by a ball of `radius`. The points `rim` (W, 3) are
-    the same without the disc: it is a polygon around it there, half a percent larger. `middle` (3,) and `bound` are a ball around
-    all of it. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a point.
+    It is the Minkowski sum of the hull of `points` (V, 3), a disc of radius `disc` perpendicular to `axis`
+    (3,), and a ball of `radius`. The hull of the points `rim` (W, 3) encloses the first two: the disc is
+    replaced by a polygon around it, half a percent larger. The ball around `middle` (3,) with radius `bound`
+    encloses everything. `of_coal` at `base_from_body` (4, 4) is the shape for distances; None for a point.
     """
 
     name: str
@@ -48,7 +49,16 @@ class Item:
 
 
 def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item, ...]:
-    """What a zone of a cell watches while a frame is moved; none where its meshes can't be read, which is told elsewhere."""
+    """Return the items that a zone of a cell watches while a frame is moved.
+
+    The result is empty if meshes can't be read, which is reported elsewhere.
+
+    Args:
+        robot: the robot.
+        cell: its cell.
+        zone: of the cell.
+        moving: the frame that is moved.
+    """
     made = scene_of(robot, cell)
     if made.value is None:
         return ()
@@ -60,7 +70,7 @@ def items_of(robot: Robot, cell: Cell, zone: Zone, moving: Moving) -> tuple[Item
 
 
 def tool_frame(robot: Robot) -> Moving:
-    """The frame that is moved where a motion names none: {TCP}, or, where there is none, {FLANGE}."""
+    """Return the frame that is moved if a motion names none: {TCP}, or {FLANGE} if there is no {TCP}."""
     name = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
     return Moving(name, robot.flange_from_frame.get(name, constant(np.eye(4))))
 
@@ -83,13 +93,15 @@ def _of_part(robot: Robot, scene: Scene, part: str, moving: Moving) -> Iterator[
 
 
 def point_of(robot: Robot, moving: Moving) -> Item:
-    """Return the origin of a frame that is moved as an item."""
+    """Return the origin of a moved frame as an item."""
     placed = robot.chain.base_from_flange @ moving.flange_from_moving
     return _point(f"{{{moving.name}}}", robot.size, placed[:3, 3])
 
 
 def _elbow(chain: Chain) -> tuple[int, Array] | None:
-    """Return the joint in which the elbow is, and its point (3,) in {B} with all joints at zero."""
+    """Return the joint at the elbow, and its point (3,) in {B} with all joints at zero; None if there is no
+    elbow.
+    """
     if chain.kinematics is not None:
         return chain.kinematics.elbow(chain)
     found = elbow_of(chain)
@@ -98,7 +110,7 @@ def _elbow(chain: Chain) -> tuple[int, Array] | None:
 
 @lru_cache(maxsize=32)
 def bodies_of(scene: Scene) -> tuple[tuple[Body, Item], ...]:
-    """The bodies of a scene, each with its room; remembered by the scene's identity."""
+    """Return the bodies of a scene, each with its item; remembered by the scene's identity."""
     return tuple((body, room_of(body)) for body in scene.bodies)
 
 
@@ -113,7 +125,7 @@ _SIDES = 32
 
 @lru_cache(maxsize=1024)
 def room_of(body: Body) -> Item:
-    """Return the room of a body, remembered by the body's identity."""
+    """Return the item of a body, remembered by the body's identity."""
     import coal
 
     shape, placed = body.geometry.of_coal, body.base_from_body
@@ -129,7 +141,7 @@ def room_of(body: Body) -> Item:
             points, disc = _stick(shape.halfLength), float(shape.radius)
         case coal.ConvexBase():
             points = np.array(shape.points())
-        case _:  # a mesh counts as its hull: it is never smaller
+        case _:  # a mesh counts as its hull, which is never smaller
             points = np.array(shape.vertices())
             if np.linalg.matrix_rank(points - points.mean(axis=0), tol=_FLAT) == 3:
                 shape.buildConvexHull(True, "Qt")
@@ -159,7 +171,7 @@ def room_of(body: Body) -> Item:
 
 
 _FLAT = 1e-6
-"""Thinner than this [m], a mesh has no hull that coal could make."""
+"""Thickness below which coal can't make a hull of a mesh [m]."""
 
 
 def _corners(half: Array) -> Array:

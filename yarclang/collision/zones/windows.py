@@ -1,4 +1,6 @@
-"""Windows of joint positions: how far the joints are in them or out of them, at instants and on pieces of a motion."""
+"""Measure how far joints are inside or outside windows of joint positions, at instants and on pieces of a
+motion.
+"""
 
 from __future__ import annotations
 
@@ -10,20 +12,23 @@ from yarclang.collision.zones.moved import Pieces, joints
 from yarclang.shapes import Array
 
 SLACK = 1e-6
-"""What lies beyond the end of a window by no more [rad or m] isn't told from its end."""
+"""Positions that exceed the end of a window by no more than this [rad or m] count as on its end."""
 
 
 def room(window: JointWindow, q: Array) -> Array:
-    """How far joints (P, n) are inside of a window, each (P, n) [rad or m]; negative by how far they are out of it, infinite where it is open."""
+    """Return how far joints (P, n) are inside of a window, (P, n) [rad or m]; negative outside, infinite
+    where it is open.
+    """
     inner: Array = np.minimum(q - window.lower, window.upper - q)
     return inner
 
 
 def room_on(window: JointWindow, pieces: Pieces, course: Course) -> tuple[Array, Array]:
-    """The same of pieces of a motion, (P, n) each: at least, and at most.
+    """Return lower and upper bounds of `room` on pieces of a motion, (P, n) each.
 
-    A joint is no farther from the straight line between its positions at both ends than its acceleration and the time allow, and room has one kink, where it is
-    largest.
+    A joint is no farther from the chord between its positions at both ends than its acceleration times d² /
+    8. `room` increases up to its maximum in the middle of the window and then decreases, so that its extremes
+    follow from the joint's range.
     """
     sag = course.strength[pieces.segment] * ((pieces.end - pieces.begin) ** 2 / 8.0)[:, None]
     before, behind = (joints(course, pieces.segment, time)[0] for time in (pieces.begin, pieces.end))

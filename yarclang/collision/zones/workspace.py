@@ -1,4 +1,6 @@
-"""What the zones of a cell ask of joint positions: whether they are in the allowed workspace, and by how much."""
+"""Check joint positions against the zones of a cell: if they are in the allowed workspace, and by how
+much.
+"""
 
 from __future__ import annotations
 
@@ -19,19 +21,19 @@ from yarclang.robot.model import Robot
 from yarclang.shapes import Array
 
 SLACK = 1e-5
-"""What is beyond a border by no more than this [m] isn't told from what is on it."""
+"""Items that cross a border by no more than this [m] count as on it."""
 
 
 @frozen(eq=False)
 class Watch:
-    """A zone, and an item that it watches; None where only joints count."""
+    """A zone, and an item that it watches; None if the zone concerns only joints."""
 
     zone: Zone
     item: Item | None
 
 
 def watches_of(robot: Robot, cell: Cell, moving: Moving) -> tuple[Watch, ...]:
-    """All that the zones of a cell watch while a frame is moved, in the order of the file."""
+    """Return everything that the zones of a cell watch while a frame is moved, in the order of the file."""
     return _watches(robot, cell, moving.name, moving.flange_from_moving.tobytes())
 
 
@@ -48,19 +50,23 @@ def _watches(robot: Robot, cell: Cell, name: str, frame: bytes) -> tuple[Watch, 
 
 
 def slack_at(scene: Scene, watch: Watch, q: Array) -> Array:
-    """How far a watch is from being broken at joint positions (P, n), (P,) [m, of a joint window rad or m]: below `slack_of` it is."""
+    """Return how far a watch is from being broken at joint positions (P, n), (P,) [m; rad or m for a joint
+    window]. Below `slack_of` it is broken.
+    """
     arm = _one_arm(scene, q.tobytes()) if len(q) == 1 else Arm.at(scene, q)
     return _slack(watch, q, arm, np.arange(len(q)))
 
 
 @lru_cache(maxsize=16)
 def _one_arm(scene: Scene, q: bytes) -> Arm:
-    """The arm at one joint position: all watches are asked there, one after the other."""
+    """Place the arm at one joint position, cached because all watches are evaluated there one after the
+    other.
+    """
     return Arm.at(scene, np.frombuffer(q)[None])
 
 
 def _slack(watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
-    """The same of some of the instants of an arm."""
+    """Return the slack of a watch, as `slack_at` does, at some of the instants of an arm."""
     zone, region = watch.zone, watch.zone.region
     if isinstance(region, JointWindow):
         inner: Array = room(region, q).min(axis=1)
@@ -77,12 +83,14 @@ def _slack(watch: Watch, q: Array, arm: Arm, rows: Rows) -> Array:
 
 
 def slack_of(watch: Watch) -> float:
-    """Below this a watch counts as broken where it is looked at."""
+    """Return the slack below which a watch counts as broken at an instant."""
     return -(WINDOW_SLACK if isinstance(watch.zone.region, JointWindow) else SLACK) / 2.0
 
 
 def broken_at(robot: Robot, cell: Cell, moving: Moving, q: Array) -> Sequence[tuple[Watch, float]]:
-    """The watches that one joint position (n,) breaks, each with its slack there, as in `slack_at`."""
+    """Return the watches that one joint position (n,) breaks, each with its slack there, as `slack_at`
+    returns it.
+    """
     made = scene_of(robot, cell)
     if made.value is None:
         return ()

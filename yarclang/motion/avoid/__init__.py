@@ -1,1 +1,1 @@
-"""Ways round obstacles in joint space."""
+"""Find ways around obstacles in joint space."""

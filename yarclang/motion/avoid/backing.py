@@ -1,7 +1,9 @@
-"""Straight ways of the tool out of a tight place: along the axes of the frame that is moved and those of the flange, its orientation kept.
+"""Draw the tool straight out of a tight place: along the axes of the moved frame and of the flange, with its
+orientation kept.
 
-A search by chance seldom finds the way out of a box that is a few millimetres wider than the tool; the tool's own axes lead out of nearly all places that
-tools are led into. From where a first line ends, or half way there, a second one may lead on: past the rails of a slot, or round a corner.
+A random search seldom finds the way out of a box that is a few millimetres wider than the tool. The tool's
+own axes lead out of nearly all places into which tools are led. From the end of a first line, or from half
+way along it, a second one may lead on: past the rails of a slot, or around a corner.
 """
 
 from __future__ import annotations
@@ -20,38 +22,42 @@ from yarclang.robot.kinematics.numeric import fit
 from yarclang.robot.kinematics.within import EDGE, beyond
 
 STEP = 0.005
-"""How far the tool moves between two joint positions that are looked at [m]."""
+"""Distance that the tool moves between two joint positions that are checked [m]."""
 
 FARTHEST = 0.4
-"""No line is longer than this [m]."""
+"""Largest length of a line [m]."""
 
 _LEAST = 4
 """A line with fewer steps leads nowhere."""
 
 _EVERY = 5
-"""Each so many steps a line's joint position is kept as a way-point, and each `_ROOTS` steps a search may begin there."""
+"""Every `_EVERY` steps a joint position of a line is kept as a way-point, and every `_ROOTS` steps a search
+may begin there.
+"""
 
 _ROOTS = 20
 
 _JUMP = 0.15
-"""A joint that moves by more in one step [rad or m] is beside a singularity, where a line ends."""
+"""A joint that moves by more than this in one step [rad or m] is beside a singularity, where a line ends."""
 
 
 @frozen(eq=False)
 class Retreat:
-    """A way of straight lines of the tool out of a place: joint positions `corners` (k, n) [rad or m], the place itself first."""
+    """A way of straight lines of the tool out of a place: joint positions `corners` (k, n) [rad or m],
+    beginning with the place itself.
+    """
 
     corners: Array
 
 
 def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool) -> list[Retreat]:
-    """Return the ways out of a place (n,) [rad or m], the place itself first.
+    """Return ways out of a place, the ones that end in the widest room first.
 
     Args:
-        room: what is around.
-        q: the place, which is free.
-        free: says if a joint position is.
-        turns: True to go on along the other axes from where a line ends, and from its middle.
+        room: the surroundings.
+        q: the place (n,) [rad or m], which is free.
+        free: returns True if a joint position is free.
+        turns: True to continue along the other axes from a line's end, and from its middle.
     """
     own = Retreat(q[None])
     lines = _lines(room, [own], free)
@@ -64,21 +70,24 @@ def retreats(room: Room, q: Array, free: Callable[[Array], bool], *, turns: bool
 
 
 def _widest(room: Room, found: list[Retreat]) -> list[Retreat]:
-    """Return those that end where most room is, the shortest of equals first: a search that begins in tight places as well draws most of its samples into walls."""
+    """Return the ways that end where most room is, the shortest of equals first.
+
+    A search that also begins in tight places would draw most of its samples into walls.
+    """
     spare = np.round(room.spare(np.array([one.corners[-1] for one in found]), _OPEN), 3).tolist()
     order = sorted(range(len(found)), key=lambda at: (-spare[at], len(found[at].corners)))
     return [found[at] for at in order[:_MOST]]
 
 
 _OPEN = 0.1
-"""A place that is farther than this from all that is around it [m] is in the open."""
+"""A place farther than this from everything around it is in the open [m]."""
 
 _MOST = 3
-"""So many places to begin at."""
+"""The largest number of places at which a search begins."""
 
 
 def _roots(line: Array) -> list[Retreat]:
-    """Places along a line at which a search may begin: its end, and some before."""
+    """Return the places along a line at which a search may begin: its end, and some before."""
     ends = {*range(_ROOTS, len(line) - 1, _ROOTS), len(line) - 1}
     return [Retreat(line[: end + 1]) for end in sorted(ends)]
 
@@ -91,7 +100,9 @@ def _thinned(corners: Array) -> Array:
 
 
 def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> list[Array]:
-    """Return those ways (k, n) that lead on from the ends of others along the axes, as far as the arm reaches and nothing is in the way."""
+    """Return the ways (k, n) that continue from the ends of others along the axes, as far as the arm reaches
+    and nothing is in the way.
+    """
     if not begun:
         return []
     chain, limits = room.robot.chain, room.robot.limits
@@ -127,11 +138,13 @@ def _lines(room: Room, begun: list[Retreat], free: Callable[[Array], bool]) -> l
 
 
 def _directions(room: Room) -> Array:
-    """Return the axes, forth and back, of the frame that is moved and those of the flange that lie otherwise, (d, 3) in the flange's frame."""
+    """Return the axes (d, 3), in both directions, of the moved frame and those of the flange that differ, in
+    the flange's frame.
+    """
     axes = [*room.flange_from_moving[:3, :3].T]
     axes += [one for one in np.eye(3) if all(abs(float(one @ other)) < _ALONG for other in axes)]
     return np.array([*axes, *(-one for one in axes)])
 
 
 _ALONG = 0.999
-"""Directions with a larger cosine between them are one."""
+"""Cosine between directions above which they count as equal."""

@@ -1,4 +1,6 @@
-"""Small changes of a pose that would let the arm take it: the tool the other way round, turned about its z, or moved a little."""
+"""Propose small changes of a pose that would let the arm take it: the tool reversed, turned about its z, or
+moved a little.
+"""
 
 from __future__ import annotations
 
@@ -21,23 +23,24 @@ from yarclang.transforms import roll_pitch_yaw, rpy_rotation
 from yarclang.units import DEG, MM, UNITS, number_text
 
 TURN, TURNS = 30.0, 11
-"""The tool is turned about its z by multiples of so many degrees, the smallest first, so many times."""
+"""Step [deg] and number of the turns of the tool about its z that are tried, the smallest first."""
 
 MOVES = (5.0, 10.0, 20.0, 50.0)
-"""The pose is moved by so many mm along axes of the tool and of the line's frame."""
+"""Distances [mm] by which the pose is moved along axes of the tool and of the line's frame."""
 
 FARTHEST = MOVES[-1]
 
 _SAME = 1e-6
-"""Poses that differ by no more [m, or in rotation matrices] are one."""
+"""Difference up to which poses count as equal [m, or entries of a rotation]."""
 
 _ALONG = 0.999
-"""Directions with a larger cosine between them are one."""
+"""Cosine between directions above which they count as equal."""
 
 
 @frozen(eq=False)
 class Change:
-    """A pose beside the one that can't be taken: `words` say how it differs, `title` what to do, `base_from_moving` (4, 4) is the pose.
+    """A pose near one that can't be taken: `words` describe the difference, `title` the fix,
+    `base_from_moving` (4, 4) is the pose.
 
     `is_reversed` is True if the tool's z points the other way.
     """
@@ -51,13 +54,14 @@ class Change:
 def helpful_changes(
     robot: Robot, room: Room | None, goal: PoseGoal, near: Array, origin: Origin
 ) -> tuple[Change, ...]:
-    """Return the first change of each kind that lets the arm take a pose with nothing in the way: z reversed, a turn about z, a move.
+    """Return the first change of each kind that lets the arm take a pose with nothing in the way: z reversed,
+    a turn about z, a move.
 
     Some 45 poses are tried, which takes about 10 ms with a closed form and 50 ms without.
 
     Args:
         robot: the arm.
-        room: what is around; None where nothing can be in the way.
+        room: the surroundings; None if nothing can be in the way.
         goal: the pose.
         near: (n,) [rad or m], to which solutions are near.
         origin: the command; moves are along the axes of its frame.
@@ -85,7 +89,9 @@ def _is_free(room: Room | None, q: Array) -> bool:
 
 
 def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array]:
-    """Return solutions (m, n) [rad or m] within limits of each of some poses (N, 4, 4): without a closed form, those that a short search finds."""
+    """Return solutions (m, n) [rad or m] within limits for each of several poses (N, 4, 4); without a closed
+    form, those that a short search finds.
+    """
     chain, limits = robot.chain, robot.limits
     if has_all(chain):
         q, reached = branches(chain, base_from_flange)
@@ -103,11 +109,13 @@ def _solutions(robot: Robot, base_from_flange: Array, near: Array) -> list[Array
 
 
 _STARTS, _ROUNDS = 16, 15
-"""Joint positions from which a solution is searched, and the most steps of each."""
+"""Joint positions from which a solution is searched for, and the largest number of steps of each."""
 
 
 def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
-    """Return changes as a sentence, the first with its numbers; `how` is what the pose would be then: free, or in reach."""
+    """Return changes as a sentence, the first with its numbers; `how` is what the pose would be then: free,
+    or in reach.
+    """
     first, *others = changes
     numbers = _written(first.base_from_moving, origin)
     cause = "the tool's z may point the wrong way: " if first.is_reversed else ""
@@ -121,9 +129,9 @@ def changes_text(changes: tuple[Change, ...], origin: Origin, how: str) -> str:
 
 
 def change_fix(goal: PoseGoal, change: Change, origin: Origin) -> Fix | None:
-    """Return a fix that writes the pose of a change; None where the command's six values aren't plain numbers.
+    """Return a fix that writes the pose of a change; None if the command's six values aren't plain numbers.
 
-    Whether the robot shall go there only people know: the fix is made by choice.
+    Only people know if the robot should go there, so the fix is applied only by choice.
     """
     where = origin.values_span
     if where is None:
@@ -165,7 +173,9 @@ def _turned(pose: Array) -> Iterator[Change]:
 
 
 def _moved(pose: Array, origin: Origin) -> Iterator[Change]:
-    """Away from what the tool points at first; then along the axes of the line's frame that lie otherwise."""
+    """Yield moves of a pose: first away from where the tool points, then along the axes of the line's frame
+    that differ.
+    """
     ways: list[tuple[str, Array]] = [("-z of the tool", -pose[:3, 2]), ("z of the tool", pose[:3, 2])]
     axes = _base(origin)[:3, :3]
     for axis, name in reversed(tuple(enumerate("xyz"))):
@@ -191,7 +201,7 @@ def _rotation(axis: int, angle: float) -> Array:
 
 
 def _base(origin: Origin) -> Array:
-    """Return base_from_frame (4, 4) of the frame in which a command's values are."""
+    """Return base_from_frame (4, 4) of the frame in which a command's values are given."""
     link, placed = origin.base, np.eye(4)
     while link is not None and link.parent is not None:
         placed = link.parent_from_frame @ placed
@@ -200,7 +210,9 @@ def _base(origin: Origin) -> Array:
 
 
 def _written(base_from_moving: Array, origin: Origin) -> str:
-    """Return a pose as a line has it: x y z and roll pitch yaw in its units and its frame, on 0.0001 mm and 0.0001 deg."""
+    """Return a pose as a line writes it: x y z and roll pitch yaw in its units and frame, rounded to 0.0001
+    mm and 0.0001 deg.
+    """
     pose = np.linalg.inv(_base(origin)) @ base_from_moving
     units = np.repeat(_units(origin), 3)
     values = np.concatenate((pose[:3, 3], roll_pitch_yaw(pose[:3, :3]))) / units
@@ -211,5 +223,5 @@ def _written(base_from_moving: Array, origin: Origin) -> str:
 
 
 def _units(origin: Origin) -> tuple[float, float]:
-    """Return what a length and an angle of a line are in m and rad."""
+    """Return a line's units of length and angle in m and rad."""
     return UNITS[origin.length_unit].factor, UNITS[origin.angle_unit].factor

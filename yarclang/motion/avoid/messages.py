@@ -1,4 +1,4 @@
-"""What is said of ways round obstacles, and of configurations that are blocked: as in `yarclang.motion.messages`."""
+"""Word findings about ways around obstacles and blocked configurations; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from yarclang.source import Span
 from yarclang.units import MM
 
 _SHOWN = 4
-"""Blocked configurations that are told one by one."""
+"""The largest number of blocked configurations that are listed."""
 
 
 def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
-    """A way round was taken, through these way-points."""
+    """Return the finding that a way around obstacles was taken, with its way-points."""
     count = len(way.waypoints) - 1
     in_way = inside(way.between) if way.between is not None else "something is in the straight way"
     message = f"the straight way isn't free: {in_way}; a way round was found, through {count} way-point{'s' * (count != 1)}"
@@ -33,7 +33,9 @@ def way_round(robot: Robot, way: Way, step: AvoidMove) -> Message:
 
 
 def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
-    """There is no way, or none was found: what is in the way at the start, the goal, or between."""
+    """Return the finding that there is no way, or none was found, with what is in the way at the start, at
+    the goal, or between.
+    """
     if why.start is not None:
         message = f"there is no way from where the robot stands: {inside(why.start)}"
         if why.goal is not None:
@@ -60,7 +62,9 @@ def no_way(robot: Robot, why: NoWay, origin: Origin) -> Message:
 
 
 def tried(robot: Robot, why: NoWay) -> str:
-    """Return in how many tries nothing was found, that this is no proof, and how far the search came."""
+    """Return a clause with the number of tries, a reminder that they prove nothing, and how far the search
+    came.
+    """
     said = f"in {why.tries:,} tries, which doesn't prove that there is none: "
     if why.has_corners:
         said += "there is a way with corners, but no smooth one along it was proved to be free"
@@ -75,7 +79,9 @@ def tried(robot: Robot, why: NoWay) -> str:
 
 
 def parted(robot: Robot, parting: Parting | Barrier) -> str:
-    """Return which zone lies between start and target, and of which joint, or before what it watches."""
+    """Return a clause with the zone that lies between start and target, and its joint, or the item that can't
+    get past it.
+    """
     if isinstance(parting, Barrier):
         return f"zone {parting.name}, which the arm can't reach past, lies between where {parting.item} is and where it shall be"
     joint, unit = parting.joint, robot.axis_units[parting.joint]
@@ -88,7 +94,7 @@ def parted(robot: Robot, parting: Parting | Barrier) -> str:
 def configuration_blocked(
     robot: Robot, step: Motion, taken: Array, nearest: tuple[Array, Obstruction], which: str
 ) -> Message:
-    """The nearest solution of a pose isn't free: another one was taken."""
+    """Return the finding that another solution was taken since the nearest one isn't free."""
     origin = step.origin
     message = f"{which}this target isn't taken in the nearest configuration{differs(robot, taken, nearest[0])}: with that, {inside(nearest[1])}"
     help_ = "NEAR with a joint position in this configuration says that it is meant"
@@ -98,7 +104,7 @@ def configuration_blocked(
 def configuration_without_way(
     robot: Robot, step: Motion, taken: Array, nearest: Array, why: NoWay
 ) -> Message:
-    """No way was found to the nearest solution of a pose: another one was taken."""
+    """Return the finding that another solution was taken since no way to the nearest one was found."""
     origin = step.origin
     message = (
         f"this target isn't taken in the nearest configuration{differs(robot, taken, nearest)}: no way to that was found"
@@ -111,7 +117,7 @@ def configuration_without_way(
 def every_configuration_blocked(
     robot: Robot, step: Motion, blocked: Sequence[tuple[Array, Obstruction]], which: str
 ) -> Message:
-    """No solution of a pose is free."""
+    """Return the finding that no solution of a pose is free."""
     first = {one.names: one for _, one in reversed(blocked)}
     reasons = [inside(first[names]) for names in dict.fromkeys(one.names for _, one in blocked)]
     count = len(blocked)
@@ -130,12 +136,13 @@ _BLOCKED = "Y0925"
 def with_changes(
     told: Message, goal: PoseGoal, changes: tuple[Change, ...], origin: Origin, *, is_alone: bool
 ) -> Message:
-    """Return what is said of a pose that can't be taken, with the changes of it that would help, the first with its numbers.
+    """Add to a message about a pose that can't be taken the changes that would help, the first with its
+    numbers.
 
     Args:
-        told: what is said of it.
+        told: the message.
         goal: the pose.
-        changes: those that help; none where all were tried in vain.
+        changes: those that help; empty if all were tried in vain.
         origin: its command.
         is_alone: True if the command has no other way-point: then the first change may be a fix.
     """
@@ -151,7 +158,7 @@ def with_changes(
 
 
 def inside(one: Obstruction) -> str:
-    """What is in the way, as the end of a sentence."""
+    """Return the obstruction as the end of a sentence."""
     moving, other = one.names
     if one.is_zone:
         return (
@@ -175,7 +182,9 @@ def in_way(one: Obstruction) -> str:
 
 
 def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
-    """A fix that declares the way-points and writes MOVEJ_SPLINE; None where one command has many places."""
+    """Return a fix that declares the way-points and writes MOVEJ_SPLINE; None if the command stands for
+    several places.
+    """
     origin = step.origin
     if not origin.index or ">" in origin.place or "(" in origin.place:
         return None
@@ -201,7 +210,7 @@ def _as_spline(robot: Robot, way: Way, step: AvoidMove) -> Fix | None:
 
 
 def _written(robot: Robot, q: Array, fine: int = 4) -> str:
-    """A joint position as numbers with so many decimals at most; way-points stand on two."""
+    """Return a joint position as numbers with at most `fine` decimals; way-points have two."""
     return " ".join(
         f"{value:.{fine}f}".rstrip("0").rstrip(".") for value in np.round(q / robot.axis_units, fine) + 0.0
     )

@@ -1,4 +1,6 @@
-"""Zones that part two joint positions for sure: whatever the other joints do, no motion gets past them. They are seen without a search."""
+"""Detect zones that certainly separate two joint positions: whatever the other joints do, no motion gets past
+them. No search is needed.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,9 @@ from yarclang.shapes import Box
 
 @frozen
 class Parting:
-    """A forbidden window of one joint alone, number `joint` (from 0), between start and goal: `lower` to `upper` [rad or m] of the zone `name`."""
+    """A forbidden window of a single joint, number `joint` (from 0), between start and goal: `lower` to
+    `upper` [rad or m] of the zone `name`.
+    """
 
     name: str
     joint: int
@@ -29,14 +33,18 @@ class Parting:
 
 @frozen
 class Barrier:
-    """A forbidden box, zone `name`, that the arm can't reach past, between where it watches `item` at the start and at the goal."""
+    """A forbidden box, zone `name`, that the arm can't reach past, between the places of the watched `item`
+    at the start and at the goal.
+    """
 
     name: str
     item: str
 
 
 def parting(room: Room, start: Array, goal: Array) -> Parting | Barrier | None:
-    """Return a zone that no motion from `start` to `goal` (n,) [rad or m] gets past; None where no zone is one for sure."""
+    """Return a zone that no motion from `start` to `goal` (n,) [rad or m] gets past; None if no zone
+    certainly is one.
+    """
     for watch in room.watches:
         if watch.zone.rule != "forbidden":
             continue
@@ -56,14 +64,16 @@ def _window(limits: Limits, watch: Watch, start: Array, goal: Array) -> Parting 
     joint = int(np.argmax(narrows))
     lower, upper = float(window.lower[joint]), float(window.upper[joint])
     low, high = sorted((float(start[joint]), float(goal[joint])))
-    # a window without width, or with less than what is told apart, parts nothing
+    # a window narrower than the resolution separates nothing
     if low <= lower and upper <= high and upper - lower > 4.0 * WINDOW_SLACK:
         return Parting(watch.zone.name, joint, lower, upper)
     return None
 
 
 def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | None:
-    """Return the barrier that a zone is: a point of what it watches would have to go through the box, whose other faces are out of its reach."""
+    """Return the barrier that a zone is, or None: a watched point would have to go through the box, since its
+    other faces are out of reach.
+    """
     region, item = watch.zone.region, watch.item
     if item is None or watch.zone.posture is not None:
         return None
@@ -89,8 +99,8 @@ def _barrier(room: Room, watch: Watch, start: Array, goal: Array) -> Barrier | N
 def _reach(chain: Chain, limits: Limits, item: Item) -> tuple[Array, float]:
     """Return a ball, middle (3,) in {B} and radius [m], that the first point of an item never leaves.
 
-    A turn about an axis leaves the distance to each of its points as it is: from the item to the first axis, the distances from one axis to the nearest point of
-    the next add up, and so does what slides.
+    A turn about an axis keeps the distances to points of the axis. From the item to the first axis, the
+    distances from one axis to the nearest point of the next therefore add up, together with all slides.
     """
     lines, way = lines_of(chain), np.maximum(np.abs(limits.lower), np.abs(limits.upper))
     point, radius = item.points[0], 0.0

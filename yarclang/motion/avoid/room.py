@@ -1,4 +1,6 @@
-"""The room in which a way is looked for: limits, bodies and zones, and how far joints move what they carry."""
+"""Describe the room in which a way is searched for: limits, bodies and zones, and how far joints move the
+bodies.
+"""
 
 from __future__ import annotations
 
@@ -25,23 +27,23 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Robot
 
 _POSITIONS = 64
-"""Joint positions, spread over the limits, that show how far joints move bodies."""
+"""Number of joint positions, spread over the limits, from which the joints' levers are estimated."""
 
 _LEAST_REACH = 0.1
-"""A joint counts as moving what it carries by at least this [m/rad]."""
+"""Least lever of a joint [m/rad]."""
 
 
 _AT_ONCE = 16
-"""Joint positions that are asked together whether they are free."""
+"""Number of joint positions that are checked together."""
 
 TOUCH = 1e-6
-"""Nothing that is farther away than this [m] is looked at to tell whether something is in the way."""
+"""Distance beyond which bodies are ignored when only obstructions matter [m]."""
 
 
 @frozen(eq=False)
 class Obstruction:
-    """What is in the way at a joint position: two bodies and how far they are apart [m], or a zone and what it watches, and by how
-    much it is broken [m, of joints rad or m].
+    """An obstruction at a joint position: two bodies and their distance [m], or a watched item and its zone,
+    and by how much it is broken [m; rad or m for joints].
     """
 
     names: tuple[str, str]
@@ -51,7 +53,9 @@ class Obstruction:
 
 @frozen(eq=False)
 class Room:
-    """What is around a robot while a frame is moved, `flange_from_moving` (4, 4) [m]: the bodies, and the watches of zones that aren't about speed."""
+    """The surroundings of a robot while a frame is moved, `flange_from_moving` (4, 4) [m]: the bodies, and
+    the watches of all but slow zones.
+    """
 
     robot: Robot
     scene: Scene
@@ -59,7 +63,7 @@ class Room:
     flange_from_moving: Array
 
     def obstruction(self, q: Array) -> Obstruction | None:
-        """What is worst at a joint position (n,) [rad or m]; None where nothing is in the way."""
+        """Return the worst obstruction at a joint position (n,) [rad or m]; None if nothing is in the way."""
         left = gaps(self.scene, q)
         if len(left) and (worst := int(np.argmin(left))) >= 0 and left[worst] <= 0.0:
             return Obstruction(
@@ -73,7 +77,9 @@ class Room:
         return _broken(watch, -by)
 
     def nearest(self, q: Array) -> Obstruction:
-        """Return what is worst at a joint position (n,) [rad or m], whether it is in the way there or only comes nearest."""
+        """Return the worst obstruction at a joint position (n,) [rad or m], or what comes nearest to being
+        one.
+        """
         found = self.obstruction(q)
         if found is not None:
             return found
@@ -87,7 +93,9 @@ class Room:
         return _broken(watch, -float(slack_at(self.scene, watch, q[None])[0]))
 
     def obstructions(self, q: Iterable[Array]) -> Iterator[Obstruction | None]:
-        """Yield what is worst at each of some joint positions (n,) [rad or m], as `obstruction`, as far as anybody asks: full turns of joints leave bodies where they are."""
+        """Yield `obstruction` for each of several joint positions (n,) [rad or m], lazily: full turns of
+        joints leave bodies in place.
+        """
         known = dict[bytes, Obstruction]()
         for one in q:
             key = self._apart_from_turns(one)
@@ -97,9 +105,10 @@ class Room:
             yield found
 
     def free_among(self, q: Sequence[Array]) -> Iterator[Array]:
-        """Yield those of some joint positions (n,) at which nothing is in the way, in their order: `_AT_ONCE` are asked together, those after them only if somebody asks on.
+        """Yield those of several joint positions (n,) at which nothing is in the way, in their order.
 
-        Full turns of joints are asked once, unless a zone is about joints.
+        `_AT_ONCE` are checked together, later ones only if they are requested. Full turns of joints are
+        checked once, unless a zone is about joints.
         """
         is_once = not any(_of_joints(watch) for watch in self.watches)
         known = dict[bytes, bool]()
@@ -110,7 +119,7 @@ class Room:
             if new:
                 is_free = self.clearances(np.array(list(new.values())), TOUCH) > 0.0
                 known.update(zip(new, is_free.tolist(), strict=True))
-            # nothing is taken of which the single look says otherwise
+            # the single check has the last word
             yield from (
                 one
                 for key, one in zip(keys, part, strict=True)
@@ -118,15 +127,16 @@ class Room:
             )
 
     def _apart_from_turns(self, q: Array) -> bytes:
-        """Return what is the same for joint positions (n,) that differ by full turns."""
+        """Return a key that is equal for joint positions (n,) that differ by full turns."""
         turning = ~self.robot.chain.is_prismatic & (links_of(self.robot.chain).slide == 0.0)
         turned = np.where(turning, q - 2.0 * np.pi * np.round(q / (2.0 * np.pi)), q)
         return bytes((np.round(turned, 9) + 0.0).tobytes())
 
     def clearances(self, q: Array, near: float) -> Array:
-        """Return how much farther than its margin the nearest pair of bodies is apart, or how far the nearest zone is from being broken, at joint positions (N, n): (N,) [m, of a joint window rad or m].
+        """Return the least reserve at joint positions (N, n): (N,) [m; rad or m for a joint window].
 
-        It is negative where something is in the way, and `near` at most.
+        It is how much the distance of the nearest pair of bodies exceeds its margin, or how far the nearest
+        zone is from being broken: negative if something is in the way, and at most `near`.
         """
         left = self.spare(q, near)
         for watch in self.watches:
@@ -134,7 +144,9 @@ class Room:
         return left
 
     def spare(self, q: Array, near: float) -> Array:
-        """Return how much farther than its margin the nearest pair of bodies is apart at joint positions (N, n): (N,) [m], `near` at most."""
+        """Return how much the distance of the nearest pair of bodies exceeds its margin at joint positions
+        (N, n): (N,) [m], at most `near`.
+        """
         scene, left = self.scene, np.full(len(q), near)
         count = len(scene.pairs.first)
         if count:
@@ -150,15 +162,17 @@ class Room:
         return left
 
     def is_free(self, q: Array) -> bool:
-        """Whether nothing is in the way at a joint position (n,), but for the inside of hollow meshes."""
+        """Return True if nothing is in the way at a joint position (n,), without regard to the inside of
+        hollow meshes.
+        """
         return plain_free_space(self.scene).has(q) and self._keeps(q)
 
     def doubts(self, course: Course, more: Array | float = 0.0) -> Array:
-        """Where a course is not proved to be free: times on it (T,), none where it is.
+        """Return times (T,) at which a course isn't proved to be free; empty if it is.
 
         Args:
             course: one motion.
-            more: (K,) how much farther than their margins pairs stay apart [m].
+            more: (K,) the distance that pairs keep in addition to their margins [m].
         """
         scene = replace(self.scene, pairs=replace(self.scene.pairs, margin=self.scene.pairs.margin + more))
         span = np.array([[0, len(course.x)]])
@@ -170,12 +184,16 @@ class Room:
         return np.array(times)
 
     def padding(self, start: Array, goal: Array, most: float) -> Array:
-        """How much farther than their margins pairs shall stay apart on the way, (K,) [m]: `most`, and half of what they do at both ends."""
+        """Return the distance that pairs should keep in addition to their margins, (K,) [m]: `most`, or half
+        of the reserve at the ends if that is less.
+        """
         least = np.minimum(gaps(self.scene, start), gaps(self.scene, goal))
         return np.clip(least / 2.0, 0.0, most)
 
     def check(self, more: Array) -> Callable[[Array], bool]:
-        """Whether joint positions are free, for pairs that stay apart by `more` (K,) than their margins [m]."""
+        """Return a predicate for free joint positions (n,), for pairs that keep `more` (K,) in addition to
+        their margins [m].
+        """
         space = free_space(self.scene, more)
         return lambda q: space.has(q) and self._keeps(q)
 
@@ -192,10 +210,10 @@ def _broken(watch: Watch, by: float) -> Obstruction:
 
 
 JOINTS = "the joints"
-"""What a window of joints watches."""
+"""The watched item of a joint window."""
 
 _INSIDE = 1e-5
-"""A way keeps this far from the borders of zones [m], or it couldn't be proved that it does."""
+"""Distance that a way keeps from the borders of zones [m]; with less, it couldn't be proved."""
 
 
 def _of_joints(watch: Watch) -> bool:
@@ -203,8 +221,9 @@ def _of_joints(watch: Watch) -> bool:
 
 
 def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
-    """The room around a robot while a frame is moved; None where nothing can be in the way, or a mesh can't be
-    read, which the certificate tells.
+    """Return the room around a robot while a frame is moved.
+
+    None if nothing can be in the way, or if a mesh can't be read, which the certificate reports.
     """
     zones = cell is not None and any(zone.rule != "slow" for zone in cell.zones)
     if not (robot.shapes or zones or (cell is not None and cell.obstacles)):
@@ -219,7 +238,9 @@ def room_of(robot: Robot, cell: Cell | None, moving: Moving) -> Room | None:
 
 @lru_cache(maxsize=32)
 def reaches(scene: Scene, robot: Robot) -> Array:
-    """How far each joint moves a body at most, about, (n,) [m/rad, or 1]: what makes distances in joint space comparable."""
+    """Return the largest lever of each joint on any body, approximately (n,) [m/rad, or 1]; it makes
+    distances in joint space comparable.
+    """
     q = within(robot.chain, robot.limits, _POSITIONS)
     arms: Array = arm_lengths(place(scene, q)).max(axis=(1, 2), initial=_LEAST_REACH)
     return arms

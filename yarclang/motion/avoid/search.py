@@ -1,7 +1,8 @@
-"""A way of straight pieces through joint space: RRT-Connect and shortcuts, by OMPL.
+"""Find a way of straight pieces through joint space: RRT-Connect and shortcuts, by OMPL.
 
-OMPL's chance comes from one seed, which is set before anything of OMPL is made, and a search ends by the number of its samples, never
-by a clock: so the same question has the same answer in every process, whatever was asked before. OMPL has one chance for all threads, so that no two of them may
+OMPL's random numbers come from one seed, which is set before anything of OMPL is created, and a search ends
+by the number of its samples, never by a clock. The same question therefore has the same answer in every
+process, whatever was asked before. OMPL has one random generator for all threads, so no two threads may
 search at once.
 """
 
@@ -20,9 +21,12 @@ from yarclang.robot.model import Limits
 
 @frozen
 class Effort:
-    """How a way is looked for: pairs stay farther apart than their margins by `padding` [m] where they can; `step` [m] is about how far bodies move between
-    two joint positions that are looked at; `samples` are drawn at most, from `seed` on. With so many `lines` the tool is drawn out of start and goal before (`backing`);
-    an effort that `is_for_lines` alone is left out where nothing leads out of either.
+    """The parameters of one search.
+
+    `padding` [m] is the distance that pairs keep in addition to their margins if possible. `step` [m] is the
+    approximate motion of bodies between two joint positions that are checked. At most `samples` samples are
+    drawn, from `seed` on. `lines` is the number of straight lines by which the tool is first drawn out of
+    start and goal (`backing`). A search that `is_for_lines` is skipped if no line leads out of either.
     """
 
     padding: float
@@ -35,8 +39,11 @@ class Effort:
 
 @frozen(eq=False)
 class Question:
-    """From one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m, n) within limits, through what is `free`. `reach` (n,) are the joints' scales
-    [m/rad or 1]. `is_over` ends the search before its samples are drawn.
+    """A question: the way from one of the joint positions `starts` (k, n) [rad or m] to one of `goals` (m,
+    n), within limits.
+
+    `reach` (n,) are the joints' scales [m/rad or 1]. `free` returns True for free joint positions. `is_over`
+    ends the search before its samples are used up.
     """
 
     starts: Array
@@ -49,8 +56,11 @@ class Question:
 
 @frozen(eq=False)
 class Apart:
-    """A search that ended without a way: of all joint positions that were reached from the starts, `q` (n,) is nearest to one, `beyond` (n,), from which a goal is reached; `left`
-    between them [m, of bodies]. So many `tries` were made.
+    """The result of a search that found no way.
+
+    Of all joint positions reached from the starts, `q` (n,) is the one nearest to a position `beyond` (n,)
+    from which a goal is reached; `left` is the distance between them [m, of bodies]. `tries` is the number of
+    samples drawn.
     """
 
     q: Array
@@ -60,17 +70,19 @@ class Apart:
 
 
 _RANGE = 1.0
-"""A tree grows by branches of this length at most [m, of bodies]."""
+"""Longest branch of a search tree [m, of bodies]."""
 
 _INNER = 0.01
-"""Ways keep this far from the joint limits [rad or m], so that a curve has room to swing."""
+"""Distance that ways keep from the joint limits [rad or m], so that a curve has room to swing."""
 
 _FARTHEST = 6.4
-"""A joint without limits goes this far from where it stands at most [rad or m]."""
+"""Largest motion of a joint without limits from its start or goal [rad or m]."""
 
 
 def polyline(question: Question, effort: Effort) -> Array | Apart:
-    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both among them; or how near the search came."""
+    """Return the corners (k, n) [rad or m] of a way from a start to a goal, both included; or how near the
+    search came.
+    """
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -87,7 +99,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
     around = base.SpaceInformation(space)
     joints, free = range(size), question.free
 
-    # it must not hold what holds it: nobody would ever let go of both
+    # the checker must not hold a reference to its owner: the circle would never be freed
     around.setStateValidityChecker(lambda state: free(np.array([state[joint] for joint in joints]) / scale))
     around.setup()
     problem = base.ProblemDefinition(around)
@@ -118,7 +130,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
         nonlocal tries
         try:
             go_on()
-        except Exception as reason:  # it must not pass through C++
+        except Exception as reason:  # an exception must not pass through C++
             given_up.append(reason)
         if given_up or tries == effort.samples or question.is_over():
             return True
@@ -134,7 +146,7 @@ def polyline(question: Question, effort: Effort) -> Array | Apart:
         return _apart(question, data, tries)
     path = problem.getSolutionPath()
     simplifier = geometric.PathSimplifier(around)
-    # each is bounded by the number of its tries
+    # each simplification is bounded by its number of tries
     simplifier.reduceVertices(path)
     for _ in range(2):
         simplifier.partialShortcutPath(path)
@@ -156,7 +168,7 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
         vertex = data.getVertex(number)
         state = vertex.getState()
         trees[vertex.getTag()].append([state[joint] for joint in joints])
-    # the ends of a side that nothing was drawn for belong to no tree
+    # the ends on a side without samples belong to no tree
     out, in_ = (
         np.concatenate((np.array(grown).reshape(-1, len(joints)), ends * question.reach))
         for grown, ends in ((trees[_FROM_START], question.starts), (trees[_FROM_GOAL], question.goals))
@@ -167,17 +179,19 @@ def _apart(question: Question, data: Any, tries: int) -> Apart:
 
 
 _FROM_START, _FROM_GOAL = 1, 2
-"""How RRT-Connect marks what it reached from the starts, and from the goals."""
+"""Tags of RRT-Connect for vertices reached from the starts, and from the goals."""
 
 
 def _nearest(ends: Array, q: Array) -> Array:
-    """Return the one of some joint positions (k, n) that a way begins or ends at, to its last digit."""
+    """Return the exact joint position, of several (k, n), at which a way begins or ends."""
     found: Array = ends[int(np.argmin(np.abs(ends - q).max(axis=1)))]
     return found
 
 
 def _bounds(question: Question) -> tuple[Array, Array]:
-    """Between which joint positions (n,) a way is looked for: a little inside the limits, and where it begins and ends."""
+    """Return the least and the largest joint positions (n,) of the search: slightly inside the limits, but
+    including start and goal.
+    """
     ends = np.concatenate([question.starts, question.goals])
     least, most = ends.min(axis=0), ends.max(axis=0)
     low = np.maximum(question.limits.lower + _INNER, least - _FARTHEST)

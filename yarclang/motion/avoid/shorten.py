@@ -1,4 +1,6 @@
-"""Ways made shorter in time: what counts is how long the joints need at their limits, not how far bodies go."""
+"""Shorten ways in time: what counts is the time that joints need at their limits, not the distance that
+bodies travel.
+"""
 
 from __future__ import annotations
 
@@ -12,16 +14,18 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Limits
 
 TRIES = 200
-"""So many shortcuts are tried."""
+"""Number of shortcuts that are tried."""
 
 _LEAST = 0.005
-"""A shortcut that saves a smaller share of the whole way isn't looked at."""
+"""A shortcut that saves a smaller share of the whole way isn't checked."""
 
 _PLACES = 201
 
 
 def duration(curve: NaturalSpline, limits: Limits) -> float:
-    """Return about how long a curve takes from rest to rest within the limits of velocity and acceleration [s], by a law that is a polynomial of degree 5."""
+    """Estimate how long a curve takes from rest to rest within the limits of velocity and acceleration [s],
+    by a law that is a polynomial of degree 5.
+    """
     u = np.linspace(0.0, 1.0, _PLACES)[:, None]
     rate, change = 30.0 * u**2 * (1.0 - u) ** 2, 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u)
     s = (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))[:, 0]
@@ -35,16 +39,18 @@ def duration(curve: NaturalSpline, limits: Limits) -> float:
 def shortened(
     corners: Array, free: Callable[[Array], bool], step: Array, velocity: Array, seed: int
 ) -> Array:
-    """Return a way of straight pieces (k, n) [rad or m] that takes less time at the joints' largest speeds, with the same ends.
+    """Shorten a way of straight pieces (k, n) [rad or m] in time, at the joints' largest speeds, with the
+    same ends.
 
-    Pieces are replaced by straight ones, of all joints or of one joint alone, wherever that is shorter and free.
+    Pieces are replaced by straight ones, of all joints or of one joint alone, wherever that is shorter and
+    free.
 
     Args:
         corners: (w, n) [rad or m], of a way that is free.
-        free: says if a joint position (n,) is.
-        step: (n,) how far apart joint positions are looked at [rad or m].
+        free: returns True if a joint position (n,) is free.
+        step: (n,) distance between joint positions that are checked [rad or m].
         velocity: (n,) the joints' largest speeds [rad/s or m/s].
-        seed: of what is tried.
+        seed: of the random choices.
     """
     random = np.random.default_rng(seed)
     points = corners
@@ -68,18 +74,28 @@ def shortened(
 
 
 def _length(points: Array, velocity: Array) -> Array:
-    """Return how long the way takes up to each corner, (k,): by the slowest joint, and a little by all of them [s]."""
+    """Return the time up to each corner, (k,) [s]: that of the slowest joint, plus a small share of all
+    joints.
+    """
     legs = np.abs(np.diff(points, axis=0)) / velocity
     taken = legs.max(axis=1) + _ALL * np.linalg.norm(legs, axis=1)
     return np.concatenate(([0.0], np.cumsum(taken)))
 
 
 _ALL = 0.1
-"""How much the other joints count beside the slowest, so that they don't wander."""
+"""Weight of all joints beside the slowest one, so that they don't wander."""
 
 
 def _cut(points: Array, length: Array, first: float, last: float, joint: int) -> tuple[Array, int, int]:
-    """Return the way with a straight piece from one place to another, of all joints (`joint` is -1) or of one; and between which of its corners it is new."""
+    """Return the way with a straight piece between two places, and the range of its corners that are new.
+
+    Args:
+        points: the way's corners.
+        length: the time up to each corner.
+        first: the first place, as a time.
+        last: the second place, as a time.
+        joint: the joint that goes straight, or -1 for all.
+    """
     legs = np.searchsorted(length, [first, last], side="right") - 1
     legs = np.minimum(legs, len(points) - 2)
     shares = (np.array([first, last]) - length[legs]) / np.maximum(np.diff(length)[legs], 1e-12)
@@ -96,14 +112,16 @@ def _cut(points: Array, length: Array, first: float, last: float, joint: int) ->
 
 
 def _is_free(one: Array, other: Array, free: Callable[[Array], bool], step: Array) -> bool:
-    """Return True if the straight piece between two joint positions is free, its middle looked at first."""
+    """Return True if the straight piece between two joint positions is free; its middle is checked first."""
     count = max(int(np.ceil(np.linalg.norm((other - one) / step))), 1)
     order = _by_halves(count)
     return all(free(q) for q in one + (order / count)[:, None] * (other - one))
 
 
 def _by_halves(count: int) -> Array:
-    """Return 0 to `count`, those first that are farthest from all before: a piece that isn't free is seen early."""
+    """Return 0 to `count`, each next one farthest from all before it, so that an obstruction is found
+    early.
+    """
     places = np.arange(count + 1)
     stride = 1 << int(np.ceil(np.log2(count + 1)))
     found = []
@@ -114,7 +132,7 @@ def _by_halves(count: int) -> Array:
 
 
 def _without_idle(points: Array, velocity: Array) -> Array:
-    """Return the way without corners that stand on each other or on a straight line."""
+    """Return the way without corners that coincide with others or lie on a straight line."""
     kept = [points[0]]
     for at in range(1, len(points) - 1):
         before, here, after = kept[-1], points[at], points[at + 1]
@@ -126,4 +144,4 @@ def _without_idle(points: Array, velocity: Array) -> Array:
 
 
 _SAME = 1e-6
-"""Nothing is made of corners nearer to each other [s], or of smaller turns."""
+"""Corners nearer to each other than this [s], or with a smaller turn, are dropped."""

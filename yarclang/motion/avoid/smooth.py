@@ -1,4 +1,6 @@
-"""A way of straight pieces to a curve with continuous acceleration that is proved to be free: the natural spline through way-points."""
+"""Turn a way of straight pieces into a curve with continuous acceleration that is proved to be free: the
+natural spline through way-points.
+"""
 
 from __future__ import annotations
 
@@ -14,27 +16,27 @@ from yarclang.motion.natural import NaturalSpline
 from yarclang.motion.paths.spline import distinct, through
 
 GRID = 0.01
-"""Way-points stand on whole multiples of this [deg or mm], so that they can be written with two decimals."""
+"""Way-points are multiples of this [deg or mm], so that they can be written with two decimals."""
 
 _ROUNDS = 14
-"""How often way-points are added where a curve swings into something."""
+"""The largest number of rounds in which way-points are added where a curve swings into something."""
 
 _SHORTEST = 0.01
-"""No leg between two way-points is shorter than this [rad or m]: beyond that, more of them don't help."""
+"""Shortest leg between two way-points [rad or m]: more of them wouldn't help."""
 
 _MOST = 60
-"""Way-points at most."""
+"""The largest number of way-points."""
 
 _PIECES = 4
-"""Pieces of a leg, whose speeds are bounded each by itself."""
+"""Pieces of a leg, each with its own bound of speed."""
 
 
 @frozen(eq=False)
 class Bend:
-    """What a curve has to keep clear of.
+    """The clearance that a curve must keep.
 
-    `free` says whether a joint position is, looked at `step` (n,) apart, about [rad or m]; `more` (K,) is how much farther than their margins pairs of
-    bodies are proved to stay apart [m].
+    `free` returns True for free joint positions, which are checked about `step` (n,) apart [rad or m]. `more`
+    (K,) is the distance that pairs of bodies are proved to keep in addition to their margins [m].
     """
 
     room: Room
@@ -43,24 +45,25 @@ class Bend:
     more: Array
 
     def curve(self, points: Array) -> NaturalSpline:
-        """The curve through way-points (w, n), the start among them."""
+        """Return the curve through way-points (w, n), the start included."""
         return through(points, self.room.robot.chain.is_prismatic).spline
 
     def seen(self, curve: NaturalSpline) -> Array:
-        """Places s (T,) where a curve is beyond joint limits, or else isn't free, as far as samples tell."""
+        """Return places s (T,) at which samples show a curve beyond joint limits, or else not free."""
         beyond = _swings_out(self.room, curve)
         return beyond if len(beyond) else _hits(curve, self.free, self.step)
 
     def doubts(self, curve: NaturalSpline) -> Array:
-        """Places s (T,) where it isn't proved that a curve is free."""
+        """Return places s (T,) at which a curve isn't proved to be free."""
         return self.room.doubts(course_of(curve), self.more)
 
 
 def smooth(bend: Bend, corners: Array) -> Array | None:
-    """Way-points (k, n), without the start, whose natural spline is proved to be free; None where there are none.
+    """Return way-points (k, n), without the start, whose natural spline is proved to be free; None if there
+    are none.
 
     Args:
-        bend: what to keep clear of.
+        bend: the clearance to keep.
         corners: (w, n) [rad or m] of a way of straight pieces that is free.
     """
     unit = bend.room.robot.axis_units * GRID
@@ -85,8 +88,11 @@ def smooth(bend: Bend, corners: Array) -> Array | None:
 
 
 def _fewer(bend: Bend, points: Array) -> Array:
-    """The way-points (w, n), the start among them, without those whose absence leaves the curve free, as far as samples tell; and those that are left
-    moved towards the straight way as far as it stays so: a shorter way with less bends.
+    """Return way-points (w, n), the start included, without those that can be removed while samples show a
+    free curve.
+
+    The others are moved towards the straight way as long as the curve stays free: a shorter way with fewer
+    bends.
     """
     at = 1
     while at < len(points) - 1 and len(points) > 3:
@@ -105,7 +111,7 @@ def _fewer(bend: Bend, points: Array) -> Array:
         return candidate
 
     for at in range(1, len(points) - 1):
-        for joint in np.argsort(bend.step)[::-1]:  # those that move least first
+        for joint in np.argsort(bend.step)[::-1]:  # joints that move least first
             q = points[at].copy()
             q[joint] = _straight(points, at)[joint]
             found = tried(at, q)
@@ -119,7 +125,7 @@ def _fewer(bend: Bend, points: Array) -> Array:
 
 
 def _straight(points: Array, at: int) -> Array:
-    """Where a way-point would stand on the straight way between its neighbours (n,)."""
+    """Return the place of a way-point on the straight way between its neighbours (n,)."""
     before, behind = points[at - 1], points[at + 1]
     chord = behind - before
     share = float((points[at] - before) @ chord / max(float(chord @ chord), 1e-12))
@@ -128,11 +134,13 @@ def _straight(points: Array, at: int) -> Array:
 
 
 _PULLS = (0.75, 0.5, 0.25)
-"""The shares of the way to the straight one by which way-points are tried to be moved."""
+"""Shares of the distance to the straight way by which way-points are moved."""
 
 
 def course_of(curve: NaturalSpline) -> Course:
-    """A spline as the proof of collisions sees it: its parameter, from 0 to 1, is the time [s]."""
+    """Return a spline as a course for the proof of collisions: its parameter, from 0 to 1, is the time
+    [s].
+    """
     width = np.diff(curve.knots)
     begin = (curve.knots[:-1, None] + width[:, None] * np.arange(_PIECES) / _PIECES).ravel()
     h = np.repeat(width / _PIECES, _PIECES)
@@ -140,7 +148,7 @@ def course_of(curve: NaturalSpline) -> Course:
     jerk = (np.diff(curve.bends, axis=0) / width[:, None])[leg]
     bend = curve.bends[leg] + (begin - curve.knots[leg])[:, None] * jerk
     slope = curve.slope_at(begin)
-    # the slope is a parabola: largest at an end, or where it turns
+    # the slope is a parabola: largest at an end, or at its vertex
     end = slope + h[:, None] * (bend + h[:, None] * jerk / 2.0)
     with np.errstate(divide="ignore", invalid="ignore"):
         turn = np.where(jerk != 0.0, -bend / jerk, -1.0)
@@ -151,20 +159,20 @@ def course_of(curve: NaturalSpline) -> Course:
 
 
 def straight_course(start: Array, goal: Array) -> Course:
-    """The straight way between two joint positions (n,), in 1 s."""
+    """Return the straight way between two joint positions (n,), in 1 s."""
     way = (goal - start)[None]
     return Course.of(start[None], way, np.zeros_like(way), np.zeros_like(way), np.ones(1), np.abs(way))
 
 
 def _swings_out(room: Room, curve: NaturalSpline) -> Array:
-    """Places s (T,) where a curve is beyond joint limits."""
+    """Return places s (T,) at which a curve is beyond joint limits."""
     low, low_at, high, high_at = curve.extremes()
     limits, slack = room.robot.limits, 1e-9 * room.robot.axis_units
     return np.concatenate([low_at[low < limits.lower - slack], high_at[high > limits.upper + slack]])
 
 
 def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> Array:
-    """Places s (T,) where a curve isn't free, among those that are about a step apart."""
+    """Return places s (T,) at which a curve isn't free, among samples about a step apart."""
     legs = np.abs(np.diff(curve.values, axis=0)) / step
     counts = np.clip(np.ceil(1.2 * np.sqrt(np.square(legs).sum(axis=1))), 2, 400).astype(np.int64)
     s = np.concatenate(
@@ -173,12 +181,12 @@ def _hits(curve: NaturalSpline, free: Callable[[Array], bool], step: Array) -> A
             for leg, count in enumerate(counts.tolist())
         ]
     )
-    # the ends of the way are what they are
+    # the ends of the way are given
     return s[[not free(q) for q in curve.at(s)]]
 
 
 def _between(points: Array, curve: NaturalSpline, wrong: Array, unit: Array) -> Array:
-    """The way-points with the middles of those legs between them on which something is wrong."""
+    """Return the way-points with the middles of those legs on which something is wrong."""
     legs = np.unique(np.clip(np.searchsorted(curve.knots, wrong, side="right") - 1, 0, len(points) - 2))
     legs = legs[np.linalg.norm(points[legs + 1] - points[legs], axis=1) > 2.0 * _SHORTEST]
     middles = np.round((points[legs] + points[legs + 1]) / 2.0 / unit) * unit

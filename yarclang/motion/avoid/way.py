@@ -1,4 +1,6 @@
-"""The way from one joint position to another round what is between: the straight one where that is free, else a smooth one."""
+"""Find the way from one joint position to another around obstacles: the straight one if it is free, otherwise
+a smooth one.
+"""
 
 from __future__ import annotations
 
@@ -26,26 +28,33 @@ EFFORTS = (
     Effort(0.003, 0.03, 3_000, 3),
     Effort(0.0005, 0.02, 3_000, 4, lines=2),
 )
-"""One after the other until a way is found: first with room to spare, and quickly; then with the tool drawn out of its places; in the end close by, and long."""
+"""Searches made one after the other until a way is found: first fast and with room to spare, then with the
+tool drawn out of its places, finally close to obstacles and long.
+"""
 
 OTHERS = EFFORTS[:2]
-"""For further solutions of a pose, after all efforts for the first: these two find nearly all ways that are found."""
+"""Searches for further solutions of a pose, after all searches for the first: these two find nearly all ways
+that are found.
+"""
 
 QUICK = EFFORTS[:1]
-"""For motions that are led once more."""
+"""Searches for motions that are routed once more."""
 
 _PROVED = 1e-3
-"""The curve is proved to stay farther apart than the margins by this [m] at most: what is executed may be that much beside it."""
+"""Largest distance in addition to the margins that the curve is proved to keep [m]: the executed motion may
+deviate by this.
+"""
 
 
 _LOOK = 0.05
-"""How far bodies move, about, between two places of the straight way that are looked at [m]."""
+"""Approximate motion of bodies between two places of the straight way that are checked [m]."""
 
 
 @frozen(eq=False)
 class Way:
-    """Way-points (k, n) [rad or m], without the start; the last is the goal. One by itself is the straight way; else `between` is
-    in that.
+    """A way: way-points (k, n) [rad or m], without the start; the last is the goal.
+
+    A single one is the straight way; otherwise `between` is what is in the straight way.
     """
 
     waypoints: Array
@@ -53,15 +62,18 @@ class Way:
 
     @property
     def is_straight(self) -> bool:
-        """Whether nothing had to be gone round."""
+        """True if there was nothing to avoid."""
         return len(self.waypoints) == 1
 
 
 @frozen(eq=False)
 class NoWay:
-    """Why there is no way: what is in the way at the `start`, or at the `goal`; or the zone that parts them for sure. None of these says that nothing was
-    found between in so many `tries`, of which `between` is in the straight way: the search came as far as `furthest`. `has_corners` is True if there was a way of
-    straight pieces, and no curve along it was proved to be free; `is_cut` if the search ended before all efforts were made, since there are many bodies.
+    """The reason why there is no way.
+
+    `start` and `goal` are obstructions there; `parting` is a zone that certainly separates them. If all three
+    are None, a search of `tries` tries found nothing: `between` is in the straight way, and the search came
+    as far as `furthest`. `has_corners` is True if there was a way of straight pieces, but no curve along it
+    was proved to be free. `is_cut` is True if the search ended early because there are many bodies.
     """
 
     start: Obstruction | None = None
@@ -76,7 +88,9 @@ class NoWay:
 
 @frozen(eq=False)
 class Furthest:
-    """How far a search came: to the joint position `q` (n,) [rad or m], where the moving frame is `left` from where it is at the goal [m]; from there on `blocked` is in the way."""
+    """The farthest place of a search: the joint position `q` (n,) [rad or m], with the moving frame `left`
+    from its place at the goal [m]; from there on, `blocked` is in the way.
+    """
 
     q: Array
     left: float
@@ -90,14 +104,15 @@ def find_way(
     efforts: tuple[Effort, ...] | None = None,
     searches: int = 1,
 ) -> Way | NoWay:
-    """Find a way; the same question has the same answer, always.
+    """Find a way. The same question always has the same answer.
 
     Args:
-        room: what is around; None where nothing can be in the way.
+        room: the surroundings; None if nothing can be in the way.
         start: (n,) [rad or m], within limits.
         goal: (n,) [rad or m], within limits.
-        efforts: made one after the other until one finds a way; None for all `EFFORTS`.
-        searches: as many ways are looked for by the effort that finds one, each shortened in time, and the quickest is taken; of 1 the way is that which is found first.
+        efforts: searches to make one after the other until one finds a way; None for all `EFFORTS`.
+        searches: number of ways to find with the successful search, each shortened in time; the fastest is
+            taken. With 1, the first way found is taken.
     """
     straight = Way(constant(goal[None].copy()))
     if room is None or np.array_equal(start, goal):
@@ -136,14 +151,16 @@ def find_way(
 
 
 class _Looks:
-    """How many joint positions may still be looked at: a look costs more where many bodies are, and a search ends after about the same time."""
+    """Counts the checks of joint positions that are left. A check costs more among many bodies, so that every
+    search ends after about the same time.
+    """
 
     def __init__(self, room: Room, searches: int) -> None:
         self.left = float(MOST_LOOKS * searches)
         self.cost = 1.0 + (len(room.scene.bodies) / _MANY) ** 2
 
     def counted(self, free: Callable[[Array], bool]) -> Callable[[Array], bool]:
-        """Return what says the same, and counts how often it is asked."""
+        """Return a predicate with the same results that counts its calls."""
 
         def look(q: Array) -> bool:
             self.left -= self.cost
@@ -152,20 +169,22 @@ class _Looks:
         return look
 
     def are_over(self) -> bool:
-        """Return True if no more are left."""
+        """Return True if none are left."""
         return self.left <= 0.0
 
 
 MOST_LOOKS = 300_000
-"""Joint positions among few bodies that are looked at for each search: more than all efforts need, and about 5 s."""
+"""Checks of joint positions among few bodies for each search: more than all efforts need, and about 5 s."""
 
 _MANY = 100.0
-"""With so many bodies a look takes twice as long."""
+"""Number of bodies at which a check takes twice as long."""
 
 
 @frozen(eq=False)
 class _Corners:
-    """A way of straight pieces (k, n) [rad or m], and what its curve has to keep clear of; `free` says so of the pieces, looked at `step` (n,) apart [rad or m]."""
+    """A way of straight pieces (k, n) [rad or m], and the clearance for its curve; `free` is the predicate
+    for the pieces, checked `step` (n,) apart [rad or m].
+    """
 
     corners: Array
     bend: Bend
@@ -176,7 +195,7 @@ class _Corners:
 def _shorter(
     room: Room, start: Array, goal: Array, first: _Corners, effort: Effort, searches: int, looks: _Looks
 ) -> Iterator[Array]:
-    """Yield way-points (k, n) of ways that are shortened in time: of the one that is found, and of those that as many searches more give."""
+    """Yield way-points (k, n) of ways shortened in time: the first one, and those of further searches."""
     for number in range(searches):
         again = replace(effort, seed=effort.seed + number * _NEXT)
         found = _found(room, start, goal, again, looks) if number else first
@@ -190,7 +209,7 @@ def _shorter(
 
 
 _NEXT = 100
-"""From the seed of one search to that of the next of the same effort."""
+"""Difference between the seeds of two searches with the same parameters."""
 
 
 def _duration(room: Room, start: Array, waypoints: Array) -> float:
@@ -199,7 +218,9 @@ def _duration(room: Room, start: Array, waypoints: Array) -> float:
 
 
 def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks) -> _Corners | Apart | None:
-    """Return a way of straight pieces, or how near its ends came to each other; None if the effort isn't for this question."""
+    """Return a way of straight pieces, or how near its ends came to each other; None if the effort doesn't
+    apply to this question.
+    """
     padding = room.padding(start, goal, effort.padding)
     reach = reaches(room.scene, room.robot)
     free = looks.counted(room.check(padding))
@@ -219,17 +240,17 @@ def _found(room: Room, start: Array, goal: Array, effort: Effort, looks: _Looks)
         for side, end in ((out, corners[0]), (in_, corners[-1]))
     )
     corners = np.concatenate((first[:-1], corners, last[-2::-1]))
-    # what is proved needs less room than what is looked for
+    # the proof needs less room than the search
     kept = np.minimum(padding / 2.0, _PROVED)
     step = effort.step / reach
     return _Corners(corners, Bend(room, room.check(kept), step, kept), free, step)
 
 
 def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
-    """Return where a search that failed came nearest, and what is in the way from there on."""
+    """Return where a failed search came nearest, and what is in the way from there on."""
     way = np.linspace(0.0, 1.0, _PLACES)[1:, None] * (apart.beyond - apart.q)
     places = apart.q + way
-    # only bodies that are near decide: what the search kept clear of by its padding is in the way as well
+    # only near bodies matter: those that only the search's padding excluded also count as in the way
     spare = room.clearances(places, _NEAR)
     blocked = np.flatnonzero(spare <= 0.0)
     at = int(blocked[0]) if len(blocked) else int(np.argmin(spare))
@@ -239,14 +260,14 @@ def _furthest(room: Room, apart: Apart, goal: Array) -> Furthest:
 
 
 _PLACES = 129
-"""Places from where a search came nearest to what it didn't reach."""
+"""Number of places between the nearest place of a search and the one that it didn't reach."""
 
 _NEAR = 0.1
-"""Bodies that are farther apart than their margins by this are in nobody's way [m]."""
+"""Bodies whose distance exceeds their margin by more than this are ignored [m]."""
 
 
 def _straight(room: Room, start: Array, goal: Array) -> Obstruction | None:
-    """What is in the straight way; None where it is proved to be free."""
+    """Return what is in the straight way; None if it is proved to be free."""
     steps = np.abs(goal - start) * reaches(room.scene, room.robot)
     count = int(np.ceil(np.linalg.norm(steps) / _LOOK)) + 1
     places = start + np.linspace(0.0, 1.0, count + 1)[:, None] * (goal - start)

@@ -1,1 +1,1 @@
-"""Motions that flow into each other: corners, and chains of motions without a stop between."""
+"""Let motions flow into each other: corners, and chains of motions without a stop in between."""

@@ -1,6 +1,6 @@
-"""Chains whose laws are those that the motions would have by themselves, with something of the limits in reserve.
+"""Make chains whose laws are those of the separate motions, with part of the limits in reserve.
 
-Laws that use all of a limit leave nothing for the one that they overlap with.
+A law that uses all of a limit leaves nothing for the one that it overlaps.
 """
 
 from __future__ import annotations
@@ -23,7 +23,9 @@ from yarclang.motion.trials import Trial, Trials
 from yarclang.robot.model import Chain
 
 _MORE, _LITTLE = 0.03, 0.002
-"""By what share, and by what of the way, more of it may lie in a ball than is foreseen."""
+"""Margins, relative and as a share of the path, by which more of a path may lie in a ball than is
+estimated.
+"""
 
 
 def apart(
@@ -35,19 +37,22 @@ def apart(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | None:
-    """The pieces of a chain whose laws use a share of the limits of acceleration and jerk where they can.
+    """Return the pieces of a chain whose laws use a share of the limits of acceleration and jerk where
+    possible.
 
     Args:
         chain: the arm.
         links: the motions.
         share: of the limits of acceleration and jerk.
-        inside: as of `find_inside`, for each corner.
-        at_most: a chain without a stop at a corner, and one with stops, that take longer than this [s] are of no use.
+        inside: for each corner, as returned by `find_inside`.
+        at_most: the durations above which a chain without a stop at a corner, and one with stops, are of no
+            use [s].
         segment: the segment time [s].
-        middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
+        middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
 
     Returns:
-        The pieces; or a shorter segment time to try; or None if a motion has no law for this share, or the chain is of no use.
+        The pieces; or a shorter segment time to try; or None if a motion has no law for this share, or the
+        chain is of no use.
     """
     return _Maker(links, Overlaps(chain, links, segment), segment, middles, share, inside, *at_most).made()
 
@@ -63,7 +68,9 @@ class _Maker:
     at_most: float
     at_most_with_stops: float
     _free: dict[tuple[int, int], Trial | None] = field(default_factory=dict)
-    """The trials of motions whose time isn't given, by their place and the trials that they are of: they are the same whatever the overlaps."""
+    """Trials of motions without a given time, by their place and the identity of their trials: they don't
+    depend on the overlaps.
+    """
 
     def made(self) -> list[Piece] | float | None:
         trials = [own for link in self.links if (own := self._trials(link, self.share)) is not None]
@@ -72,7 +79,7 @@ class _Maker:
         overlaps = [0] * (len(self.links) - 1)
         for place, link in enumerate(self.links):
             if self._part(trials, overlaps, place) is None:
-                # its time asks for more than the share
+                # its given time needs more than the share
                 whole = self._trials(link, 1.0)
                 if whole is None:
                     return None
@@ -98,7 +105,9 @@ class _Maker:
         return self.corners.cut(parts, overlaps)
 
     def _least(self, trials: list[Trials], overlaps: list[int]) -> tuple[float, list[int]]:
-        """Return the time [s] that the chain takes at least, and the segments that the motions may overlap by at most: then both are in the ball of their corner."""
+        """Return a lower bound of the chain's duration [s], and the largest overlap at each corner in
+        segments, for which both motions are in the corner's ball.
+        """
         parts = [self._part(trials, overlaps, place) for place in range(len(self.links))]
         segments = [
             part.segments if middle is None and part is not None else middle or 0
@@ -108,7 +117,7 @@ class _Maker:
         for place, shares in enumerate(self.inside):
             corner, room = self.links[place].corner, sum(segments)
             for side in (place, place + 1):
-                # of what is given the law depends on the overlap
+                # the law of a motion with a given time depends on the overlap
                 if self.middles[side] is not None:
                     continue
                 room = min(room, segments[side])
@@ -120,11 +129,11 @@ class _Maker:
         return sum(segments) * self.segment - saved, rooms
 
     def _saved(self, place: int, overlap: int) -> float:
-        """Return how much less [s] motions take together that overlap: what is given takes as long as ever."""
+        """Return how much time an overlap saves [s]; motions with a given time take as long as before."""
         return overlap * self.segment * sum(self.middles[side] is None for side in (place, place + 1)) / 2.0
 
     def _trials(self, link: Link, share: float) -> Trials | None:
-        """The trials of a motion with a share of the limits; None if it has no law for them."""
+        """Return the trials of a motion with a share of the limits; None if it has no law for them."""
         bounds = link.own_bounds.reduced(1.0, share)
         law = (
             link.profile.law(link.path, bounds) if link.full is None else cruise_law(link.full / self.segment)
@@ -134,7 +143,7 @@ class _Maker:
         return Trials(link.path, law, bounds, link.tolerance)
 
     def _part(self, trials: list[Trials], overlaps: list[int], place: int) -> Part | None:
-        """A motion between its overlaps; None where it can't be done so."""
+        """Return a motion between its overlaps; None if it can't be done."""
         own, link = trials[place], self.links[place]
         middle = self.middles[place]
         trial: Trial | None
@@ -162,12 +171,12 @@ class _Maker:
         return fewest(tried, least, max(2 * least, least + 64))
 
     def _widest(self, trials: list[Trials], overlaps: list[int], place: int, room: int) -> int:
-        """The widest overlap at a corner, no wider than its room; 0 if there is none."""
+        """Return the widest overlap at a corner, at most its room; 0 if there is none."""
         first, second = (self._part(trials, overlaps, number) for number in (place, place + 1))
         assert first is not None
         assert second is not None
         before = overlaps[place - 1] if place else 0
-        # of the second motion, half is left to the next corner
+        # of the second motion, half is reserved for the next corner
         half = second.segments if place + 1 == len(overlaps) else second.segments // 2
 
         def serves(overlap: int) -> bool:
@@ -182,14 +191,16 @@ class _Maker:
                 return False
             if not before or self.middles[place] is None:
                 return True
-            # the law of a motion with a time of its own is another one then, at the corner before as well
+            # the law of a motion with a given time changes, and with it the corner before
             earlier = self._part(trials, trying, place - 1)
             return earlier is not None and self._is_kept(earlier, one, place - 1, before)
 
         return widest(serves, min(first.segments - before, half))
 
     def _is_kept(self, one: Part, other: Part, place: int, overlap: int) -> bool:
-        """Whether two motions may overlap by so many segments: within limits, in the ball, and no faster than is asked for."""
+        """Return True if two motions may overlap by that many segments: within limits, in the ball, and no
+        faster than requested.
+        """
         return (
             self.corners.serves(one, other, place, overlap)
             and self.corners.excess(one, other, place, overlap) <= 1.0 + SPEED_KEPT
@@ -197,7 +208,9 @@ class _Maker:
 
 
 def _segments_within(part: Part | None, share: float, *, is_end: bool) -> int:
-    """Return the number of segments, at least as large as it is, in which a motion goes the last share of its way, or the first one."""
+    """Return an upper bound of the number of segments in which a motion traverses the last share of its path,
+    or the first one.
+    """
     assert part is not None
     if share >= 0.5:
         return part.segments

@@ -1,4 +1,6 @@
-"""One motion of a chain between its corners, at a cruise that is given: the laws that may serve, and the first of them that keeps the limits."""
+"""Plan one motion of a chain between its corners at a given cruise: the candidate laws, and the first one
+that keeps the limits.
+"""
 
 from __future__ import annotations
 
@@ -19,19 +21,25 @@ from yarclang.motion.trapezoid import FEWEST_IN_BLEND, Ramp, between_ramps, to_r
 from yarclang.motion.trials import Trial, Trials
 
 STEEPNESS = (0.5, 0.35, 0.25, 0.15, 0.08)
-"""The shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
+"""Shares of a ramp in which its acceleration rises, and falls again: the gentlest first."""
 
 _BY_ITS_WAY = 1.08
-"""If the middle third of a way asks for so many times the limits, no other ramps are tried: none of them makes it slower there."""
+"""If the middle third of a path demands more than this factor of the limits, no other ramps are tried: none
+of them makes it slower there.
+"""
 
 _AT_ONCE = 40
-"""How many laws are tried together, where the first few don't keep the limits: solving many takes hardly longer than a few."""
+"""Number of laws that are tried together if the first few break limits: solving many takes hardly longer than
+solving a few.
+"""
 
 
 @frozen
 class Turn:
-    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap of `overlap` segments.
-    With motions slower by `asked` the limits would just be kept.
+    """A corner: its ramps take `width` segments, in `rise` of which the acceleration rises, within an overlap
+    of `overlap` segments.
+
+    `asked` is the factor by which the motions must be slower to keep the limits.
     """
 
     width: int
@@ -42,7 +50,9 @@ class Turn:
 
 @frozen(eq=False)
 class _Timed:
-    """A law as control values (segments + 3,), within overlaps of `into` and `out` segments at its ends, and how far `behind` a knot its last ramp begins."""
+    """A candidate law: control values (segments + 3,), the lengths `into` and `out` of the overlaps at its
+    ends, in segments, and the phase `behind` of its last ramp after a knot.
+    """
 
     control: Array
     into: int
@@ -52,9 +62,10 @@ class _Timed:
 
 @frozen(eq=False)
 class Between:
-    """A motion, the corners before and behind it (None: it starts from rest, or ends at rest), and the segment time [s].
+    """A motion between two corners, and the segment time [s].
 
-    `middle` are its segments from middle to middle of its overlaps where its duration is given.
+    `before` and `behind` are the corners before and after it; None if it starts or ends at rest. `middle` is
+    its number of segments from middle to middle of its overlaps, if its duration is given.
     """
 
     link: Link
@@ -64,11 +75,16 @@ class Between:
     segment: float
 
     def part(self, cruise: float, phase: float) -> tuple[Part | float, float]:
-        """The motion, or how many times slower it had to be where its own limits don't allow it (at least 1: it isn't known); and how far behind a knot its last ramp begins.
+        """Plan the motion.
 
         Args:
-            cruise: in how many segments the whole way would go at full speed.
-            phase: that of the motion before; the first ramp of this one is its mirror image, so that both add up to one speed.
+            cruise: number of segments in which the whole path would be traversed at full speed.
+            phase: that of the motion before. The first ramp of this motion is the mirror image of the other's
+                last ramp, so that both add up to a constant speed.
+
+        Returns:
+            The motion, or, if its own limits don't allow it, the factor (at least 1) by which it must be
+            slower, as far as known; and the phase of its last ramp after a knot, in segments.
         """
         laws, asked = self._laws(cruise, phase), np.inf
         for count in chain([len(STEEPNESS)], repeat(_AT_ONCE)):
@@ -89,7 +105,7 @@ class Between:
         return max(1.0, asked) if np.isfinite(asked) else 1.0, 0.0
 
     def _laws(self, cruise: float, phase: float) -> Iterator[_Timed]:
-        """The laws to try, the likeliest first."""
+        """Yield the laws to try, the most likely first."""
         into = self.before.overlap if self.before else 0
         for blend, share in self._ramps(cruise):
             rise = max(1, min(round(share * blend), blend // 2))
@@ -112,7 +128,9 @@ class Between:
                 yield _Timed(between_ramps(segments, first, last), into, turn.overlap, last.start - knot)
 
     def _ramps(self, cruise: float) -> Iterator[tuple[int, float]]:
-        """Lengths and steepnesses to try of a ramp from rest or to rest, the shortest that might do first; of none where there is none."""
+        """Yield lengths and steepnesses of a ramp from rest or to rest, the shortest that might suffice
+        first; a single dummy if there is none.
+        """
         if self.before and self.behind:
             yield 0, 0.0
             return
@@ -128,14 +146,16 @@ class Between:
         return [int(length) for length in np.unique(np.round(np.geomspace(least, most, 24)))]
 
     def _tried(self, laws: Sequence[_Timed]) -> list[Trial]:
-        """The trials of some laws; their joint positions are solved together."""
+        """Return the trials of several laws; their joint positions are solved together."""
         controls, link = [law.control for law in laws], self.link
-        # the zones are asked below, and only for what counts
+        # zones are checked later, and only for the law that is taken
         trials = Trials(link.path, law_of(*controls), replace(link.own_bounds, zones=None), link.tolerance)
         return trials.trials([(len(control) - 3, (number,)) for number, control in enumerate(controls)])
 
     def _asked(self, law: _Timed, trial: Trial) -> float:
-        """Return how many times slower a trial had to be to keep the limits outside of its overlaps; at most 1 if it does."""
+        """Return the factor by which a trial must be slower to keep the limits outside of its overlaps; at
+        most 1 if it keeps them.
+        """
         return self._asked_by(self._own(law, trial))
 
     def _asked_by(self, points: Array) -> float:
@@ -153,13 +173,13 @@ class Between:
 
 
 def _has_room(segments: int, first: Ramp, cruise: float) -> bool:
-    """Whether a motion that ends at rest has room for both its ramps."""
+    """Return True if a motion that ends at rest has room for both its ramps."""
     width = 2.0 * (segments - first.middle - cruise)
     return FEWEST_IN_BLEND <= width <= segments and first.start + first.width + 1 <= segments
 
 
 def law_of(*controls: Array) -> Law:
-    """Laws with nothing left open: control values, by the number that is the form."""
+    """Return a law without free parameters for each set of control values; the form is its number."""
 
     def strain(segments: int, forms: NDArray[np.int64]) -> Array:
         return np.full((len(forms), 3), 1.0 / segments)

@@ -1,9 +1,12 @@
-"""Motions that flow into each other: their laws overlap, and where they do both ways are gone at once.
+"""Superpose motions that flow into each other: their laws overlap, and during the overlap both paths are
+traversed at once.
 
-Each law starts and ends at rest. Where motion 1 is still ending while motion 2 begins, the way of both is added: from the corner back by
-what is left of 1, and on by what is done of 2. So the curve is smooth whatever the corner is, and leaves the programmed path only
-where laws overlap (spline-recipe 5). Between two paths of one moving frame poses are added, and the frame stays in the plane of its two lines;
-else joint positions are. Where the ball is of no size the paths are tangent: then places along both are added, and the path isn't left at all.
+Each law starts and ends at rest. While motion 1 is ending and motion 2 begins, the displacements of both are
+added: from the corner back by the rest of 1, and forward by the done part of 2. The curve is therefore smooth
+at any corner, and leaves the programmed path only where laws overlap. Between two paths of
+one moving frame, poses are added, and the frame stays in the plane of its two lines; otherwise joint
+positions are added. If the ball has no size, the paths are tangent: then distances along both are added, and
+the path isn't left at all.
 """
 
 from __future__ import annotations
@@ -25,15 +28,17 @@ from yarclang.robot.kinematics.inverse import follow
 from yarclang.robot.model import Chain
 
 _FADE = 24
-"""So many knots beside an overlap a correction of its knots is still felt: it falls to a fourth from each to the next."""
+"""Number of knots beside an overlap at which a correction of its knots is still felt: it falls to about a
+fourth from knot to knot.
+"""
 
 
 @frozen(eq=False)
 class Corner:
-    """Where one motion flows into the next: within `radius` [m] of the frame `flange_from_moving` (4, 4), or, with None for that,
-    within `reach` (n,) [rad or m] of each joint.
+    """The corner at which one motion flows into the next.
 
-    `point` (n,) is the joint position at the corner.
+    The curve stays within `radius` [m] of the frame `flange_from_moving` (4, 4), or, if that is None, within
+    `reach` (n,) [rad or m] of each joint. `point` (n,) is the joint position at the corner.
     """
 
     point: Array
@@ -43,12 +48,14 @@ class Corner:
 
     @property
     def key(self) -> Hashable:
-        """All of it, by value."""
+        """A hashable key that contains everything by value."""
         arrays = (self.point, self.flange_from_moving, self.reach)
         return self.radius, *(None if one is None else one.tobytes() for one in arrays)
 
     def farthest(self, chain: Chain, q: Array) -> Array:
-        """How far joint positions `q` (N, n) are from the corner, as shares (N,) of what is allowed."""
+        """Return how far joint positions `q` (N, n) are from the corner, as shares (N,) of the allowed
+        distance.
+        """
         if self.flange_from_moving is None:
             assert self.reach is not None
             shares: Array = (np.abs(q - self.point) / np.maximum(self.reach, 1e-300)).max(axis=1)
@@ -59,30 +66,30 @@ class Corner:
 
     @property
     def is_tangent(self) -> bool:
-        """Whether the path may not be left at all."""
+        """True if the path may not be left at all."""
         return self.reach is None and self.radius == 0.0
 
 
 @frozen(eq=False)
 class Part:
-    """One motion of a chain: its path, and the control points (n + 3, d) with which it would go alone."""
+    """One motion of a chain: its path, and the control points (n + 3, d) of the motion by itself."""
 
     path: Path
     trial: Trial
 
     @property
     def segments(self) -> int:
-        """The segments of its law."""
+        """The number of segments of its law."""
         return self.trial.segments
 
 
 def superpose(
     chain: Chain, parts: Sequence[Part], corners: Sequence[Corner], overlaps: Sequence[int]
 ) -> Array:
-    """The control points (n + 3, d) of a chain.
+    """Return the control points (n + 3, d) of a chain.
 
-    A spline is linear in its control points: those of the motions are added, from where the one before has still
-    to go. Where poses or places along the paths are added instead, the difference is.
+    A spline is linear in its control points, so that those of the motions can be added, each relative to its
+    start. If poses or distances along the paths are to be added instead, the difference is corrected.
 
     Args:
         chain: the arm.
@@ -105,7 +112,7 @@ def superpose(
 
 
 def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
-    """The knots at which the laws begin."""
+    """Return the knots at which the laws begin."""
     starts = [0]
     for part, overlap in zip(parts, overlaps, strict=False):
         starts.append(starts[-1] + part.segments - overlap)
@@ -113,7 +120,9 @@ def begins(parts: Sequence[Part], overlaps: Sequence[int]) -> list[int]:
 
 
 def shares(first: Part, second: Part, overlap: int) -> tuple[Array, Array]:
-    """How much of two motions is done at the knots strictly inside their overlap (overlap - 1,)."""
+    """Return the done shares of two motions at the knots strictly inside their overlap, (overlap - 1,)
+    each.
+    """
     done, begun = knot_values(first.trial.control), knot_values(second.trial.control)
     return done[len(done) - overlap : -1], begun[1:overlap]
 
@@ -129,7 +138,14 @@ def leads_frame(first: Path, second: Path, flange_from_moving: Array | None) -> 
 
 
 def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Return where the one frame is that two paths lead, seen from their corner (N, 3) [m]: `done` (N,) of the first, `begun` (N,) of the second."""
+    """Return the places (N, 3) [m] of the frame that two paths lead, relative to their corner.
+
+    Args:
+        first: the first path.
+        second: the second path.
+        done: (N,) the done share of the first.
+        begun: (N,) the done share of the second.
+    """
     assert isinstance(first, CartesianPath)
     assert isinstance(second, CartesianPath)
     middle = second.frame.poses(np.zeros(1))[0, :3, 3]
@@ -139,7 +155,7 @@ def places_of_both(first: Path, second: Path, done: Array, begun: Array) -> Arra
 
 
 def _share_a_frame(first: Path, second: Path) -> bool:
-    """Whether both lead one moving frame along paths of its own."""
+    """Return True if both lead one moving frame along paths of its own."""
     return (
         isinstance(first, CartesianPath)
         and isinstance(second, CartesianPath)
@@ -156,13 +172,16 @@ def _correct(
     miss = np.zeros((high - low, points.shape[1]))
     inside = slice(begin + 1 - low, begin + overlap - low)
     miss[inside] = wanted - knot_values(points[begin + 1 : begin + overlap + 2])
+    # the change of control points that corrects the misses at the knots near the overlap
     points[low + 1 : high + 1] += solve_tridiagonal(
         np.full(len(miss), 4.0), np.ones(len(miss) - 1), 6.0 * miss
     )
 
 
 def both(chain: Chain, first: Path, second: Path, corner: Corner, done: Array, begun: Array) -> Array:
-    """Joint positions (N, n) where two motions overlap: `done` (N,) of the first, `begun` (N,) of the second."""
+    """Return joint positions (N, n) where two motions overlap: `done` (N,) of the first, `begun` (N,) of the
+    second.
+    """
     if corner.is_tangent:
         return _along_both(first, second, done, begun)
     if _share_a_frame(first, second):
@@ -185,7 +204,9 @@ def _poses_of_both(
 
 
 def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
-    """Along the first path to its end and on along the second: the ways that both have gone are added."""
+    """Return joint positions along the first path to its end and on along the second: the distances that both
+    have covered are added.
+    """
     go_on()
     lengths = way_length(first), way_length(second)
     gone = done * lengths[0] + begun * lengths[1]
@@ -197,7 +218,9 @@ def _along_both(first: Path, second: Path, done: Array, begun: Array) -> Array:
 
 
 def way_length(path: Path | FrameWay) -> float:
-    """How long a way is: of the moving frame [m, or rad of a pure turn], or in joint space [rad and m]."""
+    """Return the length of a path: of the moving frame [m, or rad for a pure turn], or in joint space [rad
+    and m].
+    """
     if isinstance(path, CartesianPath | FrameWay):
         return extent_of(path.frame)[0]
     q = path.joints(np.linspace(0.0, 1.0, 257))

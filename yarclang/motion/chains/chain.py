@@ -1,4 +1,6 @@
-"""A chain of motions without a stop between: how long each law is, how far they overlap, and the segment time of them all."""
+"""Carry out a chain of motions without a stop in between: the length of each law, the overlaps, and the
+common segment time.
+"""
 
 from __future__ import annotations
 
@@ -20,33 +22,45 @@ from yarclang.motion.limits import Grid
 from yarclang.robot.model import Chain
 
 _LONGEST = 0.02
-"""The longest segment of a chain [s], where the controller takes so short ones: an overlap is a whole number of them."""
+"""Longest segment of a chain, if the controller accepts segments that short [s]: an overlap is a whole number
+of segments.
+"""
 
 _SHORTEST = 0.004
-"""Segments aren't made shorter than this [s] for the sake of a steady speed."""
+"""Segments aren't made shorter than this to get a steady speed [s]."""
 
 _SHARES = (1.0, 0.9, 0.8, 0.65, 0.5)
-"""Shares of the limits of acceleration and jerk that a law by itself may use. With a half, two always add up to no more than all."""
+"""Shares of the limits of acceleration and jerk that a single law may use. With a half, two laws never add up
+to more than the limits.
+"""
 
 _FOR_FLOW = 1.1
-"""A chain may take so many times as long as the fastest one for the sake of fewer stops: a blend is asked for to flow."""
+"""Factor by which a chain may take longer than the fastest one if it has fewer stops, since a blend is
+requested to flow.
+"""
 
 _ABOUT = 1.005
-"""What is slower by no more than this is as good: then longer segments, which come first, are."""
+"""Factor up to which slower chains count as equal; then the one with longer segments, which comes first, is
+taken.
+"""
 
 _EXACT = 1e-7
-"""Times that miss whole segments by less [s] don't miss them."""
+"""Times within this distance of whole segments count as exact [s]."""
 
 Way = Callable[[float, list[int | None]], list[Piece] | float | Beaten | None]
-"""A way to carry out a chain: with a segment time [s] and the segments of given durations, the pieces, a segment time to try, how long it takes at least if that
-is too long, or None."""
+"""A method of carrying out a chain, called with a segment time [s] and the segments of given durations.
+
+It returns the pieces; or a segment time to try; or a lower bound of its duration, if that is too long; or
+None.
+"""
 
 
 def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
-    """Carry out a chain in the way that has the fewest stops and isn't much slower than the fastest.
+    """Carry out a chain with the fewest stops, unless it is much slower than the fastest way.
 
-    Each motion can be done by itself, so the chain can, if need be with a stop at a corner. What a way takes at least is known long before it is made: one that
-    takes longer than a chain that is made already is given up.
+    Since each motion can be done by itself, so can the chain, if necessary with stops at corners. The least
+    duration of a method is known long before it is finished: one that takes longer than a finished chain is
+    given up.
     """
     as_one = flowing(links, grid)
     if as_one is not None and len(links) > MANY:
@@ -79,12 +93,14 @@ def linked(chain: Chain, links: Sequence[Link], grid: Grid) -> list[Piece]:
 
 
 def _quickest(found: Sequence[list[Piece]]) -> float:
-    """Return the shortest duration [s] of what has no stop but the last."""
+    """Return the shortest duration [s] of the chains whose only stop is the last."""
     return min((_duration(pieces) for pieces in found if _stops(pieces) == 1), default=math.inf)
 
 
 def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
-    """Whether all motions have a time or a speed of their own, and are done just so: nothing better can be found."""
+    """Return True if all motions have a given time or speed and meet it exactly, so that nothing better can
+    be found.
+    """
     return all(
         link.duration is not None or (link.full is not None and piece.kept > 1.0 - 1e-9)
         for link, piece in zip(links, pieces, strict=True)
@@ -93,7 +109,10 @@ def _is_as_asked(links: Sequence[Link], pieces: Sequence[Piece]) -> bool:
 
 @dataclass(slots=True)
 class _Steady:
-    """The chain at steady speed. `_least` are the times [s] that it takes at least where its segments aren't longer than a time [s], as far as they are known."""
+    """Maker of the chain at steady speed.
+
+    `_least` are the known lower bounds of its duration [s], by the longest segment allowed [s].
+    """
 
     chain: Chain
     links: Sequence[Link]
@@ -102,7 +121,11 @@ class _Steady:
     _least: dict[float, float] = field(default_factory=dict)
 
     def made(self, at_most: float) -> list[list[Piece]]:
-        """Return what the limits allow, and what isn't as asked only if it doesn't take longer than a time [s]: with shorter segments there is more room for turns."""
+        """Return chains within the limits; one that isn't as requested only if it takes no longer than
+        `at_most` [s].
+
+        Shorter segments are tried as well, since they leave more room for turns.
+        """
         found: list[list[Piece]] = []
         grid, longest = self.grid, _LONGEST
         while longest >= max(grid.smallest, _SHORTEST) and len(found) < 3:
@@ -130,7 +153,7 @@ def _duration(pieces: list[Piece]) -> float:
 
 
 def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten | None:
-    """What a way makes of a chain, with the segments as long as they may be."""
+    """Return the result of a method for a chain, with the longest segments possible."""
     segment = _segment(links, grid)
     while segment >= grid.smallest:
         middles = _middles(links, segment)
@@ -142,7 +165,7 @@ def _made(way: Way, links: Sequence[Link], grid: Grid) -> list[Piece] | Beaten |
 
 
 def _segment(links: Sequence[Link], grid: Grid) -> float:
-    """A segment time of which all given durations are whole numbers, or nearly."""
+    """Return a segment time of which all given durations are integer multiples, at least nearly."""
     longest = max(
         grid.smallest, min(grid.largest, _LONGEST, *(link.profile.longest_segment for link in links))
     )
@@ -161,8 +184,10 @@ def _segment(links: Sequence[Link], grid: Grid) -> float:
 
 
 def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
-    """How many segments each motion with a given duration has from middle to middle of its overlaps, None for the others; None
-    for all where one would have too few.
+    """Return the number of segments from middle to middle of the overlaps for each motion with a given
+    duration, None for the others.
+
+    The result is None if a motion would have too few.
     """
     middles: list[int | None] = []
     behind, counted = 0.0, 0
@@ -170,7 +195,7 @@ def _middles(links: Sequence[Link], segment: float) -> list[int | None] | None:
         if link.duration is None:
             middles.append(None)
             continue
-        # rounded over all, so that the whole chain is right where a seam can't be
+        # round the sum, so that the whole chain is exact even where a seam can't be
         behind += link.duration
         number = round(behind / segment) - counted
         counted += number

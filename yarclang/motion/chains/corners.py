@@ -1,4 +1,4 @@
-"""Which motions flow into each other, and how far their corners allow."""
+"""Decide which motions flow into each other, and how far their corners may be left."""
 
 from __future__ import annotations
 
@@ -36,13 +36,15 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Robot
 
 _TANGENT = 1e-3
-"""Directions that differ by less [rad], and turns that differ by less [rad per m], are one."""
+"""Directions that differ by less than this [rad], and turns that differ by less [rad per m], count as
+equal.
+"""
 
 _ROUNDING = 1e-9
-"""A half that is exceeded by less is the half."""
+"""Excess over a half that counts as rounding."""
 
 _NO_WAY = 1e-9
-"""A way shorter than this [m or rad] has no half."""
+"""A path shorter than this has no half [m or rad]."""
 
 
 def chained(
@@ -52,17 +54,18 @@ def chained(
     ways: Mapping[int, Path | FrameWay],
     found: list[list[Diagnostic]],
 ) -> Iterator[tuple[list[int], list[Link]]]:
-    """The motions in chains, each with its corners; most are chains of one.
+    """Yield the motions in chains, each with its corners; most chains have a single motion.
 
     Args:
         robot: the robot.
         steps: the program's.
-        links: each motion that can be done by itself, by its number among the steps.
-        ways: what is known of the ways of all motions, of those with a fault too: what is wrong with their blends is told at once.
+        links: each motion that can be done by itself, by its step.
+        ways: the known paths of all motions, faulty ones included, so that faults of their blends are
+            reported at once.
         found: the findings of each step; those about blends are added.
 
     Yields:
-        The numbers of the motions of a chain, and the motions.
+        The steps of a chain's motions, and the motions.
     """
     numbers: list[int] = []
     chain: list[Link] = []
@@ -86,11 +89,11 @@ def chained(
 
 
 MANY = 40
-"""In a chain of more motions none is looked at by itself, if it can be done as one path."""
+"""In longer chains than this, motions aren't planned by themselves if the chain can be done as one path."""
 
 
 def long_chains(steps: Sequence[Step]) -> frozenset[int]:
-    """Return the numbers of the motions in chains of more than `MANY`, as far as their blends say so."""
+    """Return the steps of the motions in chains of more than `MANY`, as far as blends tell."""
     found: list[int] = []
     chain: list[int] = []
     for number, step in enumerate(steps):
@@ -105,7 +108,7 @@ def long_chains(steps: Sequence[Step]) -> frozenset[int]:
 
 
 class _Room(NamedTuple):
-    """How far a corner may be left: as of `Corner`."""
+    """The allowed distance from a corner; see `Corner`."""
 
     radius: float
     flange_from_moving: Array | None
@@ -120,7 +123,9 @@ def _corner(
     number: int,
     findings: Collector,
 ) -> Corner | None:
-    """The corner between a motion and the next; None where there is none, with a finding if that is the blend's fault."""
+    """Return the corner between a motion and the next; None if there is none, with a finding if the blend is
+    the reason.
+    """
     step = steps[number]
     assert isinstance(step, Motion)
     assert step.blend is not None
@@ -140,7 +145,7 @@ def _corner(
     if not isinstance(step, _IN_JOINTS) or not isinstance(following, (*_IN_JOINTS, Gap)):
         is_long = number in links and links[number].by_itself is None
         room = _of_frame(robot, step, following, (first, second), step.blend, findings, is_long=is_long)
-    elif isinstance(following, Gap):  # whether it is a motion of joints isn't known
+    elif isinstance(following, Gap):  # it may or may not be a joint motion
         return None
     else:
         room = _between_joints(robot, step, (first, second), step.blend, findings)
@@ -152,13 +157,15 @@ def _corner(
 _IN_JOINTS = (JointMove, AvoidMove, SplineMove)
 
 _Ways = tuple[Path | FrameWay | None, Path | FrameWay | None]
-"""The ways before and behind a corner; None where one isn't known."""
+"""The paths before and after a corner; None if one isn't known."""
 
 
 def _between_joints(
     robot: Robot, step: Motion, ways: _Ways, blend: Reading, findings: Collector
 ) -> _Room | None:
-    """Each joint stays within an angle (a sliding one within a length) of the corner."""
+    """Return the room of a corner between joint motions: each joint stays within an angle (a sliding one
+    within a length) of the corner.
+    """
     if blend.angle is None:
         findings.add(*messages.blend_without_unit("angle", "between two motions of joints", step.origin))
         return None
@@ -168,7 +175,7 @@ def _between_joints(
         return None
     if not reach.any():
         return _tangent(step, ways, None, findings)
-    # the joint that gets farthest leaves the ball first
+    # the joint that moves farthest leaves the ball first
     halves = [
         math.inf
         if way is None or isinstance(way, FrameWay)
@@ -197,7 +204,10 @@ def _of_frame(
     *,
     is_long: bool,
 ) -> _Room | None:
-    """The moving frame stays within a distance of the corner; in a long chain, and where less will do, of no more than the half of a short piece."""
+    """Return the room of a corner of a moving frame, which stays within a distance of the corner.
+
+    In a long chain, or if less is allowed, the distance is limited to half of the shorter path.
+    """
     if blend.length is None:
         findings.add(*messages.blend_without_unit("length", "of a moving frame", step.origin))
         return None
@@ -217,7 +227,7 @@ def _of_frame(
 
 
 def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
-    """How far a frame on the flange goes along a path [m]."""
+    """Return the distance that a frame on the flange travels along a path [m]."""
     if isinstance(path, CartesianPath | FrameWay):
         return path.frame.length
     places = tool_poses(robot.chain, path.joints(np.linspace(0.0, 1.0, 129)), frame)[:, :3, 3]
@@ -225,7 +235,9 @@ def _frame_way(robot: Robot, path: Path | FrameWay, frame: Array) -> float:
 
 
 def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector) -> _Room | None:
-    """A corner that isn't one: both paths go on in one direction, or a path of a frame may be left by a tolerance of its own."""
+    """Return the room of a corner with BLEND 0: both paths continue in one direction, or the motion of a
+    frame has a tolerance of its own.
+    """
     first, second = ways
     if first is None or second is None:
         return None
@@ -243,7 +255,9 @@ def _tangent(step: Motion, ways: _Ways, frame: Array | None, findings: Collector
 
 
 def _direction(path: Path | FrameWay, s: float) -> tuple[Array, Array]:
-    """The direction of a path at one of its ends, a unit vector, and how a frame turns on the way [rad per m]."""
+    """Return the direction of a path at one of its ends, a unit vector, and the turn of a frame per distance
+    [rad per m].
+    """
     if isinstance(path, CartesianPath | FrameWay):
         tangent = path.frame.tangents(np.array([s]))[0]
         ways = tangent[:3] if np.linalg.norm(tangent[:3]) > _NO_WAY else tangent[3:]

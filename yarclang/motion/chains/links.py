@@ -1,4 +1,4 @@
-"""What a chain is made of, and what is made of it."""
+"""Define the links from which a chain is made, and the pieces that result."""
 
 from __future__ import annotations
 
@@ -20,8 +20,9 @@ from yarclang.robot.model import Tolerance
 class Link:
     """One motion of a chain.
 
-    `duration` [s] is None where the limits or a speed decide; `full` [s] is how long the way takes at a speed that is asked
-    for. `corner` is where the next motion begins, None behind the last. `by_itself` is how the motion would go by itself, None as long as nobody asks.
+    `duration` [s] is None if the limits or a speed decide; `full` [s] is how long the path takes at a
+    requested speed. `corner` is the corner to the next motion, None after the last. `by_itself` is the curve
+    of the motion by itself, None as long as it isn't needed.
     """
 
     path: Path
@@ -35,40 +36,43 @@ class Link:
 
     @property
     def alone(self) -> Curve:
-        """How the motion would go by itself, which has to be known."""
+        """The curve of the motion by itself, which must be known."""
         assert self.by_itself is not None
         return self.by_itself
 
     @property
     def as_alone(self) -> Piece:
-        """The motion by itself."""
+        """The piece of the motion by itself."""
         kept = least = 1.0
         if self.full is not None:
             kept = self.full * float(np.diff(self.alone.law).max()) / self.alone.segment
             if kept < 1.0 and isinstance(self.path, CartesianPath):
-                # at a sharp place of its path the frame goes a little faster or slower than the law says
+                # at a sharp place of its path the frame is slightly faster or slower than its law
                 shares = np.array(top_speeds(self.path, self.alone)) * self.full / self.path.extent[0]
                 kept, least = max(kept, float(shares[0])), min(1.0, float(shares[1]))
         return Piece(self.alone, None, self.alone.law, min(1.0, kept), least)
 
     @property
     def speed(self) -> float | None:
-        """The speed of the moving frame that is asked for [m/s, or rad/s of a pure turn]."""
+        """The requested speed of the moving frame [m/s, or rad/s for a pure turn], or None."""
         if self.full is None or not isinstance(self.path, CartesianPath):
             return None
         return self.path.extent[0] / self.full
 
     @property
     def own_bounds(self) -> Bounds:
-        """The limits that count: without that of jerk for a law that has none."""
+        """The limits that apply: without that of jerk, for a law that has none."""
         return self.bounds if self.profile.has_jerk_limit else self.bounds.without_jerk()
 
 
 @frozen(eq=False)
 class Piece:
-    """What a chain makes of one motion: its curve from the middle of one overlap to that of the next, the segments of the
-    overlap at its end (0: both paths are kept to; None: a stop), and the control values of its own law, from its rest to its rest. `kept` is the share of a speed asked for that is reached, and
-    kept; `least`, where the speed changes on the way, that below which it doesn't fall once it is reached.
+    """One motion as part of a chain.
+
+    `curve` goes from the middle of one overlap to the middle of the next. `overlap` is the number of segments
+    of the overlap at its end (0: both paths are kept; None: a stop). `law` are the control values of its own
+    law, from rest to rest. `kept` is the share of a requested speed that is reached and kept. If the speed
+    changes on the way, `least` is the share below which it doesn't fall once it is reached.
     """
 
     curve: Curve

@@ -1,4 +1,4 @@
-"""What is said of motions that flow into each other: as in `yarclang.motion.messages`."""
+"""Word findings about motions that flow into each other; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from yarclang.units import DEG, MM, MS, Kind
 
 
 def blend_without_unit(kind: Kind, what: str, origin: Origin) -> MessageAbout:
-    """BLEND without the unit that it needs."""
+    """Return the finding about a BLEND without the unit that it needs."""
     message = f"BLEND {what} needs {'an' if kind == 'angle' else 'a'} {kind} unit"
     subject = MissingUnit(kind, f"BLEND {what}")
     return "Y0304", message, origin.span, "for example (mm,deg,s)", None, subject
 
 
 def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
-    """BLEND before something that isn't a motion, or that doesn't move."""
+    """Return the finding about a BLEND before a step that isn't a motion, or doesn't move."""
     if following is None or isinstance(following, Stop | Finish):
         what = "the program ends here"
     elif isinstance(following, TimedMove):
@@ -46,13 +46,13 @@ def nothing_to_flow_into(following: Step | None, origin: Origin) -> Message:
     elif isinstance(following, EndWhen | Else | When):
         what = "the ways of a WHEN part or meet here"
     else:
-        assert not isinstance(following, Gap)  # it is told itself
+        assert not isinstance(following, Gap)  # a gap has its own finding
         what = f"{following.origin.name} follows, which the robot stands for"
     return "Y1010", f"no BLEND is done: {what}", origin.span, "the motion ends in an exact stop", None
 
 
 def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion) -> Message:
-    """BLEND beyond half of a motion."""
+    """Return the finding about a BLEND of more than half of a motion."""
     origin = step.origin
     amount = length_text(largest) if kind == "length" else f"{largest / DEG:.4g} deg"
     whose = "the next motion" if by_the_next else "this motion"
@@ -67,7 +67,7 @@ def blend_too_large(largest: float, kind: Kind, by_the_next: bool, step: Motion)
 
 
 def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
-    """BLEND 0 at a corner."""
+    """Return the finding about a BLEND 0 at a corner."""
     if off is None:
         why = "one is a path of joints, the other one of a frame"
     elif off[0] > off[1]:
@@ -85,13 +85,13 @@ def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
 
 
 def stops_at_corner(origin: Origin) -> Message:
-    """A blend that the limits leave no room for."""
+    """Return the finding about a blend for which the limits leave no room."""
     message = "the robot stops at this corner: in these times the limits leave no room to flow through it"
     return "Y0608", message, origin.span, "more time, a larger blend or a gentler corner make room", None
 
 
 def time_off_the_grid(duration: float, curve: Curve, origin: Origin) -> Message:
-    """A time that isn't a whole number of segments in a chain."""
+    """Return the finding about a time in a chain that isn't a whole number of segments."""
     message = (
         f"the motion takes {curve.duration:.6g} s instead of {duration:.6g} s: motions without a stop between have one "
         f"segment time, {curve.segment / MS:.6g} ms, and theirs have none in common"

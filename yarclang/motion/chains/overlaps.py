@@ -1,4 +1,4 @@
-"""Whether two motions may overlap so far, and how far they may."""
+"""Decide how far two motions may overlap."""
 
 from __future__ import annotations
 
@@ -30,29 +30,29 @@ from yarclang.motion.trials import Trial
 from yarclang.robot.model import Chain, Tolerance
 
 _WITHIN = 0.98
-"""The share of a ball that is used: between the places that are looked at the curve may go a little farther."""
+"""Share of a ball that is used: between the samples the curve may go slightly farther."""
 
 _ROUNDING = 1e-6
-"""By what share of a ball the joint positions may say otherwise than the poses that they are solved for."""
+"""Share of a ball by which joint positions may differ from the poses for which they were solved."""
 
 SPEED_KEPT = 2e-4
-"""A speed that is exceeded by less than this share is kept."""
+"""Share by which a speed may be exceeded and still counts as kept."""
 
 _WIDTHS = 14
-"""How many widths of an overlap are tried, from the widest that has room on."""
+"""Number of widths of an overlap that are tried, from the widest that has room downwards."""
 
 _SHARE_OF_TOLERANCE = 0.7
 
 
 _INSIDE = 0.97
-"""The share of a ball that the ways in it may have."""
+"""Share of a ball that the paths in it may use."""
 
 Inside = tuple[float, float]
-"""The shares of the ways before and behind a corner that lie in its ball; a half at most."""
+"""The shares of the paths before and after a corner that lie in its ball; at most a half each."""
 
 
 def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
-    """Return what of the ways of a chain lies in the balls of its corners."""
+    """Return, for each corner of a chain, the shares of the two paths that lie in its ball."""
     found: list[Inside] = []
     back = np.linspace(0.0, 0.5, 65)
     for one, other in pairwise(links):
@@ -67,7 +67,9 @@ def find_inside(chain: Chain, links: Sequence[Link]) -> list[Inside]:
 
 
 def _first_out(back: Array, far: Array) -> float:
-    """Return the share of a way up to which it is in the ball, of places `back` (N,) that are `far` (N,) from the corner."""
+    """Return the share of a path up to which it is in the ball, given the distances `far` (N,) of places
+    `back` (N,) from the corner.
+    """
     out = np.flatnonzero(far > _INSIDE)
     if not len(out):
         return 0.5
@@ -77,7 +79,9 @@ def _first_out(back: Array, far: Array) -> float:
 
 
 def changes_speed(one: Link, other: Link) -> bool:
-    """Return True if the speed asked for changes at a corner that may not be left: two laws that overlap there go too fast on one side of it, or too slowly."""
+    """Return True if the requested speed changes at a corner that may not be left: two overlapping laws would
+    be too fast on one side of it, or too slow.
+    """
     if one.corner is None or not one.corner.is_tangent or one.speed is None or other.speed is None:
         return False
     return abs(one.speed - other.speed) > SPEED_KEPT * min(one.speed, other.speed)
@@ -91,16 +95,18 @@ class Overlaps:
     links: Sequence[Link]
     segment: float
     _last: dict[tuple[Trial, Trial, int], Array] = field(default_factory=dict)
-    """What was superposed last: most is looked at twice."""
+    """The last superposition: most are needed twice."""
 
     def serves(self, first: Part, second: Part, place: int, overlap: int) -> bool:
-        """Whether motion number `place` and the next may overlap by so many segments: in the ball, within limits, on the paths."""
+        """Return True if motion number `place` and the next may overlap by that many segments: in the ball,
+        within limits, on the paths.
+        """
         corner = self.links[place].corner
         if corner is None or overlap > min(first.segments, second.segments):
             return False
         if changes_speed(self.links[place], self.links[place + 1]):
             return False
-        # of a frame's own paths, where it is follows from the poses: joint positions are looked at last
+        # for a frame's own paths, its place follows from the poses: joint positions are checked last
         is_framed = corner.radius > 0.0 and leads_frame(first.path, second.path, corner.flange_from_moving)
         if is_framed and not self._is_near(first, second, corner, overlap):
             return False
@@ -116,8 +122,10 @@ class Overlaps:
         return not is_framed or self._in_ball(first, second, corner, overlap)
 
     def excess(self, first: Part, second: Part, place: int, overlap: int) -> float:
-        """How many times as fast as was asked for the moving frame goes in an overlap, at the knots and between; 0 where no speed
-        was asked for. Of two speeds the larger counts.
+        """Return the ratio of the moving frame's speed in an overlap to the requested one, at the knots and
+        between; 0 if none was requested.
+
+        Of two requested speeds the larger counts.
         """
         links = self.links[place : place + 2]
         asked = [link.speed for link in links if link.speed is not None]
@@ -144,14 +152,14 @@ class Overlaps:
         return self._last[key]
 
     def _is_near(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
-        """Return False if the frame leaves the ball round its corner in an overlap, as far as its poses tell."""
+        """Return False if the poses show that the frame leaves the ball around its corner in an overlap."""
         done = knot_values(first.trial.control)[-1 - overlap :]
         begun = knot_values(second.trial.control)[: overlap + 1]
         places = places_of_both(first.path, second.path, done, begun)
         return bool(np.linalg.norm(places, axis=1).max() <= (_WITHIN + _ROUNDING) * corner.radius)
 
     def _in_ball(self, first: Part, second: Part, corner: Corner, overlap: int) -> bool:
-        """Whether an overlap stays in the ball round its corner."""
+        """Return True if an overlap stays in the ball around its corner."""
         done, begun = shares(first, second, overlap)
         ends = knot_values(first.trial.control)[[-1 - overlap]], knot_values(second.trial.control)[[overlap]]
         outer = np.concatenate((first.path.joints(ends[0]), second.path.joints(ends[1])))
@@ -161,7 +169,9 @@ class Overlaps:
         return bool(corner.farthest(self.chain, inner).max(initial=0.0) <= _WITHIN)
 
     def _on_both(self, first: Part, second: Part, points: Array, overlap: int, tolerance: Tolerance) -> bool:
-        """Whether the curve is on one of two tangent paths in the middle of each segment of their overlap."""
+        """Return True if the curve is on one of two tangent paths in the middle of each segment of their
+        overlap.
+        """
         begin = first.segments - overlap
         q = middle_values(points[begin : begin + overlap + 3])
         done = middle_values(first.trial.control)[-overlap:]
@@ -182,7 +192,7 @@ class Overlaps:
         return True
 
     def _loosest(self, place: int) -> Bounds:
-        """What two motions together may use where they overlap: of each limit the larger share."""
+        """Return the limits for two motions together where they overlap: the larger share of each."""
         one, other = (link.own_bounds for link in self.links[place : place + 2])
         return replace(
             one,
@@ -196,7 +206,9 @@ class Overlaps:
     def cut(
         self, parts: Sequence[Part], overlaps: Sequence[int], kept: Sequence[float] | None = None
     ) -> list[Piece]:
-        """The chain's curve, cut in the middle of its overlaps; `kept` are the shares of the speeds asked for that are reached."""
+        """Return the chain's curve, cut in the middle of its overlaps; `kept` are the shares of the requested
+        speeds that are reached.
+        """
         corners = [link.corner for link in self.links if link.corner is not None]
         points = superpose(self.chain, parts, corners, overlaps)
         points.setflags(write=False)
@@ -215,9 +227,11 @@ class Overlaps:
 
 
 def widest(serves: Callable[[int], bool], most: int) -> int:
-    """The largest even number up to `most` that serves, about; 0 if none is found.
+    """Return approximately the largest even number up to `most` for which `serves` is True; 0 if none is
+    found.
 
-    Sums of two laws don't grow evenly with their overlap: sizes in equal ratios are looked at, then more closely above the best.
+    The sum of two laws doesn't change monotonically with their overlap. Sizes in geometric progression are
+    tried first, then the interval above the best one.
     """
     if most < 2:
         return 0

@@ -1,7 +1,9 @@
-"""Chains that keep their speed through corners: the ramps of both motions there are just as long as their overlap.
+"""Make chains that keep their speed through corners: the ramps of both motions there are exactly as long as
+their overlap.
 
-What the first loses in its last ramp the second gains in its first one: two lines in one direction are passed at one speed, and a corner is
-the change of one velocity to another over the whole of the overlap. Only laws with a cruise can do that.
+What the first motion loses in its last ramp, the second gains in its first one. Two lines in one direction
+are traversed at one speed, and at a corner one velocity changes into the other over the whole overlap. Only
+laws with a cruise can do that.
 """
 
 from __future__ import annotations
@@ -25,30 +27,34 @@ from yarclang.motion.trials import Trials
 from yarclang.robot.model import Chain
 
 _SLOWER = 1.08
-"""By how much a motion that asks too much is slowed down."""
+"""Factor by which a motion that demands too much is slowed down."""
 
 _CAUTIOUS = 0.9
-"""Which share of what a motion asks too much it is slowed down by at once: slower, its ramps and corners are others."""
+"""Share of its excess by which a motion is slowed down at once: when it is slower, its ramps and corners
+change.
+"""
 
 _MOST_ROUNDS = 40
-"""How often a chain is slowed down before it is given up."""
+"""Number of times that a chain is slowed down before it is given up."""
 
 _TOO_SLOW = 3.0
-"""A motion that would take so many times as long as by itself is better done with stops."""
+"""A motion that would take this many times as long as by itself is better done with stops."""
 
 _OUTER = (1 / 3, 0.45, 0.6)
-"""The shares of a given time that speeding up from rest, or slowing down to it, may take."""
+"""Shares of a given time that speeding up from rest, or slowing down to rest, may take."""
 
 _BESIDE_ZONES = 1.005
-"""How much slower than a slow zone allows a cruise is at first: ramps and corners are rounded otherwise than its way."""
+"""Factor by which a cruise is first slower than a slow zone allows: ramps and corners are rounded differently
+from its path.
+"""
 
 _ROUNDING = 1e-9
-"""A speed that is less than asked for by no more than this share is as asked."""
+"""Share by which a speed may miss the requested one and still counts as exact."""
 
 
 @frozen
 class Beaten:
-    """A chain that takes at least `least` [s], longer than is of use."""
+    """The result of a chain that takes at least `least` [s], which is too long."""
 
     least: float
 
@@ -61,25 +67,26 @@ def steady(
     segment: float,
     middles: Sequence[int | None],
 ) -> list[Piece] | float | Beaten | None:
-    """The pieces of a chain that keeps its speed through its corners.
+    """Return the pieces of a chain that keeps its speed through its corners.
 
     Args:
         chain: the arm.
         links: the motions, with laws that have a cruise.
-        inside: as of `find_inside`, for each corner.
-        at_most: a chain that isn't as asked, and takes longer than this [s], is of no use.
+        inside: for each corner, as returned by `find_inside`.
+        at_most: duration above which a chain that isn't as requested is of no use [s].
         segment: the segment time [s].
-        middles: the segments of each motion whose duration is given, from middle to middle of its overlaps.
+        middles: the segments of each motion with a given duration, from middle to middle of its overlaps.
 
     Returns:
-        The pieces; or a shorter segment time to try; or how long it takes at least, if it is of no use; or None where the limits don't allow it.
+        The pieces; or a shorter segment time to try; or a lower bound of its duration, if it is of no use; or
+        None if the limits don't allow it.
     """
     if not all(link.profile.has_cruise for link in links):
         return None
     if any(changes_speed(one, other) for one, other in pairwise(links)):
         return None
     maker = _Maker(links, Overlaps(chain, links, segment), segment, middles, inside, at_most)
-    # only given times know a share of theirs
+    # only given times depend on this share
     given = any(link.full is None and middle is not None for link, middle in zip(links, middles, strict=True))
     shares = _OUTER if given else _OUTER[:1]
     beaten_ones = list[Beaten]()
@@ -93,7 +100,7 @@ def steady(
 
 
 class _Maker:
-    """The making of one chain."""
+    """Maker of one chain."""
 
     def __init__(
         self,
@@ -110,7 +117,7 @@ class _Maker:
         self.slopes = [(_slope(link.path, 0.0), _slope(link.path, 1.0)) for link in links]
 
     def made(self, outer: float) -> list[Piece] | float | Beaten | None:
-        """The pieces, where given times begin and end with ramps of the share `outer`."""
+        """Return the pieces, where given times begin and end with ramps of the share `outer`."""
         count = len(self.links)
         cruises = self._foreseen([self._first_cruise(place, outer) for place in range(count)])
         for _ in range(_MOST_ROUNDS):
@@ -136,7 +143,7 @@ class _Maker:
                 slow = self._slow_corners(parts, taken)
             if not slow:
                 return self._finished(parts, taken, cruises)
-            # what is given can't be slowed down, but what it flows into may be
+            # a motion with a given time can't be slowed down, but the one that it flows into may be
             free = [place for place in slow if self._is_free(place)]
             if not free:
                 return None
@@ -146,7 +153,9 @@ class _Maker:
         return None
 
     def _keep_together(self, cruises: list[float]) -> None:
-        """Where a corner may not be left, both motions keep one share of their speeds: it is passed without a change."""
+        """Give both motions at each corner that may not be left the same share of their speeds, so that it is
+        passed without a change.
+        """
         for order in (range(len(cruises) - 1), range(len(cruises) - 2, -1, -1)):
             for place in order:
                 corner, pair = self.links[place].corner, self.links[place : place + 2]
@@ -157,7 +166,7 @@ class _Maker:
                 cruises[place], cruises[place + 1] = share * fulls[0], share * fulls[1]
 
     def _foreseen(self, cruises: list[float]) -> list[float]:
-        """About the fastest speeds at which the corners can be passed, from the directions there alone."""
+        """Estimate the fastest speeds at which the corners can be passed, from the directions there alone."""
         for _ in range(_MOST_ROUNDS):
             asked = [1.0] * len(cruises)
             for place in range(len(cruises) - 1):
@@ -174,7 +183,9 @@ class _Maker:
         return cruises
 
     def _slow_corners(self, parts: list[Part], turns: list[Turn]) -> dict[int, float]:
-        """The motions on both sides of the corners that ask too much, and how much slower they should be."""
+        """Return the motions on both sides of the corners that demand too much, and the factors by which they
+        should be slower.
+        """
         slow: dict[int, float] = {}
         for place, turn in enumerate(turns):
             first, second = parts[place], parts[place + 1]
@@ -205,11 +216,14 @@ class _Maker:
         return self.corners.cut(parts, [turn.overlap for turn in turns], kept)
 
     def _is_too_slow(self, place: int, cruise: float) -> bool:
-        """Whether a motion would go so slowly that a stop at both its ends takes less time."""
+        """Return True if a motion would be so slow that a stop at both its ends takes less time."""
         return self._is_free(place) and cruise * self.segment > _TOO_SLOW * self.links[place].alone.duration
 
     def _least(self, cruises: list[float]) -> float | None:
-        """Return the time [s] that the chain takes at least: from middle to middle of its corners a motion goes its way at its cruise; None as long as it is as asked."""
+        """Return a lower bound of the chain's duration [s]; None as long as everything is as requested.
+
+        From middle to middle of its corners a motion covers its path at its cruise.
+        """
         taken, is_as_asked = 0.0, True
         for link, middle, cruise in zip(self.links, self.middles, cruises, strict=True):
             if middle is not None:
@@ -223,11 +237,13 @@ class _Maker:
         return self.middles[place] is None
 
     def _is_outer(self, place: int) -> tuple[bool, bool]:
-        """Whether a motion starts from rest, and ends at rest."""
+        """Return True for a motion that starts from rest, and for one that ends at rest."""
         return place == 0, place == len(self.links) - 1
 
     def _first_cruise(self, place: int, outer: float) -> float:
-        """In how many segments the whole way would go at full speed: as given, or about the fewest."""
+        """Return the number of segments in which the whole path is traversed at full speed: as given, or
+        approximately the fewest.
+        """
         link, middle = self.links[place], self.middles[place]
         if link.full is not None:
             return link.full / self.segment
@@ -243,11 +259,13 @@ class _Maker:
         return max(limits, _BESIDE_ZONES * zones) / self.segment
 
     def _turn(self, place: int, cruises: list[float]) -> Turn | None:
-        """The widest overlap that has room at these speeds, with the ramps that suit the limits best."""
+        """Return the widest overlap that has room at these speeds, with the ramps that suit the limits best;
+        None if there is no room.
+        """
         one, other = cruises[place], cruises[place + 1]
         before, behind = self.inside[place]
         overlap = 2 * int(min(one * before, other * behind) + 1e-9)
-        # where the ramps begin between two knots, both of them have to find room in the overlap
+        # if ramps begin between two knots, the overlap must have room for both shifted copies
         width = overlap - (0 if self.on_knots else 1)
         if width < FEWEST_IN_BLEND:
             return None
@@ -257,7 +275,7 @@ class _Maker:
         acceleration = np.maximum(bounds[0].acceleration, bounds[1].acceleration)
         bend = float((change / (width * h**2) / acceleration).max())
         snap = float((change / (width**2 * h**3) / np.maximum(bounds[0].jerk, bounds[1].jerk)).max())
-        # slower motions have wider overlaps, too
+        # slower motions also have wider overlaps
         asked = {
             share: max((bend / (1.0 - share)) ** (1 / 2), (snap / ((1.0 - share) * share)) ** (1 / 3))
             for share in STEEPNESS
@@ -266,7 +284,9 @@ class _Maker:
         return Turn(width, max(1, min(round(steep * width), width // 2)), overlap, asked[steep])
 
     def _parts(self, cruises: list[float], turns: list[Turn]) -> list[Part | float]:
-        """The motions one after the other; for those that their own limits don't allow, how many times slower they had to be."""
+        """Return the motions one after the other; for those that their own limits don't allow, the factor by
+        which they must be slower.
+        """
         parts: list[Part | float] = []
         phase = 0.0
         for place, cruise in enumerate(cruises):
@@ -279,7 +299,7 @@ class _Maker:
 
 
 def _slope(path: Path, s: float) -> Array:
-    """The slope of the joints over s (n,) at one end of a path [rad or m]."""
+    """Return the derivative of the joints with respect to s (n,) at one end of a path [rad or m]."""
     step = 1e-4
     pair = path.joints(np.array([0.0, step]) if s == 0.0 else np.array([1.0 - step, 1.0]))
     slope: Array = (pair[1] - pair[0]) / step

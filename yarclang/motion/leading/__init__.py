@@ -1,1 +1,1 @@
-"""Where single motions lead from where the robot stands, each kind by its own module."""
+"""Route single motions from the robot's position, each kind in its own module."""

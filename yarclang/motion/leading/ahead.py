@@ -1,8 +1,9 @@
-"""Straight lines and arcs that are followed many at a time, before the robot is known to stand where each begins.
+"""Follow many straight lines and arcs together, before it is known that the robot stands where each begins.
 
-Where a line or an arc with a written pose ends doesn't depend on the way there, but for the configuration. So the configuration in which the robot stands is
-assumed for the whole run, and all samples of all ways are solved at once. Only ways that keep to it without anything to decide are kept; `track` follows all
-others, and says the same of these, to the last bit.
+Except for the configuration, the end of a line or an arc to a given pose doesn't depend on the way there. The
+robot's present configuration is therefore assumed for the whole run, and all samples of all paths are solved
+at once. Only paths that stay in it without any decision are kept: for these, `track` returns the same bits.
+All others are followed by `track`.
 """
 
 from __future__ import annotations
@@ -28,22 +29,24 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Robot
 
 _STANDS = 1e-6
-"""A configuration in which the robot is off by less [rad] is the one in which it stands."""
+"""Distance up to which a configuration counts as the robot's present one [rad]."""
 
 _SHORT, _LITTLE = 0.01, 0.1
-"""Ways shorter than this [m], that turn by less [rad] ..."""
+"""Paths shorter than `_SHORT` [m] that turn by less than `_LITTLE` [rad] are sampled at only `_FEW` places if
+they are among many.
+"""
 _FEW = 5
-"""... are looked at in so many places if they are among many."""
+"""See `_SHORT`."""
 
 MOST_IN_CHAINS = 512
-"""Motions of a long chain that are followed together at most: few places of each are looked at."""
+"""The largest number of motions of a long chain that are followed together; each is sampled at few places."""
 
 
 @dataclass(slots=True)
 class WaysAhead:
-    """The paths of straight lines and arcs to written poses, where they can be followed together.
+    """The paths of straight lines and arcs to given poses, if they can be followed together.
 
-    `chained` are the steps in long chains: of short ways in them, fewer places are kept.
+    `chained` are the steps in long chains: of short paths in them, fewer places are kept.
     """
 
     robot: Robot
@@ -53,7 +56,9 @@ class WaysAhead:
     _growing: Growing = field(default_factory=Growing)
 
     def path(self, number: int, stands: Array) -> CartesianPath | None:
-        """Return the path of step `number` from `stands` (n,) [rad]; None where it has to be followed by itself."""
+        """Return the path of step `number` from `stands` (n,) [rad]; None if it has to be followed by
+        itself.
+        """
         found = self._ready.pop(number, None)
         if found is not None and np.array_equal(found.start, stands):
             return found
@@ -75,7 +80,9 @@ class WaysAhead:
         return self._ready.pop(number, None)
 
     def _run(self, number: int, size: int) -> tuple[list[int], list[LineMove | ArcMove]]:
-        """Return the lines and arcs to written poses of one frame from a step on, up to `size` of them."""
+        """Return consecutive lines and arcs to given poses of one frame, from a step on, up to `size` of
+        them.
+        """
         numbers, steps = list[int](), list[LineMove | ArcMove]()
         for here in range(number, len(self.steps)):
             step = self.steps[here]
@@ -94,7 +101,9 @@ class WaysAhead:
     def _followed(
         self, arm: Form, steps: list[LineMove | ArcMove], stands: Array, *, is_chain: bool
     ) -> list[CartesianPath]:
-        """Return the paths of motions to written poses from `stands` (n,) on, up to the first one that isn't plain."""
+        """Return the paths of motions to given poses from `stands` (n,) on, up to the first one that needs a
+        decision.
+        """
         goals = [step.goal for step in steps if isinstance(step.goal, PoseGoal)]
         chain, tool = self.robot.chain, goals[0].flange_from_moving
         flange_from_moving = np.linalg.inv(tool)
@@ -129,7 +138,9 @@ def _same(one: Array, other: Array) -> bool:
 
 
 def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> list[Line | Arc]:
-    """Return the ways of the moving frame from `poses` (m, 4, 4) to the goals (4, 4), up to the first motion that has none, or stands still."""
+    """Return the paths of the moving frame from `poses` (m, 4, 4) to the goals (4, 4), up to the first motion
+    that has none, or stands still.
+    """
     straight = [row for row, step in enumerate(steps) if isinstance(step, LineMove)]
     lines = iter(lines_between(poses[straight], [goals[row] for row in straight])) if straight else iter(())
     ways = list[Line | Arc]()
@@ -142,7 +153,7 @@ def _ways(steps: list[LineMove | ArcMove], poses: Array, goals: list[Array]) -> 
 
 
 def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
-    """Return base_from_moving (m * M, 4, 4) of m ways at `s` (M,)."""
+    """Return base_from_moving (m * M, 4, 4) of m paths at `s` (M,)."""
     lines = [way for way in ways if isinstance(way, Line)]
     if len(lines) == len(ways):
         return poses_along(lines, s).reshape(-1, 4, 4)
@@ -150,20 +161,24 @@ def _poses_along(ways: list[Line | Arc], s: Array) -> Array:
 
 
 def _standing(branches: Array, stands: Array) -> int | None:
-    """Return the one of the branches (8, n) in which the robot stands at `stands` (n,), if there is just one."""
+    """Return the one of the branches (8, n) that the robot's position `stands` (n,) is on, or None if there
+    isn't exactly one.
+    """
     away = np.abs(next_to(branches, stands)[1]).max(axis=1)
     found = np.flatnonzero(away < _STANDS)
     return int(found[0]) if len(found) == 1 else None
 
 
 def _unwound(ends: Array, stands: Array) -> Array:
-    """Return where lines begin (m + 1, n): at `stands` (n,), and at the ends (m, n) of those before, each on the turns next to the one before."""
+    """Return where lines begin (m + 1, n): at `stands` (n,), and at the ends (m, n) of the lines before, each
+    on the turns nearest to its predecessor.
+    """
     starts = np.concatenate((stands[None], ends))
     starts[1:] -= TURN * np.cumsum(np.round((ends - np.concatenate((starts[:1], ends[:-1]))) / TURN), axis=0)
     near = next_to(ends, starts[:-1])[0]
     off = np.flatnonzero((near != starts[1:]).any(axis=1))
     starts[1:] = near
-    # where a joint goes half a turn, rounding decides
+    # if a joint moves by half a turn, rounding decides: follow one by one
     for number in range(off[0] if len(off) else len(ends), len(ends)):
         starts[number + 1] = next_to(ends[number], starts[number])[0]
     return starts

@@ -1,4 +1,6 @@
-"""Lines of arms with spare joints go past bodies and zones: by motions that leave the moving frame where it belongs."""
+"""Lead arms with spare joints past bodies and zones on their lines, by motions that leave the moving frame in
+place.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,26 @@ from yarclang.robot.kinematics.bending import bent
 from yarclang.robot.kinematics.singularity import smallest_singular_values
 
 _PLACES = 65
-"""Places of a path that are asked whether something is in the way, at least: three for each place at which the arm was followed."""
+"""Least number of places of a path that are checked for obstructions; three for each place at which the arm
+was followed.
+"""
 
 _WANTED = 0.02
-"""Bodies shall stay farther apart than their margins by this where they can [m]; zones as well."""
+"""Distance that bodies should keep in addition to their margins if possible, and zones as well [m]."""
 
 _CLEAR = 1.5 * NEAR
-"""The smallest singular value from which on there is nothing to win."""
+"""Smallest singular value from which on nothing can be gained."""
 
 _SINGULAR = 0.5
-"""What a singularity costs against bodies that touch."""
+"""Cost of a singularity relative to that of bodies that touch."""
 
 
 def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPath:
-    """Return another way along a path on which nothing is in the way, where something is and one is found; else the path itself.
+    """Return another way along a path on which nothing is in the way, if something is and one is found;
+    otherwise the path itself.
 
-    A way that pays for no singularity is taken before others. A path that is free stays: to get away from a singularity may ask more of the joints than to pass it.
+    A way that isn't slowed by a singularity is preferred. A free path is kept: avoiding a singularity may
+    demand more of the joints than passing it.
     """
     robot = solver.robot
     room = solver.room(step) if robot.size > 6 else None
@@ -57,6 +63,8 @@ def kept_clear(solver: Solver, step: Motion, path: CartesianPath) -> CartesianPa
 
 
 def _is_free(room: Room, path: CartesianPath) -> bool:
-    """Return True if nothing is in the way at places of a path, from the second on: it begins where the robot stands anyway."""
+    """Return True if nothing is in the way at places of a path, from the second on: the robot is at the first
+    one anyway.
+    """
     places = np.linspace(0.0, 1.0, max(_PLACES, 3 * len(path.followed.s)))[1:]
     return bool((room.clearances(path.followed.at(places), TOUCH) > 0.0).all())

@@ -1,4 +1,4 @@
-"""Where motions along paths of the moving frame lead: lines, arcs and splines of poses."""
+"""Route motions along paths of the moving frame: lines, arcs and splines of poses."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CartesianMove = LineMove | ArcMove | PoseSplineMove
 
 
 def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: Collector) -> Led:
-    """Where a motion of the moving frame leads from `stands` (n,) [rad or m]."""
+    """Route a motion of the moving frame from `stands` (n,) [rad or m]."""
     robot = solver.robot
     tool = moving_frame(step)
     start = tool_poses(robot.chain, stands[None], tool)[0]
@@ -40,7 +40,7 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
         path = kept_clear(solver, step, path)
         return Led(path, path.end, path.end[None])
     end = solver.nearest(goal, stands, step, findings)
-    if end is None:  # nor is it from elsewhere
+    if end is None:  # nor from elsewhere
         return NOWHERE
     if not path.is_measured:
         reason: Reason = "measured" if solver.measures else "kind"
@@ -51,7 +51,13 @@ def frame_motion(solver: Solver, step: CartesianMove, stands: Array, findings: C
 
 
 def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[FrameWay | None, PoseGoal]:
-    """The way of the moving frame from where the flange stands, base_from_flange (4, 4), with joint positions that aren't known, and where it leads."""
+    """Return the way of the moving frame, if joint positions aren't known, and its goal.
+
+    Args:
+        step: the motion.
+        flange: the flange's pose at the start, base_from_flange (4, 4).
+        findings: receives findings about the path.
+    """
     tool = moving_frame(step)
     start = flange @ tool
     goal = _goal(step, start)
@@ -60,18 +66,18 @@ def frame_way(step: CartesianMove, flange: Array, findings: Collector) -> tuple[
 
 
 def moving_frame(step: CartesianMove) -> Array:
-    """The frame that a motion moves, flange_from_moving (4, 4)."""
+    """Return the frame that a motion moves, flange_from_moving (4, 4)."""
     return step.goals[-1].flange_from_moving
 
 
 def _goal(step: CartesianMove, start: Array) -> PoseGoal:
-    """Where a motion of the moving frame leads from its pose at the start (4, 4)."""
+    """Return the goal of a motion of the moving frame from its pose at the start (4, 4)."""
     goal = step.goals[-1]
     return _absolute(goal, start) if isinstance(goal, PoseDelta) else goal
 
 
 def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Collector) -> FramePath | None:
-    """The path of the moving frame from its pose at the start (4, 4)."""
+    """Return the path of the moving frame from its pose at the start (4, 4); None with a finding."""
     match step:
         case LineMove():
             line = line_between(start, goal.base_from_moving)
@@ -91,7 +97,7 @@ def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Col
             if isinstance(spline, int):
                 findings.add(*messages.half_turn(step.origin, f"at way-point {spline} "))
                 return None
-            if spline is None:  # all way-points are where the frame stands
+            if spline is None:  # all way-points are at the frame's present place
                 return line_between(start, start)
             _note_swing(spline, step, findings)
             timed = step.timing.speed is not None and spline.slowest > 1e-3 * spline.length > 0.0
@@ -99,7 +105,7 @@ def _frame_path(step: CartesianMove, start: Array, goal: PoseGoal, findings: Col
 
 
 def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -> None:
-    """A note where a curve of the moving frame leaves the box round its way-points by much."""
+    """Add a note if a curve of the moving frame leaves the box around its way-points by much."""
     low, low_at, high, high_at = spline.positions.extremes()
     points = spline.positions.values
     swing = np.maximum(points.min(axis=0) - low, high - points.max(axis=0))
@@ -113,7 +119,9 @@ def _note_swing(spline: PoseSpline, step: PoseSplineMove, findings: Collector) -
 
 
 def _absolute(delta: PoseDelta, start: Array) -> PoseGoal:
-    """The pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in {B}."""
+    """Return the pose (4, 4) to which an increment leads from `start` (4, 4), both of the moving frame in
+    {B}.
+    """
     axes = delta.axes
     if delta.axes_on_flange:
         axes = start[:3, :3] @ delta.flange_from_moving[:3, :3].T @ delta.axes

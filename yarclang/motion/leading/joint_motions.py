@@ -1,4 +1,4 @@
-"""Where motions in joint space lead: straight ones, splines, and ways round obstacles."""
+"""Route motions in joint space: straight ones, splines, and ways around obstacles."""
 
 from __future__ import annotations
 
@@ -20,16 +20,18 @@ from yarclang.progress import go_on
 from yarclang.robot.model import Robot
 
 _FEWEST_TOGETHER, _MOST_TOGETHER = 32, 1_024
-"""So many poses of a spline are solved together, at least and at most."""
+"""The least and the largest number of poses of a spline that are solved together."""
 
 _CONFIGURATIONS = 3
-"""So many solutions of a pose are tried for one to which there is a way."""
+"""Number of solutions of a pose that are tried until one has a way."""
 
 
 def joint_motion(
     solver: Solver, step: JointMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Where a straight motion leads from `stands` (n,) [rad or m]; `choice` (n,) is the solution to take for its pose."""
+    """Route a straight motion from `stands` (n,) [rad or m]; `choice` (n,) is the solution to take for its
+    pose, or None.
+    """
     if isinstance(step.goal, JointDelta):
         end: Array | None = stands + step.goal.dq
         assert end is not None
@@ -44,7 +46,9 @@ def joint_motion(
 def avoiding_motion(
     solver: Solver, step: AvoidMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Where a motion leads that goes round obstacles; of the solutions of its pose, to the nearest to which there is a way."""
+    """Route a motion around obstacles; of the solutions of its pose, the nearest one that has a way is
+    taken.
+    """
     end = _end(solver, step, step.goal, stands, findings, choice)
     if end is None or any(one.is_error for one in findings.found):
         return Led(None, end, None)
@@ -86,7 +90,7 @@ def _end(
 def spline_motion(
     solver: Solver, step: SplineMove, stands: Array, findings: Collector, choice: Array | None = None
 ) -> Led:
-    """Where a spline leads; `choice` (n,) is the solution to take for its last pose."""
+    """Route a spline; `choice` (n,) is the solution to take for its last pose, or None."""
     waypoints: list[Array] = []
     near, together = stands, _FEWEST_TOGETHER
     while (place := len(waypoints) + 1) <= len(step.waypoints):
@@ -121,7 +125,7 @@ def spline_motion(
 
 
 def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Collector) -> Led:
-    """Where a timetable leads from `stands` (n,) [rad or m], where its first row has to be if that is the start."""
+    """Route a timetable from `stands` (n,) [rad or m]. If its first row is the start, it must be there."""
     robot, table = solver.robot, step.table
     last = table.positions[-1]
     if table.begins:
@@ -143,7 +147,9 @@ def timed_motion(solver: Solver, step: TimedMove, stands: Array, findings: Colle
 
 
 def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
-    """Return the way-points from number `begin` (from 0) on that are poses of one frame to solve, `most` of them; never the last way-point."""
+    """Return up to `most` consecutive way-points from number `begin` (from 0) on that are poses of one frame
+    to solve; never the last way-point.
+    """
     alike: list[PoseGoal] = []
     for goal in step.waypoints[begin : min(begin + most, len(step.waypoints) - 1)]:
         if not isinstance(goal, PoseGoal) or goal.near is not None:
@@ -155,7 +161,9 @@ def _alike(step: SplineMove, begin: int, most: int) -> list[PoseGoal]:
 
 
 def _swings_within_limits(robot: Robot, spline: SplinePath, step: SplineMove, findings: Collector) -> bool:
-    """Whether a spline keeps the joint limits all along; a note where it leaves its way-points by much."""
+    """Return True if a spline keeps the joint limits everywhere; add a note if it leaves its way-points by
+    much.
+    """
     low, low_at, high, high_at = spline.extremes()
     limits = robot.limits
     excess = np.maximum(limits.lower - low, high - limits.upper) / robot.axis_units

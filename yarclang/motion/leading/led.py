@@ -1,4 +1,4 @@
-"""What is known of a motion before it has a time."""
+"""Describe what is known of a motion before it has a time."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from yarclang.motion.path import Path
 
 @frozen(eq=False)
 class Led:
-    """The path of a motion (None where it can't be done), where it ends if that is known, and the joint positions (k, n) that were chosen for its
-    way-points [rad or m]. `broken` says that it can't be done from where the robot stands, though perhaps from elsewhere.
+    """The routing of a motion.
+
+    `path` is None if the motion can't be done. `end` is its end, if known. `waypoints` (k, n) [rad or m] are
+    the joint positions chosen for its way-points. `broken` is True if it can't be done from the robot's
+    position, though perhaps from another one.
     """
 
     path: Path | None
@@ -25,7 +28,9 @@ NOWHERE = Led(None, None, None)
 
 @frozen(eq=False)
 class FrameWay:
-    """The way of a moving frame whose ends are known, though no joint positions are: what there is of a motion behind one that can't be done."""
+    """The way of a moving frame whose ends are known though no joint positions are: all that is known of a
+    motion after one that can't be done.
+    """
 
     frame: FramePath
     flange_from_moving: Array

@@ -1,4 +1,4 @@
-"""What is said of where motions lead, and of the configurations in which they do: as in `yarclang.motion.messages`."""
+"""Word findings about where motions lead, and in which configurations; see `yarclang.motion.messages`."""
 
 from __future__ import annotations
 
@@ -31,16 +31,18 @@ from yarclang.ways import Turn
 CartesianMove = LineMove | ArcMove | PoseSplineMove
 
 MUCH_SWING = 1.0
-"""A spline that leaves the range of its way-points by more [deg or mm] is worth a note."""
+"""Distance by which a spline must leave the range of its way-points to get a note [deg or mm]."""
 
 MUCH_OF_BOX = 0.1
-"""... or, of a curve of the moving frame, by more than this share of the diagonal of the box round them."""
+"""Share of the diagonal of the box around its way-points by which a curve of the moving frame must leave the
+box to get a note.
+"""
 
 _BY_JOINTS = "MOVEJ to the same pose may take another configuration; or give a via pose beside it"
 
 
 def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = "") -> Message:
-    """A pose without a joint position."""
+    """Return the finding about a pose without a joint position."""
     if solved.kind == "reach":
         by = f" by {miss_text(solved.miss, solved.miss_angle)}" if solved.is_measured else ""
         message = f"{which}out of reach{by}"
@@ -57,7 +59,7 @@ def unreachable(robot: Robot, solved: Unreachable, origin: Origin, which: str = 
 
 
 def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Message:
-    """DMOVEJ to a joint position beyond the limits."""
+    """Return the finding about a DMOVEJ to a joint position beyond the limits."""
     limits = robot.limits
     excess = np.maximum(end - limits.upper, limits.lower - end) / robot.axis_units
     joint = int(np.argmax(excess))
@@ -68,13 +70,13 @@ def increments_out_of_limits(robot: Robot, end: Array, origin: Origin) -> Messag
 
 
 def half_turn(origin: Origin, where: str = "") -> Message:
-    """A motion that turns by half a revolution; `where` says at which of its way-points."""
+    """Return the finding about a motion that turns by half a revolution; `where` names its way-point."""
     message = f"{where}the orientation turns by half a revolution: there is no short way"
     return "Y0409", message, origin.span, "give a via pose that says which way round", None
 
 
 def no_arc(arc: NoArc, origin: Origin) -> Message:
-    """Three points that give no circle."""
+    """Return the finding about three points that determine no circle."""
     if arc.kind == "half turn":
         return half_turn(origin)
     if arc.kind == "coincident":
@@ -89,7 +91,7 @@ def no_arc(arc: NoArc, origin: Origin) -> Message:
 
 
 def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianMove) -> Message:
-    """A motion of the moving frame that can't be followed to its end."""
+    """Return the finding about a motion of the moving frame that can't be followed to its end."""
     origin = step.origin
     what = {LineMove: "straight line", ArcMove: "arc", PoseSplineMove: "curve"}[type(step)]
     point = np.round(frame.poses(np.array([broken.s]))[0, :3, 3] / MM, 1) + 0.0  # no negative zeros
@@ -116,7 +118,7 @@ def broken_path(robot: Robot, broken: Broken, frame: FramePath, step: CartesianM
 
 
 def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, origin: Origin) -> Message:
-    """A spline that takes a joint beyond its limits."""
+    """Return the finding about a spline that takes a joint beyond its limits."""
     name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
     message = f"the curve takes {name} out of its limits by {excess:.4g} {unit} at {s * 100:.3g} % of the way"
     return (
@@ -129,7 +131,7 @@ def spline_out_of_limits(robot: Robot, joint: int, excess: float, s: float, orig
 
 
 def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: TimedMove) -> Message:
-    """A timetable whose first row isn't where the robot stands."""
+    """Return the finding about a timetable whose first row isn't at the robot's position."""
     off = np.abs(begins - stands)
     joint = int(np.argmax(off / step.within))
     name, unit, factor = robot.joint_names[joint], robot.axis_unit_names[joint], robot.axis_units[joint]
@@ -142,7 +144,7 @@ def table_begins_elsewhere(robot: Robot, begins: Array, stands: Array, step: Tim
 
 
 def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: Origin) -> Message:
-    """A spline that leaves the range of its way-points by much."""
+    """Return the finding about a spline that leaves the range of its way-points by much."""
     name, unit = robot.joint_names[joint], robot.axis_unit_names[joint]
     message = (
         f"the curve swings {swing:.3g} {unit} beyond its way-points in {name}, at {s * 100:.3g} % of the way"
@@ -151,13 +153,17 @@ def spline_swings_out(robot: Robot, joint: int, swing: float, s: float, origin: 
 
 
 def curve_swings_out(axis: str, swing: float, s: float, origin: Origin) -> Message:
-    """A curve of the moving frame that leaves the box round its way-points by much."""
+    """Return the finding about a curve of the moving frame that leaves the box around its way-points by
+    much.
+    """
     message = f"the curve swings {length_text(swing)} beyond its way-points in {axis} of {{B}}, at {s * 100:.3g} % of the way"
     return "Y0505", message, origin.span, "a way-point between holds it back", None
 
 
 def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
-    """Ways that meet, and end at different joint positions; of a loop its EXITs, or the end of a pass and its beginning."""
+    """Return the finding about branches that meet, but end at different joint positions; for a loop its
+    EXITs, or the end and the beginning of a pass.
+    """
     off = np.abs(one - other) / robot.axis_units
     joint = int(np.argmax(off))
     far = f"{robot.joint_names[joint]} by {off[joint]:.4g} {robot.axis_unit_names[joint]}"
@@ -177,7 +183,7 @@ def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
 
 
 def grips_on_the_way(origin: Origin, closes: bool) -> Message:
-    """A gripper that would close or open while the robot moves."""
+    """Return the finding about a gripper that would close or open while the robot moves."""
     does = "closes" if closes else "opens"
     return (
         "Y0944",
@@ -196,7 +202,7 @@ def another_configuration(
     later: Step,
     reasons: tuple[Diagnostic, ...],
 ) -> Message:
-    """A target whose nearest solution would break a later motion."""
+    """Return the finding about a target whose nearest solution would break a later motion."""
     origin = step.origin
     why = next((reason for reason in reasons if reason.is_error), None)
     blamed = ""
@@ -210,7 +216,7 @@ def another_configuration(
 
 
 def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
-    """In which joints a solution differs from the nearest, in brackets."""
+    """Return the joints in which a solution differs from the nearest one, in brackets."""
     if nearest is None:
         return ""
     # no negative zeros
@@ -226,7 +232,9 @@ def differs(robot: Robot, taken: Array, nearest: Array | None) -> str:
 
 
 def near_fix(robot: Robot, origin: Origin, q: Array) -> Fix | None:
-    """A fix that names the joint position and takes it by NEAR; None where one command has many places."""
+    """Return a fix that names the joint position and uses it by NEAR; None if the command stands for several
+    places.
+    """
     if not origin.index or ">" in origin.place or "(" in origin.place or origin.end_span is None:
         return None
     name = f"{origin.index}_NEAR"

@@ -1,4 +1,6 @@
-"""Written poses that can be reached, looked for many at a time: after a fault nobody knows where the robot stands, and each pose is looked at by itself."""
+"""Check many given poses together for being reachable: after a fault the robot's position isn't known, and
+each pose is checked by itself.
+"""
 
 from __future__ import annotations
 
@@ -14,12 +16,12 @@ from yarclang.robot.kinematics.nearest import surely_reached
 from yarclang.robot.model import Robot
 
 MOST_POSES = 512
-"""Poses that are looked at together at most."""
+"""The largest number of poses that are checked together."""
 
 
 @dataclass(slots=True)
 class ReachedAhead:
-    """The lines and arcs whose goals are reached without a closer look."""
+    """The lines and arcs whose goals can certainly be reached."""
 
     robot: Robot
     steps: Sequence[Step]
@@ -27,13 +29,17 @@ class ReachedAhead:
     _growing: Growing = field(default_factory=lambda: Growing(MOST_POSES))
 
     def is_sure(self, number: int) -> bool:
-        """Return True if the goal of step `number` can be reached; False if that takes a closer look."""
+        """Return True if the goal of step `number` can certainly be reached; False if a closer look is
+        needed.
+        """
         if number not in self._known:
             self._known = self._looked_at(number)
         return self._known.pop(number, False)
 
     def _looked_at(self, number: int) -> dict[int, bool]:
-        """Return what is seen of the lines and arcs from step `number` on; nothing if it is none, or a single one is asked for."""
+        """Return the results for lines and arcs from step `number` on; nothing if it is neither, or if a
+        single one is requested.
+        """
         goals = dict[int, PoseGoal]()
         size = self._growing.size(number)
         for here in range(number, len(self.steps)):

@@ -1,4 +1,4 @@
-"""Which joint position takes a frame to its pose: the nearest at which nothing is in the way."""
+"""Solve the pose of a frame for the nearest joint position at which nothing is in the way."""
 
 from __future__ import annotations
 
@@ -27,8 +27,10 @@ from yarclang.robot.model import Robot
 class Solver:
     """Solves poses for a robot in its cell.
 
-    `measures` is True to search for how far poses are out of reach, and for poses beside those that can't be taken; `is_again` if a search for this command has found nothing before, in an earlier round
-    of a loop: then the next one is short. `searches` is how many ways round are looked for, of which the quickest is taken.
+    `measures` is True to compute how far poses are out of reach, and to search for nearby poses if one can't
+    be taken. `is_again` is True if a search for this command found nothing before, in an earlier pass of a
+    loop; the next one is then short. `searches` is the number of ways around obstacles that are searched for;
+    the fastest is taken.
     """
 
     robot: Robot
@@ -38,13 +40,24 @@ class Solver:
     searches: int = 1
 
     def room(self, step: Motion) -> Room | None:
-        """What is around while a motion is under way."""
+        """Return the surroundings during a motion; None if nothing can be in the way."""
         return room_of(self.robot, self.cell, moving_of(self.robot, step))
 
     def nearest(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """The joint position nearest to `near` that takes the moving frame to its goal, whatever is in the way there; None with a finding where there is none."""
+        """Return the joint position nearest to `near` that takes the moving frame to its goal, without regard
+        to obstructions.
+
+        None, with a finding, if there is none.
+
+        Args:
+            goal: the pose; its own NEAR takes precedence.
+            near: (n,) [rad or m].
+            step: the motion.
+            findings: receives the finding.
+            which: names the way-point in messages.
+        """
         near = near if goal.near is None else goal.near
         chain, limits = self.robot.chain, self.robot.limits
         solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=self.measures, is_only=True)
@@ -57,7 +70,9 @@ class Solver:
     def chosen(
         self, goal: PoseGoal, near: Array, step: Motion, findings: Collector, which: str = ""
     ) -> Array | None:
-        """The nearest joint position at which nothing is in the way; a finding where it isn't the nearest of all. NEAR is obeyed as it stands."""
+        """Return the nearest joint position at which nothing is in the way, with a finding if it isn't the
+        nearest of all. A position given by NEAR is taken as it is.
+        """
         q = self.nearest(goal, near, step, findings, which)
         if q is None or goal.near is not None:
             return q
@@ -80,22 +95,26 @@ class Solver:
     def _along_self_motion(
         self, goal: PoseGoal, near: Array, blocked: list[Array], room: Room
     ) -> Array | None:
-        """Return the joint position nearest to `near` at which nothing is in the way, of those that an arm with more than six joints can take while its flange stands still."""
+        """Return the joint position nearest to `near` at which nothing is in the way, of those that a
+        redundant arm can take while its flange is at rest.
+        """
         chain, limits = self.robot.chain, self.robot.limits
         if chain.size <= 6:
             return None
         flange = flange_at(goal)
         seeds = blocked[:_SEEDS]
         if np.abs(beyond(limits, near)).max() <= EDGE and reaches(chain, flange, near):
-            # the very position in which it stands
+            # include the position in which the robot stands
             seeds = [near, *seeds[:-1]]
         more = np.concatenate((np.array(seeds), self_motion(chain, limits, flange, np.array(seeds))))
         nearest = more[np.argsort(np.round(np.square(more - near).sum(axis=1), 9), kind="stable")]
         return next(room.free_among(list(nearest)), None)
 
     def chosen_in_turn(self, goals: Sequence[PoseGoal], near: Array, step: Motion) -> Array:
-        """Return the joint positions (k, n) that `chosen` gives for the first k of some goals of one moving frame, each near the one before: as far as there is
-        nothing to decide, and nothing to report.
+        """Return the joint positions (k, n) that `chosen` returns for the first k of several goals of one
+        moving frame, each near the one before.
+
+        The result ends before the first goal that needs a decision or a finding.
         """
         chain, limits = self.robot.chain, self.robot.limits
         moving = np.array([goal.base_from_moving for goal in goals])
@@ -108,14 +127,16 @@ class Solver:
         return q[: next(blocked, len(q))]
 
     def _with_changes(self, told: Message, goal: PoseGoal, near: Array, step: Motion, which: str) -> Message:
-        """Return what is said of a pose that can't be taken, with the changes that would help; they are looked for only if `measures`."""
+        """Add to a message about a pose that can't be taken the changes that would help; they are searched
+        for only if `measures`.
+        """
         if not self.measures:
             return told
         changes = helpful_changes(self.robot, self.room(step), goal, near, step.origin)
         return with_changes(told, goal, changes, step.origin, is_alone=not which)
 
     def solutions(self, goal: PoseGoal, near: Array) -> list[Array]:
-        """All solutions within limits with all their full turns, the nearest to `near` first."""
+        """Return all solutions within limits with all their full turns, the nearest to `near` first."""
         chain, limits = self.robot.chain, self.robot.limits
         solved = nearest_solutions(chain, limits, flange_at(goal), near, measures=False)
         if isinstance(solved, Unreachable):
@@ -125,7 +146,9 @@ class Solver:
         return list(turns[np.argsort(np.round(distance, 9), kind="stable")])
 
     def others(self, goal: PoseGoal, near: Array, step: Motion) -> Iterator[Array]:
-        """Yield the solutions after the nearest at which nothing is in the way, the nearest to `near` first; none is asked before somebody wants it."""
+        """Yield the solutions after the nearest one at which nothing is in the way, the nearest to `near`
+        first; each is checked only when it is requested.
+        """
         room = self.room(step)
         solved = nearest_solutions(
             self.robot.chain, self.robot.limits, flange_at(goal), near, measures=False, is_only=True
@@ -136,20 +159,20 @@ class Solver:
         yield from others if room is None else room.free_among(others)
 
     def _after(self, goal: PoseGoal, near: Array, q: Array) -> list[Array]:
-        """Return all solutions but one (n,), the nearest to `near` first."""
+        """Return all solutions except one (n,), the nearest to `near` first."""
         return [one for one in self.solutions(goal, near) if np.abs(one - q).max() > SAME]
 
 
 _SEEDS = 6
-"""Solutions of an arm with more than six joints from which its self-motion is followed."""
+"""Solutions of a redundant arm from which its self-motion is followed."""
 
 
 def is_free(goal: object) -> bool:
-    """Whether a target has solutions to choose from."""
+    """Return True if a target has solutions to choose from."""
     return isinstance(goal, PoseGoal) and goal.near is None
 
 
 def flange_at(goal: PoseGoal) -> Array:
-    """Where the flange stands at a goal, base_from_flange (4, 4)."""
+    """Return the flange's pose at a goal, base_from_flange (4, 4)."""
     flange: Array = goal.base_from_moving @ np.linalg.inv(goal.flange_from_moving)
     return flange

@@ -1,1 +1,1 @@
-"""One file a kind of path."""
+"""Define paths, one kind in each file."""

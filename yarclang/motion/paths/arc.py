@@ -1,4 +1,4 @@
-"""A circular arc of the moving frame, turning about one fixed axis in step with it."""
+"""Define a circular arc of the moving frame, which turns about one fixed axis in proportion to its travel."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ from yarclang.hir import Array
 from yarclang.motion.rotation import turn_between, turned
 
 NO_CIRCLE = 1e-6
-"""Three points nearer to each other [m], or to a line [rad], than this give no circle."""
+"""Three points nearer to each other [m], or to a line [rad], than this determine no circle."""
 
 
 @frozen(eq=False)
 class Arc:
-    """Poses of the moving frame over s: by the angle `sweep` [rad] about `normal` (3,) through `centre` (3,) [m], in {B},
-    and turning by `angle` [rad] about `axis` (3,).
+    """Poses of the moving frame over s, in {B}: the origin goes by the angle `sweep` [rad] about `normal`
+    (3,) through `centre` (3,) [m], and the frame turns by `angle` [rad] about `axis` (3,).
 
-    `base_from_start` (4, 4) is where it begins. It ends at `base_from_end` (4, 4) to the last bit: what comes behind doesn't depend on the digits of where it
-    began.
+    It begins at `base_from_start` (4, 4) and ends exactly at `base_from_end` (4, 4), to the last bit: what
+    follows doesn't depend on the digits of the start.
     """
 
     base_from_start: Array
@@ -42,7 +42,7 @@ class Arc:
         return self.radius * self.sweep
 
     def poses(self, s: Array) -> Array:
-        """base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
         poses = np.zeros((len(s), 4, 4))
         poses[:, :3, :3] = turned(self.base_from_start[:3, :3], self.axis, s * self.angle)
         poses[:, :3, 3] = self.centre + self._spokes(s)
@@ -51,12 +51,12 @@ class Arc:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Velocities over s (N, 6)."""
+        """Return the derivatives with respect to s (N, 6); see `FramePath.tangents`."""
         along = self.sweep * np.cross(self.normal, self._spokes(s))
         return np.concatenate((along, np.tile(self.axis * self.angle, (len(s), 1))), axis=1)
 
     def _spokes(self, s: Array) -> Array:
-        """From the centre to the frame's origin (N, 3)."""
+        """Return the vectors from the centre to the frame's origin (N, 3)."""
         first = self.base_from_start[:3, 3] - self.centre
         side = np.cross(self.normal, first)
         angle = (s * self.sweep)[:, None]
@@ -66,8 +66,8 @@ class Arc:
 
 @frozen
 class NoArc:
-    """Why there is no arc: two of the points coincide (`apart` [m]), all three lie on a line (`bend` [rad]), or the
-    orientation turns by half a revolution.
+    """The reason why there is no arc: two of the points coincide (`apart` [m]), all three lie on a line
+    (`bend` [rad]), or the orientation turns by half a revolution.
     """
 
     kind: Literal["coincident", "straight", "half turn"]
@@ -77,7 +77,7 @@ class NoArc:
 
 
 def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc | NoArc:
-    """The arc from one pose (4, 4) through a point `via` (3,) [m] to another, in {B}."""
+    """Return the arc from one pose (4, 4) through a point `via` (3,) [m] to another pose, in {B}."""
     start, end = base_from_start[:3, 3], base_from_end[:3, 3]
     a, b = via - start, end - start
     pairs = (("start and via", a), ("via and end", end - via), ("start and end", b))
@@ -92,6 +92,7 @@ def arc_through(base_from_start: Array, via: Array, base_from_end: Array) -> Arc
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
         return NoArc("half turn")
+    # the circumcentre of the triangle, relative to its first corner
     middle = np.cross((a @ a) * b - (b @ b) * a, across) / (2.0 * (across @ across))
     normal = across / np.linalg.norm(across)
     spoke = -middle

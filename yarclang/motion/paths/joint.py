@@ -1,4 +1,4 @@
-"""A straight line in joint space."""
+"""Define a straight line in joint space."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.hir import Array
 
 @frozen(eq=False)
 class JointPath:
-    """From `start` to `end` (n,) [rad or m], all joints in one ratio."""
+    """A path from `start` to `end` (n,) [rad or m] with all joints in a constant ratio."""
 
     start: Array
     end: Array
@@ -23,19 +23,19 @@ class JointPath:
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """Always."""
+        """Always True."""
         return True
 
     @property
     def places(self) -> Array:
-        """None: the line is the same everywhere."""
+        """Empty: the line is the same everywhere."""
         return np.empty(0)
 
     def joints(self, s: Array) -> Array:
-        """Joint positions (N, n) at `s` (N,)."""
+        """Return joint positions (N, n) at `s` (N,)."""
         q: Array = self.start + s[:, None] * (self.end - self.start)
         return q
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:  # noqa: ARG002
-        """None: control points on the line execute it exactly."""
+        """Return zeros: control points on the line execute it exactly."""
         return 0.0, 0.0

@@ -1,4 +1,6 @@
-"""A straight line of the moving frame, turning about one fixed axis in step with it."""
+"""Define a straight line of the moving frame, which turns about one fixed axis in proportion to its
+travel.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,11 @@ from yarclang.motion.rotation import NO_TURN, turn_between, turned, turns_betwee
 
 @frozen(eq=False)
 class Line:
-    """Poses of the moving frame over s: from `base_from_start` (4, 4) by `shift` (3,) [m], and by
-    `angle` [rad] about the unit vector `axis` (3,), both in the axes of {B}, to `base_from_end` (4, 4).
+    """Poses of the moving frame over s, from `base_from_start` (4, 4) to `base_from_end` (4, 4).
 
-    It ends there to the last bit: what comes behind doesn't depend on the digits of where it began. `length` is that of `shift` [m].
+    The frame moves by `shift` (3,) [m], of length `length` [m], and turns by `angle` [rad] about the unit
+    vector `axis` (3,), both in the axes of {B}. It ends exactly at `base_from_end`, to the last bit: what
+    follows doesn't depend on the digits of the start.
     """
 
     base_from_start: Array
@@ -27,27 +30,29 @@ class Line:
 
     @property
     def shift(self) -> Array:
-        """By how much the frame moves (3,) [m]."""
+        """The translation of the frame (3,) [m]."""
         shift: Array = self.base_from_end[:3, 3] - self.base_from_start[:3, 3]
         return shift
 
     @property
     def is_point(self) -> bool:
-        """Whether nothing moves."""
+        """True if nothing moves."""
         return self.length < 1e-12 and self.angle < NO_TURN
 
     def poses(self, s: Array) -> Array:
-        """base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
         poses: Array = poses_along([self], s)[0]
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Velocities over s (N, 6): everywhere the same."""
+        """Return the derivatives with respect to s (N, 6), which are constant; see `FramePath.tangents`."""
         return np.tile(np.concatenate((self.shift, self.axis * self.angle)), (len(s), 1))
 
 
 def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
-    """The line between two poses (4, 4), the short way; None for half a turn, which has none."""
+    """Return the line between two poses (4, 4), turning the short way; None for half a turn, which has
+    none.
+    """
     turn = turn_between(base_from_start[:3, :3], base_from_end[:3, :3])
     if turn is None:
         return None
@@ -56,13 +61,15 @@ def line_between(base_from_start: Array, base_from_end: Array) -> Line | None:
 
 
 def lines_between(base_from_start: Array, goals: Sequence[Array]) -> list[Line | None]:
-    """Return the lines from poses (M, 4, 4) to as many goals (4, 4), each as of `line_between` to the last bit."""
+    """Return the lines from poses (M, 4, 4) to as many goals (4, 4): the same bits as `line_between`
+    returns.
+    """
     ends = np.array(goals)
     axes, angles = turns_between(base_from_start[:, :3, :3], ends[:, :3, :3])
     shifts = ends[:, :3, 3] - base_from_start[:, :3, 3]
     lengths = np.sqrt((shifts[:, None] @ shifts[:, :, None]).ravel()).tolist()
     parts = zip(base_from_start, goals, axes, angles.tolist(), lengths, strict=True)
-    # an angle that isn't one is NaN
+    # NaN marks half a turn
     return [Line(*part) if part[3] == part[3] else None for part in parts]
 
 

@@ -1,4 +1,4 @@
-"""One smooth curve of the moving frame through poses, orientation too."""
+"""Define one smooth curve of the moving frame through poses, in position and orientation."""
 
 from __future__ import annotations
 
@@ -16,27 +16,37 @@ from yarclang.motion.rotation import HALF_TURN
 from yarclang.progress import go_on
 
 SAME_PLACE = 1e-6
-"""Poses whose chord [m] isn't longer count once: a robot that was led to the first way-point stands there but for rounding."""
+"""Poses whose chord isn't longer than this count once [m]: a robot that was led to the first way-point stands
+there up to rounding.
+"""
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 _GAUSS_NODES, _GAUSS_WEIGHTS = (_NODES + 1.0) / 2.0, _WEIGHTS / 2.0
 _FEWEST, _PIECES = 8, 1024
-"""Into how many pieces each leg is cut where lengths are measured, at least and at most."""
+"""The least and the largest number of pieces of each leg for the measurement of lengths."""
 
 _EACH_BEND = 64.0
-"""So many pieces for a leg on which the velocity changes by as much as its least value: s over the length is exact there to 1e-8 of the leg."""
+"""Number of pieces of a leg on which the velocity changes by as much as its least value: s as a function of
+the length is then exact to 1e-8 of the leg.
+"""
 
 _IN_ALL, _MOST_IN_ALL = 16_384, 4_194_304
-"""Pieces of a whole curve: at least so many as long as legs have fewer than the most; at most about so many, whatever the bends."""
+"""Bounds of the number of pieces of a whole curve: at least the first, as long as legs have fewer than their
+largest number; at most about the second, whatever the bends.
+"""
 
 _AT_ONCE = 16_384
-"""Places at which speeds are computed between two looks at whether to go on: some 5 ms, and they stay in the processor's cache."""
+"""Places at which speeds are computed between two checks for cancellation: about 5 ms, and they stay in the
+processor's cache.
+"""
 
 
 @dataclass(frozen=True)
 class PoseSpline:
-    """Positions [m] and quaternions (x y z w) as natural cubic splines `positions` (d = 3) and `turns` (d = 4) over the
-    chord parameter, from 0 to 1. The quaternions have to be normalised.
+    """Positions [m] and quaternions (x y z w) as natural cubic splines `positions` (d = 3) and `turns` (d =
+    4) over the chord parameter, from 0 to 1.
+
+    The interpolated quaternions still have to be normalised.
     """
 
     positions: NaturalSpline
@@ -44,12 +54,12 @@ class PoseSpline:
 
     @cached_property
     def length(self) -> float:
-        """The length of the way of the frame's origin [m]."""
+        """The distance that the frame's origin travels [m]."""
         return float(self._lengths[-1])
 
     @cached_property
     def angle(self) -> float:
-        """The angle that the frame turns by on the way [rad]."""
+        """The angle by which the frame turns on the way [rad]."""
         u = self._fine
         middles = (u[1:] + u[:-1]) / 2.0
         rates = np.empty(len(middles))
@@ -63,7 +73,7 @@ class PoseSpline:
         return len(self.positions.knots) - 1
 
     def poses(self, s: Array) -> Array:
-        """base_from_moving (N, 4, 4) at `s` (N,)."""
+        """Return base_from_moving (N, 4, 4) at `s` (N,)."""
         quaternions = self.turns.at(s)
         poses = np.zeros((len(s), 4, 4))
         poses[:, :3, :3] = rotations(quaternions / np.linalg.norm(quaternions, axis=1)[:, None])
@@ -72,22 +82,23 @@ class PoseSpline:
         return poses
 
     def tangents(self, s: Array) -> Array:
-        """Velocities over s (N, 6)."""
+        """Return the derivatives with respect to s (N, 6); see `FramePath.tangents`."""
         q, rate = self.turns.at(s), self.turns.slope_at(s)
         vector, real = q[:, :3], q[:, 3:]
-        # omega = 2 rate conj(q) / |q|^2, whose real part is the norm's change and doesn't turn
+        # omega = 2 q' conj(q) / |q|²; the real part is the change of the norm and causes no rotation
         spin = rate[:, :3] * real - rate[:, 3:] * vector - np.cross(rate[:, :3], vector)
         omega = 2.0 * spin / np.einsum("ni,ni->n", q, q)[:, None]
         return np.concatenate((self.positions.slope_at(s), omega), axis=1)
 
     def at_length(self, share: Array) -> Array:
-        """The s (N,) at which so large a share (N,) of the way of the frame's origin lies behind it."""
+        """Return the s (N,) at which a given share (N,) of the origin's path is covered."""
         u, lengths = self._fine, self._lengths
         wanted = np.clip(share, 0.0, 1.0) * lengths[-1]
         piece = np.clip(np.searchsorted(lengths, wanted, side="right") - 1, 0, len(u) - 2)
         width = lengths[piece + 1] - lengths[piece]
         r = (wanted - lengths[piece]) / width
-        # s over the length, with its slopes at both ends of a piece: the pieces are short, and the cubics as good as exact
+        # cubic Hermite interpolation of s as a function of length: pieces are so short that it is practically
+        # exact
         first, last = 1.0 / self._edge_speeds[piece], 1.0 / self._edge_speeds[piece + 1]
         s = (
             u[piece] * (1.0 + 2.0 * r) * (1.0 - r) ** 2
@@ -104,7 +115,9 @@ class PoseSpline:
 
     @cached_property
     def _pieces(self) -> NDArray[np.int64]:
-        """Into how many pieces each leg is cut (w - 1,), a power of two: the more, the more the velocity changes on it."""
+        """The number of pieces of each leg (w - 1,), a power of two: the more the velocity changes on the
+        leg, the more.
+        """
         spline = self.positions
         width, ends = np.diff(spline.knots), np.linalg.norm(spline.bends, axis=1)
         least = np.full(len(width), np.inf)
@@ -121,12 +134,12 @@ class PoseSpline:
 
     @cached_property
     def _legs(self) -> NDArray[np.intp]:
-        """The leg on which each piece lies (P,)."""
+        """The leg of each piece (P,)."""
         return np.repeat(np.arange(self.legs), self._pieces)
 
     @cached_property
     def _fine(self) -> Array:
-        """The places (P + 1,) between which pieces lie."""
+        """The places (P + 1,) that bound the pieces."""
         knots, pieces, leg = self.positions.knots, self._pieces, self._legs
         number = np.arange(len(leg)) - np.repeat(np.cumsum(pieces) - pieces, pieces)
         return np.append(knots[:-1][leg] + np.diff(knots)[leg] * (number / pieces[leg]), 1.0)
@@ -142,7 +155,9 @@ class PoseSpline:
 
     @cached_property
     def _lengths(self) -> Array:
-        """The way of the frame's origin up to `_fine` (P + 1,) [m]."""
+        """The distance travelled by the frame's origin up to `_fine` (P + 1,) [m], by Gauss-Legendre
+        quadrature.
+        """
         u, leg = self._fine, self._legs
         pieces = np.empty(len(leg))
         for part in _parts(len(leg), _AT_ONCE // len(_GAUSS_NODES)):
@@ -154,7 +169,7 @@ class PoseSpline:
         return np.concatenate(([0.0], np.cumsum(pieces)))
 
     def _speeds(self, leg: NDArray[np.intp], s: Array) -> Array:
-        """The speed of the frame's origin over s, at `s` (N, k) on legs `leg` (N,) [m]."""
+        """Return the speed of the frame's origin over s, at `s` (N, k) on legs `leg` (N,) [m]."""
         speeds: Array = np.linalg.norm(self.positions.slope_on(leg, s), axis=2)
         return speeds
 
@@ -168,18 +183,18 @@ def _parts(count: int, size: int) -> Iterator[slice]:
 
 @frozen(eq=False)
 class AtConstantSpeed:
-    """A spline of poses over the share of its way: the frame's origin goes equally fast everywhere."""
+    """A spline of poses over the share of its length: the frame's origin has constant speed."""
 
     spline: PoseSpline
 
     @property
     def length(self) -> float:
-        """How far the frame's origin goes [m]."""
+        """The distance that the frame's origin travels [m]."""
         return self.spline.length
 
     @property
     def angle(self) -> float:
-        """How far the frame turns [rad]."""
+        """The angle by which the frame turns [rad]."""
         return self.spline.angle
 
     @property
@@ -188,21 +203,21 @@ class AtConstantSpeed:
         return self.spline.legs
 
     def poses(self, s: Array) -> Array:
-        """base_from_moving (N, 4, 4) at the shares `s` (N,) of the way."""
+        """Return base_from_moving (N, 4, 4) at the shares `s` (N,) of the length."""
         return self.spline.poses(self.spline.at_length(s))
 
     def tangents(self, s: Array) -> Array:
-        """Velocities over the share of the way (N, 6)."""
+        """Return the derivatives with respect to the share of the length (N, 6)."""
         slopes = self.spline.tangents(self.spline.at_length(s))
         along: Array = slopes * (self.length / np.linalg.norm(slopes[:, :3], axis=1))[:, None]
         return along
 
 
 def through_poses(poses: Array) -> PoseSpline | int | None:
-    """The curve through `poses` (w, 4, 4); None where all are equal.
+    """Return the curve through `poses` (w, 4, 4); None if all are equal.
 
-    Equal neighbours count once. Where the turn between two neighbours is half a revolution there is no short way: then the
-    number of the later one is returned.
+    Equal neighbours count once. If the turn between two neighbours is half a revolution, there is no short
+    way: then the number of the later one is returned.
     """
     quaternions = unit_quaternions(poses[:, :3, :3])
     signs = np.where(np.einsum("ni,ni->n", quaternions[1:], quaternions[:-1]) < 0.0, -1.0, 1.0)
@@ -225,7 +240,9 @@ def through_poses(poses: Array) -> PoseSpline | int | None:
 
 
 def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
-    """Return the turns [rad] between neighbouring poses (N, 3) and (N, 4), and their chords [m], (N - 1,) each."""
+    """Return the turns [rad] between neighbouring poses (N, 3) and (N, 4), and their chords [m], (N - 1,)
+    each.
+    """
     apart = np.linalg.norm(np.diff(quaternions, axis=0), axis=1)
     angles: Array = 4.0 * np.arcsin(np.minimum(apart / 2.0, 1.0))
     chords: Array = np.hypot(np.linalg.norm(np.diff(positions, axis=0), axis=1), TURN_CHORD * angles)
@@ -233,10 +250,10 @@ def _chords(positions: Array, quaternions: Array) -> tuple[Array, Array]:
 
 
 def unit_quaternions(rotations: Array) -> Array:
-    """Unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3); of two signs, one."""
+    """Return unit quaternions x y z w (N, 4) of `rotations` (N, 3, 3), with either sign."""
     r = rotations
     trace = np.trace(r, axis1=1, axis2=2)
-    # four times the products of each part with all parts: the largest part divides
+    # four times the products of each component with all components: divide by the largest for accuracy
     table = np.empty((len(r), 4, 4))
     for i in range(3):
         table[:, i, i] = 1.0 + 2.0 * r[:, i, i] - trace
@@ -251,7 +268,7 @@ def unit_quaternions(rotations: Array) -> Array:
 
 
 def rotations(quaternions: Array) -> Array:
-    """Rotations (N, 3, 3) of unit quaternions x y z w (N, 4)."""
+    """Return rotations (N, 3, 3) of unit quaternions x y z w (N, 4)."""
     x, y, z, w = quaternions.T
     matrix = np.empty((len(quaternions), 3, 3))
     matrix[:, 0] = np.stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)), axis=1)

@@ -1,4 +1,4 @@
-"""A natural cubic spline in joint space through way-points, over the chord length."""
+"""Define a natural cubic spline in joint space through way-points, over the chord length."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from yarclang.hir import Array
 from yarclang.motion.natural import NaturalSpline
 
 _PLACES = 800
-"""How many places of a spline show its bends."""
+"""Number of places that show a spline's bends."""
 
 SAME_PLACE = 1e-12
-"""Way-points nearer than this [rad or m] count once."""
+"""Way-points nearer than this count once [rad or m]."""
 
 
 @frozen(eq=False)
 class SplinePath:
-    """The way-points' natural spline; `prismatic` (n,) says which joints slide."""
+    """The natural spline through way-points; `prismatic` (n,) is True for joints that slide."""
 
     spline: NaturalSpline
     prismatic: NDArray[np.bool_]
@@ -42,46 +42,52 @@ class SplinePath:
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """Never assumed."""
+        """Always False: a spline is never assumed to be straight."""
         return False
 
     @property
     def slope(self) -> Array:
-        """About the steepest slope of each joint over s (n,) [rad or m]."""
+        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
         s = np.linspace(0.0, 1.0, 33)
         slope: Array = np.abs(np.diff(self.joints(s), axis=0)).max(axis=0) * (len(s) - 1)
         return slope
 
     @property
     def places(self) -> Array:
-        """The way-points, and equal distances on each leg between two (k,)."""
+        """The way-points, and places at equal distances on each leg (k,)."""
         knots = self.spline.knots
         between = max(1, _PLACES // (len(knots) - 1))
         inner: Array = knots[:-1, None] + np.diff(knots)[:, None] * np.arange(between) / between
         return inner.ravel()
 
     def joints(self, s: Array) -> Array:
-        """Joint positions (N, n) at `s` (N,)."""
+        """Return joint positions (N, n) at `s` (N,)."""
         return self.spline.at(s)
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Largest distance from where the law is on the path, of prismatic joints [m] and of revolute ones [rad].
+        """Return the largest distance from the places `s` on the path, of prismatic joints [m] and of
+        revolute ones [rad].
 
-        What is early or late along the path counts too: where a spline turns back on itself there is no across.
+        Being early or late along the path counts too: where a spline turns back on itself, there is no
+        direction across it.
         """
         miss = np.abs(q - self.joints(s))
         sliding = self.prismatic
         return float(miss[:, sliding].max(initial=0.0)), float(miss[:, ~sliding].max(initial=0.0))
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """The least and the largest value of each joint (n,) and the s (n,) at which they are taken."""
+        """Return the least and the largest value of each joint (n,), each with its s (n,): least, place,
+        largest, place.
+        """
         return self.spline.extremes()
 
 
 def through(waypoints: Array, prismatic: NDArray[np.bool_]) -> SplinePath:
-    """The natural spline through `waypoints` (w, n) [rad or m], no two neighbours equal, w at least 2.
+    """Return the natural spline through way-points.
 
-    `prismatic` (n,) says which joints slide.
+    Args:
+        waypoints: (w, n) [rad or m], no two neighbours equal, w at least 2.
+        prismatic: (n,) True for joints that slide.
     """
     chords = np.linalg.norm(np.diff(waypoints, axis=0), axis=1)
     knots = np.concatenate(([0.0], np.cumsum(chords)))
@@ -91,7 +97,7 @@ def through(waypoints: Array, prismatic: NDArray[np.bool_]) -> SplinePath:
 
 
 def distinct(waypoints: Array) -> Array:
-    """The way-points (w, n) without those that equal the one before."""
+    """Return the way-points (w, n) without those that equal the one before."""
     keep = np.ones(len(waypoints), dtype=bool)
     keep[1:] = np.linalg.norm(np.diff(waypoints, axis=0), axis=1) > SAME_PLACE
     return waypoints[keep]

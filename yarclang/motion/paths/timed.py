@@ -1,4 +1,4 @@
-"""The path of a timetable: polynomials in time between its rows."""
+"""Define the path of a timetable: polynomials in time between its rows."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.motion.curve import solve_tridiagonal
 from yarclang.transforms import constant
 
 _LOOKED_AT = 8
-"""Places of each piece at which extremes and slopes are looked for."""
+"""Places of each piece at which extremes and slopes are sampled."""
 
 
 @frozen(eq=False)
@@ -18,8 +18,9 @@ class TimedPath:
     """All joints over time, each a polynomial between two rows.
 
     Attributes:
-        times: (m + 1,) at which pieces begin, and the end; the first is 0 [s].
-        pieces: (m, d, n) coefficients of each piece in powers of the time since it began, the constant first [rad or m, per s, ...].
+        times: (m + 1,) the beginnings of the pieces, and the end; the first is 0 [s].
+        pieces: (m, d, n) coefficients of each piece in powers of the time since its beginning, the constant
+            first [rad or m, per s, ...].
         end: (n,) the last position [rad or m].
     """
 
@@ -29,7 +30,7 @@ class TimedPath:
 
     @property
     def start(self) -> Array:
-        """The first position."""
+        """The first position (n,)."""
         start: Array = self.pieces[0, 0]
         return start
 
@@ -40,34 +41,36 @@ class TimedPath:
 
     @property
     def is_straight_in_joints(self) -> bool:
-        """Never assumed."""
+        """Always False: a timetable is never assumed to be straight."""
         return False
 
     @property
     def slope(self) -> Array:
-        """About the steepest slope of each joint over s (n,) [rad or m]."""
+        """The steepest slope of each joint over s, approximately (n,) [rad or m]."""
         slope: Array = np.abs(self.at(self.looked_at, 1)).max(axis=0) * self.duration
         return slope
 
     @property
     def places(self) -> Array:
-        """Where pieces begin, and the end, as shares of the duration (m + 1,)."""
+        """The beginnings of the pieces, and the end, as shares of the duration (m + 1,)."""
         places: Array = self.times / self.duration
         return places
 
     @property
     def looked_at(self) -> Array:
-        """Times (N,) so near to each other that little is missed [s]."""
+        """Times (N,) dense enough to show extremes and slopes [s]."""
         width = np.diff(self.times)[:, None]
         inner = (self.times[:-1, None] + width * np.arange(_LOOKED_AT) / _LOOKED_AT).ravel()
         return np.append(inner, self.times[-1])
 
     def joints(self, s: Array) -> Array:
-        """Joint positions (N, n) at shares `s` (N,) of the duration."""
+        """Return joint positions (N, n) at shares `s` (N,) of the duration."""
         return self.at(s * self.duration)
 
     def at(self, times: Array, order: int = 0) -> Array:
-        """Positions (N, n) at `times` (N,) [s], or derivatives of an order; behind the end it is at rest."""
+        """Return positions (N, n) at `times` (N,) [s], or derivatives of the given order; after the end the
+        joints are at rest.
+        """
         piece = np.clip(np.searchsorted(self.times, times, side="right") - 1, 0, len(self.pieces) - 1)
         since = (np.clip(times, 0.0, self.duration) - self.times[piece])[:, None]
         coefficients = self.pieces
@@ -79,12 +82,16 @@ class TimedPath:
         return value
 
     def deviation(self, q: Array, s: Array) -> tuple[float, float]:
-        """Return the largest distance of joints from where they shall be at the same time, as a length [m] and an angle [rad]: which it is, isn't known here."""
+        """Return the largest distance of joints from their places at the same time, both as a length [m] and
+        as an angle [rad], since the kind of each joint isn't known here.
+        """
         off = float(np.abs(q - self.joints(s)).max(initial=0.0))
         return off, off
 
     def extremes(self) -> tuple[Array, Array, Array, Array]:
-        """The least and the largest value of each joint (n,), nearly, and the s (n,) at which they are taken."""
+        """Return the approximate least and largest value of each joint (n,), each with its s (n,): least,
+        place, largest, place.
+        """
         times = self.looked_at
         q = self.at(times)
         low, high = np.argmin(q, axis=0), np.argmax(q, axis=0)
@@ -92,11 +99,11 @@ class TimedPath:
 
 
 def along(table: Timetable, stands: Array) -> TimedPath:
-    """Return the path of a timetable from where the robot stands.
+    """Return the path of a timetable from the robot's position.
 
     Args:
-        table: the rows; a first one at time 0 is left for `stands`, but for its acceleration.
-        stands: (n,) where the robot stands [rad or m].
+        table: the rows; `stands` replaces a first row at time 0, except for its acceleration.
+        stands: (n,) the robot's position [rad or m].
     """
     begins = int(table.begins)
     times = np.concatenate(([0.0], table.times[begins:]))
@@ -115,7 +122,9 @@ def along(table: Timetable, stands: Array) -> TimedPath:
 
 
 def _clamped(times: Array, q: Array) -> Array:
-    """Return the velocities (k, n) of the cubic spline through positions (k, n) at times (k,) with continuous acceleration that begins and ends at rest."""
+    """Return the velocities (k, n) of the cubic spline through positions (k, n) at times (k,) that begins and
+    ends at rest with continuous acceleration.
+    """
     velocities = np.zeros_like(q)
     if len(q) > 2:
         inverse = 1.0 / np.diff(times)
@@ -127,13 +136,16 @@ def _clamped(times: Array, q: Array) -> Array:
 
 
 def _hermite(width: Array, q: Array, v: Array, a: Array | None) -> Array:
-    """Return the coefficients (m, d, n) of the pieces between rows (m + 1, n), `width` (m, 1) long [s]."""
+    """Return the coefficients (m, d, n) of the pieces between rows (m + 1, n) with durations `width` (m, 1)
+    [s].
+    """
     rise = (q[1:] - q[:-1]) / width
     if a is None:
         bend = (3.0 * rise - 2.0 * v[:-1] - v[1:]) / width
         twist = (v[:-1] + v[1:] - 2.0 * rise) / width**2
         return np.stack((q[:-1], v[:-1], bend, twist), axis=1)
-    # what is left for the powers 3 to 5 behind the position, velocity and acceleration of the first row
+    # with an acceleration: solve for the powers 3 to 5, given position, velocity and acceleration of the
+    # first row
     off = (rise - v[:-1] - a[:-1] * width / 2.0) / width**2
     slower = (v[1:] - v[:-1] - a[:-1] * width) / width**2
     bends = (a[1:] - a[:-1]) / width

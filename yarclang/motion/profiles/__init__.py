@@ -1,1 +1,1 @@
-"""One file a profile; `yarclang.motion.profile` finds them."""
+"""Define profiles, one in each file; `yarclang.motion.profile` finds them."""

@@ -1,9 +1,9 @@
 """LSPB: a linear segment with parabolic blends, each a third of the time.
 
-The law cruises at 1.5 times distance over time, so that a blend takes a third of the time and the acceleration is
-4.5 times distance over time squared. Its acceleration jumps, which no curve with bounded jerk can do: on the
-grid each jump becomes a ramp of whole segments. Duration and cruise speed stay those of the law with the
-blend rounded to segments.
+The law cruises at 1.5 times distance over time, so that a blend takes a third of the time and the
+acceleration is 4.5 times distance over time squared. Its acceleration jumps, which a curve with bounded jerk
+can't follow: on the grid each jump becomes a ramp of whole segments. Duration and cruise speed stay those of
+the law with its blend rounded to segments.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def _pure(u: Array) -> Array:
 
 
 def _forms(segments: int) -> NDArray[np.int64]:
-    """A blend of a third of the segments, and all ramps that it has room for, the steepest first."""
+    """Return a blend of a third of the segments with all ramps for which it has room, the steepest first."""
     blend = max(FEWEST_IN_BLEND, round(segments / 3))
     ramps = np.arange(1, blend // 2 + 1)
     return np.stack((np.full_like(ramps, blend), ramps), axis=1)

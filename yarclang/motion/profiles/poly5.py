@@ -1,4 +1,6 @@
-"""POLY5: the quintic that starts and ends with no velocity and no acceleration, s = 10 u^3 - 15 u^4 + 6 u^5."""
+"""POLY5: the quintic that starts and ends with zero velocity and acceleration, s = 10 u^3 - 15 u^4 + 6
+u^5.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ def _pure(u: Array) -> Array:
 
 
 def _control(segments: int, form: Form) -> Array:  # noqa: ARG001  (a smooth law leaves nothing open)
-    # a cubic B-spline meets s at a knot where its control value is s - h^2 s'' / 6
+    # a cubic B-spline passes through s at a knot if its control value is s - h² s'' / 6
     u = np.arange(segments + 1) / segments
     bend = u * (60.0 + u * (-180.0 + 120.0 * u)) / segments**2
     control = np.empty(segments + 3)

@@ -1,7 +1,7 @@
-"""SCURVE: the jerk-limited law. Acceleration rises and falls in ramps, and ramps, blends and cruise are as long as the
-limits ask for: the shortest time that they allow.
+"""SCURVE: the jerk-limited law.
 
-With a given time, the shape of the shortest one is stretched to it.
+Acceleration rises and falls in ramps. Ramps, blends and cruise are as long as the limits require, which gives
+the shortest time within them. For a given time, the shape of the shortest one is stretched.
 """
 
 from __future__ import annotations
@@ -16,11 +16,13 @@ from yarclang.motion.profile import Form, Law, Profile
 from yarclang.motion.trapezoid import FEWEST_IN_BLEND, trapezoid, trapezoid_strain
 
 _MOST = 96
-"""How many lengths of a blend, and of a ramp, are compared: of more, as many in equal ratios."""
+"""Number of lengths of a blend, and of a ramp, that are compared; longer ranges are sampled in geometric
+progression.
+"""
 
 
 def _pure(u: Array) -> Array:
-    """With ramps and blends as long as they can be: all jerk and no cruise."""
+    """Return the law with ramps and blends as long as possible: full jerk throughout and no cruise."""
     u = np.clip(u, 0.0, 1.0)
     half = np.minimum(u, 1.0 - u)
     rising = np.where(half < 0.25, 16.0 / 3.0 * half**3, 1.0 / 12.0 + _second_quarter(half - 0.25))
@@ -34,7 +36,7 @@ def _second_quarter(w: Array) -> Array:
 
 
 def _lengths(most: int, least: int) -> NDArray[np.int64]:
-    """Whole numbers from `least` to `most`: all, or as many as are compared."""
+    """Return the integers from `least` to `most`: all, or a selection of `_MOST`."""
     if most - least < _MOST:
         return np.arange(least, most + 1)
     return np.unique(np.round(np.geomspace(least, most, _MOST)).astype(np.int64))
@@ -42,7 +44,7 @@ def _lengths(most: int, least: int) -> NDArray[np.int64]:
 
 @lru_cache(maxsize=512)
 def _forms(segments: int) -> NDArray[np.int64]:
-    """All blends and ramps, the longest first: they are nearest to the pure law."""
+    """Return all blends and ramps, the longest first, which are nearest to the pure law."""
     blends = _lengths(segments // 2, FEWEST_IN_BLEND)[::-1]
     forms = [
         np.stack((np.full_like(ramps, blend), ramps), axis=1)

@@ -1,13 +1,15 @@
-"""TOPP: the time-optimal law along the path under the limits of velocity, acceleration and motor speed, by TOPP-RA.
+"""TOPP: the time-optimal law along the path under the limits of velocity, acceleration and motor speed, by
+TOPP-RA.
 
-The acceleration of the law jumps from limit to limit; there is no limit of jerk. On the grid, raw samples of the law are the control
-values: divided differences of samples are averages of derivatives, so what the law keeps the samples keep, and the
-two segments that this takes are all that it costs (Pham and Pham, A New Approach to Time-Optimal Path Parameterization
-based on Reachability Analysis, IEEE T-RO 34, 2018).
+The law's acceleration jumps from limit to limit; there is no limit of jerk. On the grid, raw samples of the
+law are the control values. Divided differences of samples are averages of derivatives, so that the samples
+keep every limit that the law keeps, at the cost of only two segments (Pham and Pham, A New Approach to
+Time-Optimal Path Parameterization based on Reachability Analysis, IEEE T-RO 34, 2018).
 
-The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8), so it gets a path whose numbers are near 1, however short or
-bent the path is: joints in units of acceleration limit times the square of `time`, which is about the duration; and places measured
-by how far the joints have moved. Near a singularity a joint turns half round in a billionth of the way; measured so, that turn is half of the path.
+The solver of TOPP-RA has absolute tolerances (1e-10) and bounds (1e8). It therefore gets a path with numbers
+near 1, however short or bent the path is: joints in units of acceleration limit times the square of `time`,
+which is about the duration, and places measured by the motion of the joints. Near a singularity a joint turns
+half round in a billionth of the path; measured by joint motion, that turn is half of the path.
 """
 
 from __future__ import annotations
@@ -25,40 +27,49 @@ from yarclang.motion.path import Path
 from yarclang.motion.profile import NO_FORM, Form, Law, NoLaw, Profile
 
 _PLACES = 350
-"""Least number of places of the path at which the limits are looked at. Places are the denser the sharper the path bends."""
+"""Least number of places of the path at which limits are checked; the sharper the path bends, the denser they
+are.
+"""
 
 _MOST_PLACES = 1000
 _AROUND = 12
-"""Number of places for each place that shows the path's bends, up to _MOST_PLACES: near a singularity, and on splines, there are more."""
+"""Number of places for each place that shows the path's bends, up to _MOST_PLACES in total: near a
+singularity, and on splines, there are more.
+"""
 
 _FINE = 400
-"""Number of equal parts of the path in which bends are looked for."""
+"""Number of equal parts of the path in which bends are searched for."""
 
 _APART = 1e-9
-"""Least distance of two places, of 1 for the whole path: nearer ones count once."""
+"""Least distance of two places, with 1 for the whole path: nearer ones count once."""
 
 _NO_TIME = 1e-3
-"""Shortest duration [s] for which a law is looked for: in less, every law needs the fewest segments and far less than the limits."""
+"""Shortest duration for which a law is searched for [s]: in less, every law needs the fewest segments and far
+less than the limits.
+"""
 
 _NO_BOUND = 1e5
-"""A bound of the squared speed, and of the acceleration, that is none. The solver's rounding errors grow with it."""
+"""Stands for no bound of the squared speed and of the acceleration; the solver's rounding errors grow with
+it.
+"""
 
 _SAME = 1e-9
-"""Factors that differ by less are the same."""
+"""Factors that differ by less than this count as equal."""
 
 _NO_FACTOR = 1e-12
-"""A joint with smaller factors stands."""
+"""A joint with smaller factors is at rest."""
 
 _SHARE = 0.9998
-"""The share of the limits that the law uses: between the places it may use a little more."""
+"""Share of the limits that the law uses: between the places it may use slightly more."""
 
 
 @frozen(eq=False)
 class _Scaled:
     """A path as TOPP-RA gets it.
 
-    `gone` (N,) are the places, from 0 to 1, at the shares `s` (N,) of the way; `y` (N, n) are the joints there, in `units` (n,) [rad or m], from
-    the start on. `time` [s] is the unit of time, so that all limits of acceleration are 1.
+    `gone` (N,) are the places, from 0 to 1, at the shares `s` (N,) of the path. `y` (N, n) are the joints
+    there, in `units` (n,) [rad or m], relative to the start. `time` [s] is the unit of time, chosen so that
+    all limits of acceleration are 1.
     """
 
     gone: Array
@@ -70,8 +81,10 @@ class _Scaled:
 
 @frozen(eq=False)
 class _Passed:
-    """A law: `times` (N,) [s] and `speed` (N,) [1/s] of the place at the places `gone` (N,), where `s` (N,) of the way is done. Between two of them the
-    acceleration of the place is constant.
+    """A law, as values at places.
+
+    `times` (N,) [s] and `speed` (N,) [1/s] belong to the places `gone` (N,), at the shares `s` (N,) of the
+    path. Between two places the acceleration of `gone` is constant.
     """
 
     times: Array
@@ -88,7 +101,7 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
         return passed
     times, speed, gone = passed.times, passed.speed, passed.gone
     duration = float(times[-1])
-    # never turns back, and a place in a sharp turn stays in it
+    # monotone, so that it never turns back, and a place in a sharp turn stays in it
     share_at = PchipInterpolator(gone, passed.s)
 
     def pure(u: Array) -> Array:
@@ -117,7 +130,7 @@ def _law(path: Path, bounds: Bounds) -> Law | NoLaw:
 
 
 def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
-    """Find the time-optimal law of a path by TOPP-RA, or the place where TOPP-RA gives up."""
+    """Return the time-optimal law of a path by TOPP-RA, or the place where TOPP-RA gives up."""
     import toppra
     from toppra import constraint
 
@@ -129,7 +142,9 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     counts, motor_velocity = bounds.counts * scaled.units, bounds.motor_velocity * scaled.time
 
     class Limits(constraint.LinearConstraint):  # type: ignore[misc]
-        """Limits of acceleration as rows a u + b x + c <= 0 of the place's acceleration u and squared speed x; of velocity as bounds of x."""
+        """Limits of acceleration as rows a u + b x + c <= 0 of the place's acceleration u and squared speed
+        x; limits of velocity as bounds of x.
+        """
 
         def __init__(self) -> None:
             super().__init__()
@@ -145,7 +160,8 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
                 (np.abs(slope @ counts.T) / motor_velocity).max(axis=1),
             )
             most = np.minimum((_SHARE / np.maximum(shares, 1e-12)) ** 2, _NO_BOUND)
-            # at each place, and what it leads to at the next one: x + 2 u times their distance
+            # collocation: the limits at each place, and at the next one, where the squared speed is x + 2 u
+            # times their distance
             a, b = np.tile(slope, 2), np.tile(bend, 2)
             joints = len(velocity)
             b[:-1, joints:] = bend[1:]
@@ -168,7 +184,7 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
     )
     _, speed, _, controllable = instance.compute_parameterization(0.0, 0.0, return_data=True)
     if speed is None:
-        # controllable sets are computed from the end on
+        # controllable sets are computed backwards from the end
         lost = np.flatnonzero(np.isnan(controllable).any(axis=1))
         return NoLaw(float(scaled.s[lost.max(initial=0)]))
     reached = np.isfinite(speed[1:]) & (speed[1:] + speed[:-1] > 0.0)
@@ -180,9 +196,10 @@ def _fastest(path: Path, bounds: Bounds) -> _Passed | NoLaw:
 
 
 def _leave_one(a: Array, b: Array, c: Array) -> None:
-    """Leave one of the limits (N, k) of a place that are the same but for rounding, or for the sign: the solver takes them for contradictory.
+    """Drop all but one of a place's limits (N, k) that are equal up to rounding or sign, which the solver
+    takes for contradictory.
 
-    Where the wrist is straight, joints 4 and 6 turn against each other.
+    If the wrist is straight, joints 4 and 6 turn against each other.
     """
     for one, other in combinations(range(a.shape[1]), 2):
         for sign in (1.0, -1.0):
@@ -212,10 +229,11 @@ def _scaled(path: Path, bounds: Bounds) -> _Scaled | None:
 
 
 def _places(s: Array, y: Array, count: int) -> Array:
-    """Choose `count` + 1 shares of the way, the denser the sharper the path bends and the farther the joints move.
+    """Return `count` + 1 shares of the path, the denser the sharper the path bends and the farther the joints
+    move.
 
     Args:
-        s: shares of the way (M,) at which the path is known.
+        s: shares of the path (M,) at which it is known.
         y: the joints there (M, n), in units.
         count: number of pieces.
     """
@@ -235,8 +253,9 @@ def _places(s: Array, y: Array, count: int) -> Array:
 
 
 def _gone(s: Array, y: Array) -> Array:
-    """Measure how far the joints have moved at shares `s` (N,) of the way, from 0 to 1; the way itself counts half, since all joints stand where a
-    spline turns back.
+    """Return how far the joints have moved at shares `s` (N,) of the path, from 0 to 1.
+
+    The share itself counts half, since all joints are at rest where a spline turns back.
     """
     steps = np.linalg.norm(np.diff(y, axis=0), axis=1)
     gone = np.concatenate(([0.0], np.cumsum(0.5 * steps / steps.sum() + 0.5 * np.diff(s))))
@@ -245,7 +264,7 @@ def _gone(s: Array, y: Array) -> Array:
 
 
 def _apart(gone: Array) -> NDArray[np.intp]:
-    """Choose those of the places (N,) that are apart, the first and the last among them."""
+    """Return the indices of the places (N,) that are apart, including the first and the last."""
     numbers = np.floor(gone / _APART)
     kept = np.flatnonzero(np.diff(numbers, prepend=-1.0))
     kept[-1] = len(gone) - 1

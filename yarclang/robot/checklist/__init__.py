@@ -1,4 +1,4 @@
-"""What is to be looked at before a robot moves: each point with a verdict, what was found, and what to do."""
+"""Check a robot before it moves: each item with a verdict, the observation, and what to do."""
 
 from yarclang.robot.checklist.item import Item, Verdict
 from yarclang.robot.checklist.whole import Checklist, check_robot

@@ -1,4 +1,4 @@
-"""Whether motors, encoders and tolerance fit each other."""
+"""Check that motors, encoders and tolerance fit each other."""
 
 from __future__ import annotations
 
@@ -13,14 +13,16 @@ from yarclang.robot.model import Robot
 from yarclang.units import DEG, MM, MS
 
 EXACT = 1e-9
-"""How far joint positions may be off after counts and back [rad or m]."""
+"""Largest error of joint positions after conversion to counts and back [rad or m]."""
 
 FINE = 0.25
-"""The share of the tolerance that half a count of every motor may take."""
+"""Share of the tolerance that half a count of every motor may use."""
 
 
 def drive_items(robot: Robot) -> Iterator[Item]:
-    """The actuation matrix, the resolution, the motors' speeds, the controller's segments."""
+    """Yield the items about the actuation matrix, the resolution, the motors' speeds and the controller's
+    segments.
+    """
     yield _invertible(robot)
     yield _resolution(robot)
     yield _speeds(robot)
@@ -46,7 +48,7 @@ def _invertible(robot: Robot) -> Item:
 
 
 def _resolution(robot: Robot) -> Item:
-    """What half a count of all motors together moves the tool, at most."""
+    """Compare the tolerance with the largest tool motion that half a count of all motors together causes."""
     half = 0.5 * np.abs(joints_per_count(robot)).sum(axis=1)
     frame = robot.flange_from_frame.get("TCP", np.eye(4))
     radii = reach_radii(robot.chain, robot.limits, frame)
@@ -64,7 +66,7 @@ def _resolution(robot: Robot) -> Item:
 
 
 def _speeds(robot: Robot) -> Item:
-    """What the motors need when joints go at their limits, each alone and all together."""
+    """Compare the motors' speeds with those that joints need at their limits, each alone and all together."""
     needed = np.abs(counts_per_joint(robot)) * robot.limits.velocity
     alone, together = needed.max(axis=1), needed.sum(axis=1)
     have = robot.actuation.velocity

@@ -1,4 +1,4 @@
-"""Whether the arm's geometry is right, and what it means for programs."""
+"""Check the arm's geometry, and report its consequences for programs."""
 
 from __future__ import annotations
 
@@ -20,25 +20,27 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 POSES = 500
-"""Joint positions, spread over the limits, at which kinematics are tried."""
+"""Number of joint positions, spread over the limits, at which kinematics are checked."""
 
 EXACT = 1e-9
-"""How far forward kinematics may be from Pinocchio's [m, rad]."""
+"""Largest deviation of forward kinematics from Pinocchio [m, rad]."""
 
 SOLVED = 0.99
-"""The share of poses that the search has to solve."""
+"""Share of the poses that the search must solve."""
 
 DIRECTIONS = np.vstack([np.eye(3), -np.eye(3)])
-"""Straight lines of fixed orientation that are tried from a place: along and against each axis of {B}."""
+"""Directions of straight lines of fixed orientation that are tried from a place: along and against each axis
+of {B}.
+"""
 
 PLACES = 2
-"""Places from which all lines should be followed."""
+"""Number of places from which all lines should be followed."""
 
 TRIED = 8
-"""Places from which lines are tried at most, best ones first."""
+"""The largest number of places from which lines are tried, the best ones first."""
 
 MIDDLE = 0.25
-"""Of all positions, the share nearest to the middle of the workspace: lines begin there."""
+"""Share of all positions, nearest to the middle of the workspace, at which lines begin."""
 
 LINE = 0.1
 """Length of a line, as a share of the arm's length."""
@@ -47,23 +49,23 @@ ROOM = 0.7
 """A joint this far from its limits [rad or m] has all the room that a line needs."""
 
 STRAIGHT = 0.01
-"""A smallest singular value below this is near a singularity."""
+"""Smallest singular value below which a position counts as near a singularity."""
 
 USUAL_SIZE = (0.05, 10.0)
-"""How long an arm is [m]."""
+"""Usual length of an arm, from and to [m]."""
 
 LONG_TOOL = 2.0
-"""A tool longer than this [m] is a mistake in the unit."""
+"""A tool longer than this [m] indicates a wrong unit."""
 
 SHORT_TOOL = 5e-3
-"""A way shorter than this [m] doesn't say where the tool leads."""
+"""A distance shorter than this [m] doesn't determine the tool's direction."""
 
 ALONG = 0.9
-"""Cosine of the angle between z of TCP and the tool, above which one leads along the other."""
+"""Cosine of the angle between z of TCP and the tool, above which one points along the other."""
 
 
 def geometry_items(robot: Robot) -> Iterator[Item]:
-    """Units, kinematics forward and back, HOME, reach, frames."""
+    """Yield the items about units, forward and inverse kinematics, HOME, reach and frames."""
     size = arm_length(robot.chain, np.eye(4))
     if USUAL_SIZE[0] <= size <= USUAL_SIZE[1]:
         yield Item("units", "ok", f"the flange gets up to {size:.3g} m from the first axis")
@@ -113,7 +115,7 @@ def _method(robot: Robot) -> Item:
 
 
 def _forward(robot: Robot, q: Array) -> Item:
-    """Our poses against Pinocchio's own, of the whole URDF."""
+    """Compare our poses with Pinocchio's own, of the whole URDF."""
     ours, theirs = flange_poses(robot.chain, q), pinocchio_poses(robot, q)
     miss = float(np.abs(ours - theirs).max())
     if miss <= EXACT:
@@ -124,7 +126,9 @@ def _forward(robot: Robot, q: Array) -> Item:
 
 
 def pinocchio_poses(robot: Robot, q: Array) -> Array:
-    """base_from_flange (N, 4, 4) by a loop over Pinocchio's forward kinematics, all other joints at 0."""
+    """Return base_from_flange (N, 4, 4) by a loop over Pinocchio's forward kinematics, with all other joints
+    at 0.
+    """
     import pinocchio as pin
 
     from yarclang.robot.library import DESCRIPTION
@@ -140,7 +144,7 @@ def pinocchio_poses(robot: Robot, q: Array) -> Array:
     for row, values in enumerate(q):
         full = pin.neutral(model)
         for joint, value in zip(joints, values, strict=True):
-            # a continuous joint is a cosine and a sine there
+            # Pinocchio stores a continuous joint as a cosine and a sine
             full[joint.idx_q : joint.idx_q + joint.nq] = (
                 value if joint.nq == 1 else (np.cos(value), np.sin(value))
             )
@@ -169,12 +173,14 @@ def _back(robot: Robot, q: Array) -> Item:
 
 
 def _lines(robot: Robot, q: Array) -> Item:
-    """Straight lines at fixed orientations, followed as the planner does, from positions that a person would choose."""
+    """Follow straight lines of fixed orientation as the planner does, from positions that a person would
+    choose.
+    """
     length = LINE * arm_length(robot.chain, np.eye(4))
     starts = _roomy(robot, q)[:TRIED]
     whole = 0
     best, most = starts[0], np.zeros(len(DIRECTIONS), dtype=bool)
-    # arms with room pass at the first places; the others' are looked at together
+    # arms with room pass at the first places; for others, all remaining places are tried together
     for group in (starts[:PLACES], starts[PLACES:]):
         if whole == PLACES or not len(group):
             break
@@ -207,7 +213,7 @@ def _lines(robot: Robot, q: Array) -> Item:
 
 
 def _roomy(robot: Robot, q: Array) -> Array:
-    """Return positions in the middle of the workspace, those first that are farthest from singularities and limits."""
+    """Return positions in the middle of the workspace, those farthest from singularities and limits first."""
     points = flange_poses(robot.chain, q)[:, :3, 3]
     far = np.linalg.norm(points, axis=1)
     middle = np.argsort(np.abs(far - np.median(far)), kind="stable")[: max(1, round(MIDDLE * len(q)))]
@@ -221,14 +227,20 @@ def _roomy(robot: Robot, q: Array) -> Array:
 
 
 def _followed(robot: Robot, starts: Array, length: float) -> NDArray[np.bool_]:
-    """Return which lines of a length [m] are followed, (K, 6), from where the flange is at each of `starts` (K, n)."""
+    """Return a mask (K, 6) of the lines that can be followed.
+
+    Args:
+        robot: the robot, n joints.
+        starts: (K, n) joint positions [rad or m], where the lines begin.
+        length: of the lines [m].
+    """
     paths = [_line(robot, start, way * length) for start in starts for way in DIRECTIONS]
     each = np.repeat(starts, len(DIRECTIONS), axis=0)
     return followed(robot.chain, robot.limits, paths, each).reshape(-1, len(DIRECTIONS))
 
 
 def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
-    """Return the path of a line from where the flange is at `q` (n,) by `way` (3,) [m]."""
+    """Return the path of a line from the flange's place at `q` (n,) along `way` (3,) [m]."""
     start = flange_poses(robot.chain, q[None])[0]
 
     def pose_at(s: Array) -> Array:
@@ -240,7 +252,7 @@ def _line(robot: Robot, q: Array, way: Array) -> PathPoses:
 
 
 def _why(robot: Robot, end: Broken, length: float) -> str:
-    """Say where a line ends, and of what."""
+    """Return the place at which a line ends, and the reason."""
     place = f"ends after {end.s * length / MM:.0f} mm"
     if end.joint is None:
         return f"{place} (out of reach, or at a singularity)"
@@ -296,7 +308,9 @@ def _frames(robot: Robot) -> Iterator[Item]:
 
 
 def tool_axis(robot: Robot) -> Iterator[Item]:
-    """Which way z of TCP leads, seen from where the tool is mounted: places of PICKPLACE and PALLET depend on it."""
+    """Yield the item about the direction of z of TCP relative to the tool: places of PICKPLACE and PALLET
+    depend on it.
+    """
     out = _outwards(robot)
     if out is None:
         return
@@ -315,8 +329,11 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
 
 
 def _outwards(robot: Robot) -> Array | None:
-    """Return the direction out of the arm (3,) in {B}, all joints at 0: from FLANGE to TCP; without a tool, along the last
-    axis from the joint before.
+    """Return the direction out of the arm (3,) in {B} with all joints at 0, or None if it can't be
+    determined.
+
+    It is from FLANGE to TCP; without a tool, from the axis of the joint before the last one to the flange,
+    along the last axis if the last joint turns.
     """
     frame = robot.flange_from_frame.get("TCP")
     if frame is None:

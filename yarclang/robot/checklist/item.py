@@ -1,4 +1,4 @@
-"""A point of the checklist."""
+"""Define an item of the checklist."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ Verdict = Literal["ok", "note", "to do"]
 
 @frozen
 class Item:
-    """One point: `subject` is what was looked at, `found` one sentence with figures, `remedy` what to do.
+    """One item: `subject` is what was checked, `found` one sentence with figures, `remedy` what to do.
 
-    A `note` is fine as it is but worth knowing; `to do` isn't.
+    A `note` is acceptable but worth knowing; `to do` has to be corrected.
     """
 
     subject: str
@@ -24,5 +24,5 @@ class Item:
 
 
 def listed(names: Sequence[str], most: int = 6) -> str:
-    """Names with commas, the last of a long list left out."""
+    """Return names with commas; those after the first `most` are only counted."""
     return ", ".join(names[:most]) + (f" and {len(names) - most} more" if len(names) > most else "")

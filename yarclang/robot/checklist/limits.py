@@ -1,4 +1,4 @@
-"""Whether the limits of the joints are those of an arm."""
+"""Check that the limits of the joints are plausible for an arm."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from yarclang.robot.model import REDUCED_SPEED, Array, Robot
 from yarclang.units import MM
 
 USUAL_SPEED = {"deg": (1.0, 1500.0), "mm": (1.0, 5000.0)}
-"""Velocity limits of arms [deg/s, mm/s]."""
+"""Usual velocity limits of arms, from and to [deg/s, mm/s]."""
 
 USUAL_RISE = (0.02, 3.0)
-"""The time in which an arm's joint reaches its velocity limit [s]."""
+"""Usual time in which a joint reaches its velocity limit, from and to [s]."""
 
 USUAL_EASE = (0.004, 2.0)
-"""The time in which it reaches its acceleration limit [s]."""
+"""Usual time in which a joint reaches its acceleration limit, from and to [s]."""
 
 USUAL_TRAVEL = {"deg": (5.0, 1440.0), "mm": (5.0, 20_000.0)}
-"""How far a joint goes [deg, mm]."""
+"""Usual range of a joint, from and to [deg, mm]."""
 
 
 def limit_items(robot: Robot) -> Iterator[Item]:
-    """Position, velocity, acceleration, jerk, and joints without end stops."""
+    """Yield the items about position, velocity, acceleration, jerk, stops, jogs, and joints without end
+    stops.
+    """
     limits, units = robot.limits, robot.axis_units
     travel = (limits.upper - limits.lower) / units
     usual = [USUAL_TRAVEL[unit] for unit in robot.axis_unit_names]

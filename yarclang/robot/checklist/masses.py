@@ -1,4 +1,4 @@
-"""Whether motions are held against the motors' efforts, and what the arm needs to stand."""
+"""Check if motions are compared with the motors' efforts, and compute what the arm needs to hold itself."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Dynamics, Robot
 
 POSITIONS = 500
-"""Joint positions, spread over the limits, in which the arm is held."""
+"""Number of joint positions, spread over the limits, in which the arm is held."""
 
 
 def mass_items(robot: Robot) -> Iterator[Item]:
-    """Masses, efforts, and the largest torques of an arm that stands."""
+    """Yield the item about masses, efforts, and the largest torques of an arm at rest."""
     dynamics = robot.dynamics
     if dynamics is None:
         return
@@ -41,7 +41,7 @@ def mass_items(robot: Robot) -> Iterator[Item]:
 
 
 def _reason(robot: Robot, dynamics: Dynamics) -> str:
-    """Why nothing is checked; empty where it is."""
+    """Return the reason why torques aren't checked; empty if they are."""
     if not dynamics.wanted:
         return "robot.toml says so"
     light = dynamics.mass <= 0.0

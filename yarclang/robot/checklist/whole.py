@@ -1,4 +1,4 @@
-"""All points of the checklist, in order."""
+"""Run all items of the checklist in order."""
 
 from __future__ import annotations
 
@@ -22,23 +22,23 @@ from yarclang.toml.reading import read_text
 
 @frozen(eq=False)
 class Checklist:
-    """The points, and the robot, or None where its files can't be read."""
+    """The items of a checklist, and the robot, or None if its files can't be read."""
 
     robot: Robot | None
     items: tuple[Item, ...]
 
     @property
     def to_do(self) -> int:
-        """How many points are still to do."""
+        """The number of items that have to be corrected."""
         return sum(item.verdict == "to do" for item in self.items)
 
 
 def check_robot(name_or_path: str, *further: Callable[[Robot], Iterator[Item]]) -> Checklist:
-    """Goes through all points for a robot of the library, a robot.toml or a folder with one.
+    """Check all items for a robot of the library, a robot.toml or a folder with one.
 
     Args:
-        name_or_path: which robot.
-        further: points of rooms above this one.
+        name_or_path: the robot.
+        further: functions that yield the items of higher layers.
     """
     loaded = load_robot(name_or_path)
     items = [_finding(finding) for finding in loaded.diagnostics]

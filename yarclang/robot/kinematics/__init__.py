@@ -1,8 +1,9 @@
-"""Kinematics of serial arms: forward, inverse, along a path. Whole arrays at a time, SI units.
+"""Compute kinematics of serial arms: forward, inverse, along a path. Whole arrays at a time, SI units.
 
-`fk` has the poses and Jacobians. `nearest_solutions` is for one pose and a robot's limits, `track`
-follows a path, `follow` finds the exact joint positions of many samples next to seeds, `branches` has
-all solutions, `reaching` finds any joint positions for many poses. `nearness` tells how near a singularity is.
+`fk` computes poses and Jacobians. `nearest_solutions` solves one pose within a robot's limits, `track`
+follows a path, `follow` finds the exact joint positions of many samples near seeds, `branches` returns
+all solutions, `reaching` finds some joint positions for many poses. `nearness` measures the distance from a
+singularity.
 """
 
 from yarclang.robot.kinematics.fk import flange_poses, poses_and_jacobians, tool_poses

@@ -1,7 +1,8 @@
-"""Another way along a path for an arm with more joints than a pose needs: the same poses, with less of some cost.
+"""Search for other ways along a path for a redundant arm: the same poses, at less of some cost.
 
-The whole path is moved at once through the null spaces of its samples, as an elastic band: downhill of the cost, smoothed along the path, and back
-onto the poses by iteration (as CHOMP does: Zucker et al., IJRR 32(9-10), 2013). So a joint begins to move long before the place where that counts.
+The whole path is moved at once through the null spaces of its samples, like an elastic band: downhill of the
+cost, smoothed along the path, and brought back onto the poses by iteration (as in CHOMP: Zucker et al., IJRR
+32(9-10), 2013). A joint therefore begins to move long before the place where its motion is needed.
 """
 
 from __future__ import annotations
@@ -20,31 +21,35 @@ from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
 FEWEST, MOST = 33, 257
-"""Samples of a path."""
+"""The smallest and the largest number of samples of a path."""
 
 MOVE = 0.05
-"""How far a joint moves from sample to sample on the way as it was, about [rad or m] ..."""
+"""Typical motion of a joint between two samples of the known way [rad or m]."""
 
 FARTHEST = 0.15
-"""... and at most on the way that is found: `Track` allows 0.2."""
+"""Largest motion of a joint between two samples of a way that is found [rad or m]; `Track` allows 0.2."""
 
 PROBE = 0.01
-"""How far to both sides the cost is asked [rad, or m by weights]."""
+"""Distance to either side at which the cost is evaluated [rad, or m by weights]."""
 
 LARGEST, SMALLEST = 0.15, 0.004
-"""The steps that are tried [rad, or m by weights]."""
+"""The largest and the smallest step that is tried [rad, or m by weights]."""
 
 ROUNDS = 30
-"""The most steps from one start."""
+"""The largest number of steps from one start."""
 
 NUDGE, NUDGES = 0.2, 4
-"""A start besides the path itself is moved to one side by so many steps of this size [rad, or m by weights]."""
+"""Size [rad, or m by weights] and number of the steps by which a start is moved to one side of the path."""
 
 MOST_ASKED = 8500
-"""Joint positions that are put onto the path, or whose cost is asked, for one path at most, about: 0.2 s among bodies. What then isn't found isn't looked for any more."""
+"""Approximate limit on the joint positions that are put onto one path or whose cost is evaluated: 0.2 s among
+bodies. The search ends there.
+"""
 
 STIFF = 0.01
-"""How much the band resists being bent, against being stretched [squares of the path's length]."""
+"""Resistance of the band to bending, relative to its resistance to stretching [squares of the path's
+length].
+"""
 
 Cost = Callable[[Array], Array]
 
@@ -52,16 +57,18 @@ Cost = Callable[[Array], Array]
 def bent(
     chain: Chain, limits: Limits, pose_at: Callable[[Array], Array], followed: Track, cost: Cost
 ) -> Iterator[Track]:
-    """Yield ways along a path with the same start, within limits, of less cost than the one known: first what is downhill of that, then what is beside it.
+    """Yield ways along a path with the same start, within limits, that cost less than the known one.
 
-    None is asked for before somebody wants it. An arm without a spare joint has none.
+    The first is downhill of the known way, the others start to one side of it. Each is computed only when it
+    is requested. An arm with six joints or fewer yields none.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
         pose_at: base_from_flange (N, 4, 4) for path places (N,).
-        followed: the way that is known.
-        cost: of joint positions (N, n), (N,); 0 where there is nothing to win, never negative.
+        followed: the known way.
+        cost: maps joint positions (N, n) to costs (N,), which are never negative; 0 where nothing can be
+            gained.
     """
     if chain.size <= 6:
         return
@@ -81,7 +88,7 @@ def bent(
 
 
 class _Band:
-    """Joint positions at the samples of one path."""
+    """Joint positions at the samples of one path, moved as an elastic band."""
 
     __slots__ = ("_cost", "asked", "chain", "high", "limits", "low", "poses", "scale", "smooth", "start")
 
@@ -93,7 +100,7 @@ class _Band:
         self.start = followed.q[0]
         self.scale = weights(chain, limits) / np.pi
         self.smooth = _smoothing(len(s))
-        # no nearer to limits than before, or clear of them
+        # keep clear of the limits, except where the known way comes nearer to them
         low, high = clear_of_limits(limits, self.start)
         self.low = np.maximum(np.minimum(low, followed.q.min(axis=0)), limits.lower)
         self.high = np.minimum(np.maximum(high, followed.q.max(axis=0)), limits.upper)
@@ -104,7 +111,11 @@ class _Band:
         return self._cost(q)
 
     def onto(self, q: Array) -> Array | None:
-        """Return joint positions (M, n) next to some that stand at the poses, with the path's start; None where that can't be without jumps or within limits."""
+        """Return the joint positions (M, n) near `q` (M, n) that stand at the poses, with the path's own
+        start.
+
+        None if they miss a pose, jump between two samples, or leave the limits.
+        """
         self.asked += len(q)
         found = fit(self.chain, self.poses, q, lower=self.low, upper=self.high, rounds=15)
         placed = found.q
@@ -119,7 +130,7 @@ class _Band:
         return placed
 
     def relaxed(self, q: Array) -> Array:
-        """Return joint positions (M, n) downhill of some."""
+        """Return joint positions (M, n) of lower cost, found by gradient descent from `q` (M, n)."""
         costs, step = self.cost(q), LARGEST
         for _ in range(ROUNDS):
             go_on()
@@ -140,7 +151,16 @@ class _Band:
         return q
 
     def beside(self, q: Array, number: int) -> Array | None:
-        """Return joint positions (M, n) to one side of some, the later ones farther: side `number` from 1; None where there are none."""
+        """Return joint positions (M, n) to one side of `q` (M, n); the displacement grows along the first
+        third.
+
+        Args:
+            q: the joint positions at the samples.
+            number: the side, from 1: each spare direction has two.
+
+        Returns:
+            The positions after as many nudges as stay on the poses; None if there is none.
+        """
         direction, sign = (number - 1) // 2, 1.0 if number % 2 else -1.0
         share = np.minimum(np.linspace(0.0, 3.0, len(q)), 1.0)[:, None]
         before: Array | None = None
@@ -148,7 +168,7 @@ class _Band:
         for _ in range(NUDGES):
             ways = null_spaces(self.chain, q, self.scale)
             way = ways[:, direction].copy()
-            # one sense all along, and the one of the step before
+            # null vectors have no sign: keep one along the path, and that of the nudge before
             for place in range(1, len(way)):
                 along = ways[place].T @ (ways[place] @ way[place - 1])
                 way[place] = along / max(float(np.linalg.norm(along)), 1e-9)
@@ -162,9 +182,12 @@ class _Band:
         return moved
 
     def _downhill(self, q: Array, costs: Array) -> Array:
-        """Return the way (M, n) downhill of the costs (M,) through the null spaces, smoothed along the path [rad, or m by weights]."""
+        """Return the direction (M, n) in which the costs (M,) fall, within the null spaces and smoothed along
+        the path [rad, or m by weights].
+        """
         null = null_spaces(self.chain, q, self.scale)
         at = np.flatnonzero(costs > 0.0)
+        # the gradient by central differences, along each null vector
         aside = PROBE * null[at] * self.scale
         sides = np.stack((q[at, None] + aside, q[at, None] - aside))
         over, under = self.cost(sides.reshape(-1, self.chain.size)).reshape(sides.shape[:3])
@@ -172,12 +195,17 @@ class _Band:
         way[at] = np.einsum("ak,akn->an", under - over, null[at])
         way[0] = 0.0
         way[1:] = self.smooth @ way[1:]
+        # smoothing has left the null spaces: project back onto them
         smoothed: Array = np.einsum("akn,ak->an", null, np.einsum("akn,an->ak", null, way))
         return smoothed
 
 
 def _smoothing(count: int) -> Array:
-    """Return the matrix (count - 1, count - 1) that spreads what is wanted at the samples after the first along the path, as a stiff band held at its start does."""
+    """Return the matrix (count - 1, count - 1) that smooths a displacement of the samples after the first.
+
+    It is the response of a stiff band that is held at its start: the inverse of the stiffness for stretching
+    (first differences) and bending (second differences).
+    """
     width = 1.0 / (count - 1)
     slope = (np.eye(count - 1) - np.eye(count - 1, k=-1)) / width
     bend = np.diff(slope, axis=0) / width

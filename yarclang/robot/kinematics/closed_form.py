@@ -1,8 +1,9 @@
-"""All eight solutions of an arm with a spherical wrist, or with three parallel axes, for whole batches.
+"""Compute all eight solutions of an arm with a spherical wrist or with three parallel axes, for whole
+batches.
 
-The samples are the last index, the branches the one before: (shoulder 2, elbow 2) for the
-arm, (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both legs, so
-that they stay accurate where a solution is about to vanish or two are about to meet.
+The last index of each array counts the samples, the index before it the branches: (shoulder 2, elbow 2) for
+the arm, with (wrist 2) in front of them for the wrist. Angles come from half-angle formulas and atan2 of both
+legs, so that they stay accurate near a boundary, where a solution vanishes or two meet.
 """
 
 from __future__ import annotations
@@ -18,21 +19,26 @@ from yarclang.robot.kinematics.wrist import HOLD, REACH_TOLERANCE, TURN, held, w
 from yarclang.robot.model import Array
 
 BLOCK = 512
-"""Poses in one block, so that eight branches of them stay in the second-level cache."""
+"""Poses in one block, so that their eight branches stay in the second-level cache."""
 
 
 def free_joints(arm: Form) -> tuple[int, int]:
-    """Return the joints that a singularity frees: q1 with the wrist centre over axis 1, and at a straight wrist q4; with three parallel axes q6, if the last axis is parallel to them."""
+    """Return the joints whose angles a singularity leaves free.
+
+    The first is q1, free if the wrist centre is on axis 1. The second is q4, free if the wrist is straight;
+    with three parallel axes it is q6, free if the last axis is parallel to them.
+    """
     return (0, 3) if isinstance(arm, WristedArm) else (0, 5)
 
 
 @frozen(eq=False)
 class Branches:
-    """The closed form's answer, samples last.
+    """The answer of the closed form, samples last.
 
-    `q` (6, 8, N) [rad] in (-pi, pi]; where a branch doesn't reach the pose (`valid` (8, N) is false) it
-    has the pose that stretches towards it. `free` (2, 8, N): the wrist centre over axis 1, or the straight wrist, no longer
-    determines its angle, and the held one stands in.
+    `q` (6, 8, N) [rad] is in (-pi, pi]. A branch that doesn't reach the pose has `valid` (8, N) false and
+    holds the joint positions that stretch towards the pose. `free` (2, 8, N) is true where q1 (the wrist
+    centre is on axis 1) or the wrist's angle (the wrist is straight) isn't determined by the pose; the held
+    value is used.
     """
 
     q: Array
@@ -48,13 +54,14 @@ class Branches:
 
 
 def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
-    """All branches of all poses.
+    """Compute all branches of all poses.
 
     Args:
         arm: the arm's constants.
         base_from_flange: (N, 4, 4).
-        hold: (6, N) or (6, 1), the joint positions that q1 over the shoulder and q4 at a
-            straight wrist (of parallel axes: the sum of their angles) are taken from [rad].
+        hold: (6, N) or (6, 1) [rad], the joint positions from which q1 is taken if the wrist centre is on
+            axis 1, and q4 if the wrist is straight. With three parallel axes, the sum of their angles is
+            taken from `hold` instead of q4.
 
     Returns:
         The branches; the index is 4 wrist + 2 shoulder + elbow.
@@ -72,7 +79,7 @@ def closed_form(arm: Form, base_from_flange: Array, hold: Array) -> Branches:
 
 
 def _block(arm: Form, poses: Array, hold: Array) -> Branches:
-    """The closed form of one block of poses."""
+    """Compute the closed form of one block of poses."""
     if isinstance(arm, ParallelArm):
         return _parallel_block(arm, poses, hold)
     count, columns = len(poses), _columns(arm, poses)
@@ -80,7 +87,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     sin1, cos1 = np.sin(q1), np.cos(q1)
     q2, q3, reached = _elbow(arm, columns[3], sin1, cos1)
     reached = reached & over.reached
-    # the wrist's rotation that the arm leaves over, rows first: (3, 3, shoulder 2, elbow 2, N)
+    # the rotation that is left for the wrist, rows first: (3, 3, shoulder 2, elbow 2, N)
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
     turned: Array = np.empty((3, 3, 2, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
@@ -102,6 +109,7 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
     q[2] = q3 * arm.elbow_sign
     q = q.reshape(6, 8, count)
     q[3:] = wrist.reshape(3, 8, count)
+    # wrap to (-pi, pi]
     q -= TURN * np.round(q * (1.0 / TURN))
     valid = np.empty((2, 4, count), bool)
     valid[:] = np.repeat(reached, 2, axis=0) & bendable
@@ -111,11 +119,11 @@ def _block(arm: Form, poses: Array, hold: Array) -> Branches:
 
 
 def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
-    """Return the closed form of one block of poses for an arm with three parallel axes."""
+    """Compute the closed form of one block of poses for an arm with three parallel axes."""
     count, columns = len(poses), _columns(arm, poses)
     q1, over = _shoulder(arm, columns[3], hold[0])
     sin1, cos1 = np.sin(q1), np.cos(q1)
-    # the turns about the parallel axes, and axes 5 and 6: (3, 3, shoulder 2, N)
+    # the rotation that is left for the parallel axes together and axes 5 and 6: (3, 3, shoulder 2, N)
     rows = columns[:3].transpose(1, 0, 2)[:, :, None]
     turned: Array = np.empty((3, 3, 2, count))
     turned[0] = cos1 * rows[0] + sin1 * rows[1]
@@ -123,9 +131,9 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
     turned[2] = rows[2]
     turned = ((arm.shoulder[:3, :3] @ arm.wrist).T @ turned.reshape(3, -1)).reshape(3, 3, 2, count)
     together = hold[1] + arm.elbow_sign * hold[2] + arm.hand_sign * hold[3]
-    # the frame with x across axis 5 is turned with the parallel axes: its own turn at zero is none
+    # axis 2 stands for axis 4 of a wrist; its zero is in `arm.wrist`, so `together` needs no offset
     wrist, bendable, straight = wrist_angles(arm, turned, together)
-    # axis 4, seen in frame 2: (wrist 2, shoulder 2, N)
+    # subtract the hand: x and y of axis 4 in frame 2, (wrist 2, shoulder 2, N)
     sin, cos = np.sin(wrist[0]), np.cos(wrist[0])
     x, y = _in_plane(arm, columns[3], sin1, cos1)
     x = x - (cos * arm.hand[0] - sin * arm.hand[1])
@@ -147,7 +155,9 @@ def _parallel_block(arm: ParallelArm, poses: Array, hold: Array) -> Branches:
 
 
 def _columns(arm: Form, poses: Array) -> Array:
-    """Return the wrist's axes and, as the fourth, its centre (4, 3, N), in the axes of the first joint, for base_from_flange (N, 4, 4)."""
+    """Return the wrist's axes and, as the fourth column, its centre (4, 3, N), in the first joint's frame,
+    for base_from_flange (N, 4, 4).
+    """
     columns: Array = np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
     columns = (arm.flange_from_wrist.T @ columns.reshape(4, -1)).reshape(4, 3, len(poses))
     columns = np.matmul(arm.first_from_base[:3, :3], columns)
@@ -156,13 +166,13 @@ def _columns(arm: Form, poses: Array) -> Array:
 
 
 def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], bent: Array) -> Array:
-    """Return the wrist's rotation (3, 3, 1, N) that an arm leaves over.
+    """Return the rotation (3, 3, 1, N) that joints 1 to 3 leave for the wrist.
 
     Args:
         arm: the arm's constants.
-        columns: as of `_columns`.
+        columns: as returned by `_columns`.
         turned_by: sine and cosine of q1, (N,) each.
-        bent: q2 and q3 together (N,) [rad].
+        bent: the sum of q2 and q3 (N,) [rad], about axis 2.
     """
     count, rows = len(bent), columns[:3].transpose(1, 0, 2)
     turned: Array = np.empty((3, 3, count))
@@ -183,7 +193,7 @@ def _left_over(arm: WristedArm, columns: Array, turned_by: tuple[Array, Array], 
 def one_branch(
     arm: Form, base_from_flange: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """Return one branch of all poses, to the last bit as of `closed_form`, in less time.
+    """Compute one branch of all poses: the same bits as `closed_form` returns, in less time.
 
     Args:
         arm: the arm's constants.
@@ -191,8 +201,9 @@ def one_branch(
         branch: 4 wrist + 2 shoulder + elbow.
 
     Returns:
-        Joint positions (6, N) [rad], where they reach the poses (N,), and where an angle of any branch is free (N,): where one is, `closed_form` holds it, and the
-        positions mean nothing.
+        Joint positions (6, N) [rad]; a mask (N,) of the poses that they reach; and a mask (N,) of the poses
+        at which an angle of any branch is free. Positions at the latter mean nothing: use `closed_form`,
+        which holds free angles.
     """
     if isinstance(arm, ParallelArm):
         found = closed_form(arm, base_from_flange, np.zeros((6, 1)))
@@ -223,19 +234,20 @@ def one_branch(
 def _is_straight(
     arm: WristedArm, axis: Array, turned_by: tuple[Array, Array], bent: Array
 ) -> NDArray[np.bool_]:
-    """Return True (N,) where the wrist of any branch is straight, or all but straight.
+    """Return a mask (N,) of the poses at which the wrist of any branch is straight or nearly straight.
 
     Args:
         arm: the arm's constants.
         axis: the last axis (3, N), in the axes of the first joint.
         turned_by: sine and cosine of q1, (shoulder 2, N) each.
-        bent: q2 and q3 together (shoulder 2, elbow 2, N) [rad].
+        bent: the sum of q2 and q3 (shoulder 2, elbow 2, N) [rad].
     """
     sin, cos = turned_by
     turned = np.stack((cos * axis[0] + sin * axis[1], cos * axis[1] - sin * axis[0], axis[2] + 0.0 * sin))
     turned = (arm.shoulder[:3, :3].T @ turned.reshape(3, -1)).reshape(3, 2, 1, -1)
     sin, cos = np.sin(bent), np.cos(bent)
     along, aside = cos * turned[0] + sin * turned[1], cos * turned[1] - sin * turned[0]
+    # the last axis across axis 4: its length is the sine of the angle between the two
     x, y = (one * along + other * aside + third * turned[2] for one, other, third in arm.wrist.T[:2])
     found: NDArray[np.bool_] = (x * x + y * y < (11.0 * HOLD) ** 2).any(axis=(0, 1))
     return found
@@ -243,18 +255,24 @@ def _is_straight(
 
 @frozen
 class _Over:
-    """Where the wrist centre stands against axis 1: can the shoulder reach it, is it over the axis (N,)."""
+    """Masks (N,) for the wrist centre: `reached` if the shoulder can turn to it, `singular` if it is on axis
+    1.
+    """
 
     reached: NDArray[np.bool_]
     singular: NDArray[np.bool_]
 
 
 def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
-    """q1 (2, N): the turns that bring the wrist centre (3, N) into the arm's plane (subproblem 4)."""
+    """Return q1 (2, N), the turns that bring the wrist centre (3, N) into the arm's plane, with their masks.
+
+    This is subproblem 4 of IK-Geo: the centre's component along axis 2 must be `arm.depth`.
+    """
     axis, origin = arm.shoulder[:3, 2], arm.shoulder[:3, 3]
     lean = math.hypot(axis[0], axis[1])
     radius = np.hypot(centre[0], centre[1])
     side = ((arm.depth + axis @ origin) - axis[2] * centre[2]) / lean
+    # (radius - |side|) (radius + |side|) is the squared other leg, without cancellation
     slack = radius - np.abs(side)
     spread = np.arctan2(np.sqrt(np.maximum(slack * (radius + np.abs(side)), 0.0)), side)
     middle = np.arctan2(centre[1], centre[0]) - math.atan2(axis[1], axis[0])
@@ -268,8 +286,9 @@ def _shoulder(arm: Form, centre: Array, hold: Array) -> tuple[Array, _Over]:
 def _elbow(
     arm: WristedArm, centre: Array, sin1: Array, cos1: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """q2 and q3 (shoulder 2, elbow 2, N), and where the wrist centre is within reach (2, N) (subproblems
-    3, 1).
+    """Return q2 and q3 (shoulder 2, elbow 2, N), and a mask (2, N) of the wrist centres within reach.
+
+    Subproblems 3 and 1 of IK-Geo.
     """
     x, y = _in_plane(arm, centre, sin1, cos1)
     return _two_links(arm, x, y)
@@ -287,10 +306,13 @@ def _in_plane(arm: Form, centre: Array, sin1: Array, cos1: Array) -> tuple[Array
 
 
 def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return q2 and q3 (..., elbow 2, N) that bring the end of two links to x and y (..., N) [m], and where that is within reach (..., N)."""
+    """Return q2 and q3 (..., elbow 2, N) that bring the end of two links to x and y (..., N) [m], and a mask
+    (..., N) of the points within reach.
+    """
     distance = np.hypot(x, y)
     far, near = arm.upper + arm.fore, abs(arm.upper - arm.fore)
     beyond, inside = far - distance, distance - near
+    # half-angle formulas of the law of cosines: tan(fold / 2) = sine / cosine
     sine = np.sqrt(np.maximum(beyond * (far + distance), 0.0))
     cosine = np.sqrt(np.maximum(inside * (distance + near), 0.0))
     fold = 2.0 * np.arctan2(sine, cosine)
@@ -302,19 +324,29 @@ def _two_links(arm: Form, x: Array, y: Array) -> tuple[Array, Array, NDArray[np.
 
 
 def next_to(angle: Array, seed: Array) -> tuple[Array, Array]:
-    """Angles on the turn next to seeds, and how far they are from these.
+    """Return angles on the full turn nearest to seeds, and their differences from the seeds [rad].
 
-    They are what they were but for whole turns, to the last bit: where an arm goes depends on the pose, not on the digits of where it came from.
+    Only whole turns are added: the arm's target depends on the pose, not on the digits of its last position.
     """
     near = angle - TURN * np.round((angle - seed) * (1.0 / TURN))
     return near, near - seed
 
 
 def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """One solution (6, N) next to seeds (6, N), and where it is proved to be the nearest of all branches (N,).
+    """Find one solution (6, N) near seeds (6, N), and prove if it is the nearest of all branches.
 
-    Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of these
-    choices, and costs at least what the rejected side of that choice did: where all of it costs less, it is the nearest.
+    Shoulder, elbow and wrist are chosen one after the other. Any other branch differs in at least one of
+    these choices and costs at least as much as the rejected side of that choice. If the whole solution costs
+    less than each rejected side, no branch is nearer.
+
+    Args:
+        arm: the arm's constants.
+        poses: base_from_flange (N, 4, 4).
+        seed: (6, N) [rad].
+
+    Returns:
+        q (6, N) [rad], and a mask (N,): True where q is proved to be the nearest. With three parallel axes
+        nothing is proved.
     """
     if isinstance(arm, ParallelArm):
         return np.zeros((6, len(poses))), np.zeros(len(poses), dtype=bool)
@@ -345,7 +377,7 @@ def nearest_form(arm: Form, poses: Array, seed: Array) -> tuple[Array, NDArray[n
     cost += np.minimum(costs[0], costs[1])
     q[3:] = np.where(second, turns[:, 1], turns[:, 0])
     sure = (cost < rival) & over.reached & reached[0] & bendable[0]
-    # near a singularity the last bits count: the caller's other way is the reference
+    # near a singularity rounding decides: leave these poses to `closed_form`, which is the reference
     sure &= np.hypot(rest[0, 2, 0], rest[1, 2, 0]) > 1e-5
     sure &= ~over.singular
     return q, sure

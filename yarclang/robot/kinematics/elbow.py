@@ -1,4 +1,4 @@
-"""Where an arm has its elbow: the place that swings out although neither shoulder nor flange does."""
+"""Find an arm's elbow: the place that swings out although neither shoulder nor flange does."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from yarclang.robot.kinematics.fk import links_of
 from yarclang.robot.model import Array, Chain
 
 LEAST = 0.01
-"""An axis that is nearer to the shoulder or to the flange than this [m] is no elbow."""
+"""Least distance of an elbow's axis from the shoulder and from the flange [m]."""
 
 
 @frozen(eq=False)
 class Elbow:
-    """The elbow sits on the axis of joint number `joint`, counted from 0, at `point` (3,) [m] in {B} with all joints at zero.
+    """The elbow, at `point` (3,) [m] in {B} on the axis of joint number `joint` (from 0), all joints at zero.
 
-    That joint turns in it, so it is moved by the joints before.
+    Since the point is on that axis, only the joints before it move the elbow.
     """
 
     joint: int
@@ -27,11 +27,12 @@ class Elbow:
 
 @lru_cache(maxsize=256)
 def elbow_of(chain: Chain) -> Elbow | None:
-    """The elbow of an arm; None where it has none.
+    """Return the elbow of an arm, or None if it has none.
 
-    The shoulder is where the first two turning axes meet, or come nearest. The elbow's axis is the one that is farthest from both
-    shoulder and flange (of the two distances the smaller counts), with all joints at zero: such a joint changes most how far the flange is from the shoulder.
-    The elbow is the point of it that is nearest to the shoulder.
+    The shoulder is where the first two turning axes meet, or come nearest. The elbow's axis is the turning
+    axis that is farthest from both shoulder and flange, with all joints at zero; the smaller of the two
+    distances counts. Such a joint changes the distance from shoulder to flange most. The elbow is the point
+    of this axis that is nearest to the shoulder.
     """
     turning = np.flatnonzero(~chain.is_prismatic)
     if len(turning) < 2:
@@ -46,21 +47,23 @@ def elbow_of(chain: Chain) -> Elbow | None:
             float(np.linalg.norm(shoulder - point)),
             float(np.linalg.norm(flange - _foot(frames[joint], flange))),
         )
-        # the first of two that are as far by rounding
+        # of axes that are equally far up to rounding, keep the first
         if away > best * (1.0 + 1e-9):
             best, found = away, Elbow(joint, point)
     return found
 
 
 def _foot(frame: Array, point: Array) -> Array:
-    """The point of a frame's z axis that is nearest to a point (3,)."""
+    """Return the point on a frame's z axis that is nearest to a point (3,)."""
     axis, origin = frame[:3, 2], frame[:3, 3]
     foot: Array = origin + axis * float(axis @ (point - origin))
     return foot
 
 
 def _nearest_on(one: Array, other: Array) -> Array:
-    """The point of one frame's z axis that is nearest to another's; of parallel ones the foot of the other's origin."""
+    """Return the point on the z axis of `one` that is nearest to the z axis of `other`; for parallel axes,
+    the foot of the other frame's origin.
+    """
     across = np.cross(one[:3, 2], other[:3, 2])
     if float(across @ across) < 1e-12:
         return _foot(one, other[:3, 3])

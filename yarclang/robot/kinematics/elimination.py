@@ -1,12 +1,16 @@
-"""All solutions of any arm of six turning joints, by elimination.
+"""Find all solutions of any arm with six turning joints, by elimination.
 
-The way is that of Raghavan and Roth (Inverse Kinematics of the General 6R Manipulator and Related Linkages, Journal of Mechanical
-Design 115(3), 1993), and the last step that of Manocha and Canny (Efficient Inverse Kinematics for General 6R Manipulators, IEEE T-RO
-10(5), 1994): fourteen equations in which two angles appear only on one side leave six in the other three angles; in the half tangents of two of these they are
-a matrix of twelve rows whose entries are of second degree in the half tangent of the third, and its eigenvalues are the solutions, sixteen at most.
+The method is that of Raghavan and Roth (Inverse Kinematics of the General 6R Manipulator and Related
+Linkages, Journal of Mechanical Design 115(3), 1993), with the last step of Manocha and Canny (Efficient
+Inverse Kinematics for General 6R Manipulators, IEEE T-RO 10(5), 1994). Of fourteen equations, in which two
+angles appear on one side only, six remain in the other three angles. Written in the half tangents of two of
+these, they give a 12 by 12 matrix whose entries are quadratic in the half tangent of the third. Its
+eigenvalues are the solutions, at most sixteen.
 
-The loop of an arm and its pose may be opened at several joints, and read from either end: that gives six eliminations (`_ORDERS`). Where axes are parallel or meet,
-some of them have no regular matrix. So an arm is tried with each of them once, and where none finds all, it is bent a little: isolated solutions move little by it, and iteration brings them back.
+The loop of an arm and its pose can be opened at several joints and read from either end, which gives six
+eliminations (`_ORDERS`). If axes are parallel or meet, some of these have no regular matrix. Each arm is
+therefore tried with all of them once. If none finds all solutions, the arm is bent a little: isolated
+solutions move little by this, and iteration brings them back.
 """
 
 from __future__ import annotations
@@ -24,54 +28,67 @@ from yarclang.robot.kinematics.single import pose_with_jacobian, twist_between
 from yarclang.robot.model import Array, Chain
 
 MOST = 16
-"""The most isolated solutions of a pose."""
+"""The largest number of isolated solutions of a pose."""
 
 BLOCK = 256
 """Poses whose matrices are solved together."""
 
 NEARLY_REAL = 0.05
-"""A half tangent whose imaginary part is smaller than this share of it may belong to a real solution."""
+"""A half tangent may belong to a real solution if its imaginary part is smaller than this share of its
+magnitude.
+"""
 
 BENT = 1e-5
-"""How far an arm is bent [rad, and arm lengths] that has no regular matrix."""
+"""Size of the bend of an arm that has no regular matrix [rad, and arm lengths]."""
 
 TRIED = 12
-"""Poses with which the eliminations of an arm are compared."""
+"""Number of poses with which the eliminations of an arm are compared."""
 
 STEPS = 14
-"""The most steps of the iteration that makes a solution exact."""
+"""The largest number of iterations that make a solution exact."""
 
 LESS = 0.35
-"""By this share a miss [m and rad together] becomes less with each step, or the candidate is given up."""
+"""The miss [m and rad together] must shrink to this share with each step; otherwise the candidate is given
+up.
+"""
 
 TWIN, NEXT = 0.01, 0.01
-"""A solution whose Jacobian has a smallest singular value under this [m and rad] may have another one next to it: it is looked for at multiples of `NEXT` [rad]."""
+"""A solution whose Jacobian has a smallest singular value below `TWIN` [m and rad] may have another solution
+nearby, which is searched for at multiples of `NEXT` [rad].
+"""
 
 EXACT = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 APART = 5e-5
-"""Solutions nearer to each other than this in every joint [rad] are one: where two meet, joint positions that far from both reach the pose to `EXACT`."""
+"""Solutions that differ by less than this in every joint [rad] count as one: where two solutions meet, joint
+positions at this distance from both miss the pose by no more than `EXACT`.
+"""
 
 _ORDERS = (1, 4, 0, 2, 3, 5)
-"""The places at which the loop is opened (0 to 2), and the same read from its other end (3 to 5), those first that suit most arms."""
+"""Places at which the loop is opened (0 to 2), and the same read from the loop's other end (3 to 5); those
+that suit most arms come first.
+"""
 
 _OFFSETS = (0.3, 0.7, 1.1)
-"""What the three angles are counted from [rad]: a half tangent is infinite half a turn from there, away from angles that people use."""
+"""Angles from which the three eliminated angles are counted [rad]. A half tangent is infinite half a turn
+away, and so these keep it away from the angles that people use.
+"""
 
 _THIRDS: Array = 2.0 * math.pi / 3.0 * np.arange(3.0)
 _TRIGONOMETRIC = np.linalg.inv(np.stack((np.ones(3), np.cos(_THIRDS), np.sin(_THIRDS)), axis=1))
-"""The coefficients of 1, cos, sin from values at three angles."""
+"""Map values at three angles to the coefficients of 1, cos, sin."""
 _HALVES = np.array([[1.0, 1.0, 0.0], [0.0, 0.0, 2.0], [1.0, -1.0, 0.0]])
-"""The coefficients of 1, x, x² from those of 1, cos, sin, x the half tangent, all times 1 + x²."""
+"""Map the coefficients of 1, cos, sin to those of 1, x, x², times 1 + x², where x is the half tangent."""
 
 
 @frozen(eq=False)
 class Elimination:
     """The constants of one elimination for an arm.
 
-    `first` and `last` (4, 4) lie before the first joint's frame and after the last one's, `steps` (5, 4, 4) between the joints' frames; lengths are in units of
-    `scale` [m]. `order` says where the loop is opened.
+    `first` (4, 4) lies before the first joint's frame and `last` (4, 4) after the last joint's frame; `steps`
+    (5, 4, 4) lie between the joints' frames. Lengths are in units of `scale` [m]. `order` is where the loop
+    is opened.
     """
 
     first: Array
@@ -82,15 +99,16 @@ class Elimination:
 
 
 def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return all isolated solutions of poses, without regard to limits.
+    """Find all isolated solutions of poses, without regard to limits.
 
     Args:
         chain: an arm of six turning joints.
         base_from_flange: (N, 4, 4).
 
     Returns:
-        q (N, MOST, 6) in (-pi, pi] [rad], those of a pose in the order of their joint values, and which of them there are (N, MOST). Each reaches its pose by forward kinematics. A pose
-        that leaves a joint free has some of its continuum.
+        q (N, MOST, 6) in (-pi, pi] [rad], sorted by joint values within a pose, and a mask (N, MOST) of the
+        entries that are solutions. Each solution reaches its pose by forward kinematics. A pose that leaves a
+        joint free has some solutions of its continuum.
     """
     q = np.zeros((len(base_from_flange), MOST, 6))
     valid = np.zeros((len(base_from_flange), MOST), dtype=bool)
@@ -107,10 +125,10 @@ def every_solution(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArra
 def _with_twins(
     chain: Chain, base_from_flange: Array, q: Array, valid: NDArray[np.bool_]
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return solutions (N, MOST, 6), and which of them there are (N, MOST), with those that are all but the same as one of them.
+    """Return solutions (N, MOST, 6) and their mask (N, MOST), completed by close neighbours.
 
-    Where two solutions are about to meet, their half tangents are as good as a double one, and iteration may lead from both to the same. They are apart along the motion of the joints
-    that doesn't move the flange.
+    Where two solutions are about to meet, their half tangents nearly form a double root, and iteration may
+    lead from both to the same solution. They lie apart along the joint motion that leaves the flange at rest.
     """
     rows, which = np.nonzero(valid)
     here = q[rows, which]
@@ -138,11 +156,11 @@ def distinct(
     Args:
         chain: an arm of six turning joints.
         base_from_flange: (N, 4, 4).
-        rows: (K,) to which pose each candidate belongs.
+        rows: (K,) the index of each candidate's pose, sorted.
         candidate: (K, 6) [rad].
 
     Returns:
-        q (N, MOST, 6) in (-pi, pi] [rad], and which of them there are (N, MOST).
+        q (N, MOST, 6) in (-pi, pi] [rad], and a mask (N, MOST) of the entries that are solutions.
     """
     count = len(base_from_flange)
     q, valid = np.zeros((count, MOST, 6)), np.zeros((count, MOST), dtype=bool)
@@ -150,10 +168,10 @@ def distinct(
     good = miss < EXACT
     rows, found = rows[good], found[good]
     found -= 2.0 * math.pi * np.round(found / (2.0 * math.pi))
-    # in the order of joint values, rounded, so that the last bit doesn't decide
+    # sort by rounded joint values, so that the last bit doesn't decide
     order = np.lexsort((*np.round(found.T[::-1], 5), rows))
     rows, found = rows[order], found[order]
-    # each candidate among those of its pose
+    # number each candidate within its pose
     place = np.arange(len(rows)) - np.searchsorted(rows, rows)
     width = int(place.max(initial=0)) + 1
     table, there = np.full((count, width, 6), np.nan), np.zeros((count, width), dtype=bool)
@@ -170,7 +188,16 @@ def distinct(
 
 
 def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Array]:
-    """Return candidates (K, 6) made exact by Newton's method, damped a little, and what each misses its pose (K, 4, 4) by [m and rad together]."""
+    """Make candidates (K, 6) exact by slightly damped Newton steps.
+
+    Args:
+        chain: an arm of six turning joints.
+        base_from_flange: (K, 4, 4), one pose for each candidate.
+        q: (K, 6) [rad].
+
+    Returns:
+        The improved joint positions (K, 6) [rad] and their misses (K,) [m and rad together].
+    """
     if len(q) == 1:
         one, left = _polished_one(chain, base_from_flange[0], q[0])
         return one[None], np.array([left])
@@ -185,14 +212,15 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
         better = size < miss[active]
         kept = active[better]
         best[:, kept], miss[kept] = trial[:, kept], size[better]
-        # what is exact as far as numbers go is done, and so is what goes nowhere: even towards a double solution the miss is quartered
+        # stop at the accuracy of floating point, and give up what doesn't converge: even at a double root,
+        # where Newton's method is only linear, the miss shrinks to a quarter
         going = (size > EXACT) | (better & (size > 1e-12))
         going &= size < LESS**step_number
         if not going.any():
             break
         active, jacobian, error = active[going], jacobian[:, :, going].transpose(2, 0, 1), error[:, going].T
         squares = jacobian.transpose(0, 2, 1) @ jacobian
-        # enough that axes which fall together leave it regular
+        # damping that keeps the matrix regular where axes coincide
         least = 1e-14 * np.trace(squares, axis1=1, axis2=2) + 1e-15
         squares += (least + 1e-3 * np.square(size[going]))[:, None, None] * np.eye(6)
         step = np.linalg.solve(squares, jacobian.transpose(0, 2, 1) @ error[:, :, None])[:, :, 0]
@@ -202,7 +230,7 @@ def polished(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, Ar
 
 
 def _polished_one(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Array, float]:
-    """Return `polished` of one candidate (6,) for one pose (4, 4), in a third of its time."""
+    """Return `polished` of one candidate (6,) for one pose (4, 4), in a third of the time."""
     best, miss = q, math.inf
     for step_number in range(STEPS):
         pose, jacobian = pose_with_jacobian(chain, q)
@@ -223,7 +251,7 @@ def _polished_one(chain: Chain, base_from_flange: Array, q: Array) -> tuple[Arra
 
 
 def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
-    """Return what joint positions (K, n) miss their poses (K, 4, 4) by, (K,) [m and rad together]."""
+    """Return the distances (K,) [m and rad together] of joint positions (K, n) from their poses (K, 4, 4)."""
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
     error = pose_error(columns, pose_columns(base_from_flange))
     result: Array = np.sqrt((error * error).sum(axis=0))
@@ -232,16 +260,17 @@ def misses_of(chain: Chain, base_from_flange: Array, q: Array) -> Array:
 
 @lru_cache(maxsize=64)
 def best_elimination(chain: Chain) -> Elimination:
-    """Return the elimination that finds most for an arm, remembered by the chain's identity.
+    """Return the elimination that finds most solutions for an arm, remembered by the chain's identity.
 
-    Any that finds the joint positions that poses were made of, all of them, and no fewer others than another, will do: the first of these is taken.
+    The eliminations are tried on poses of known joint positions. The search ends when two eliminations have
+    found all of these and equally many solutions; otherwise the one with most solutions is taken.
     """
     from yarclang.robot.kinematics.fk import flange_poses
 
     random = np.random.default_rng(0)
     q = random.uniform(-3.0, 3.0, (TRIED, 6))
     poses = flange_poses(chain, q)
-    # an arm that reaches no pose in an isolated way has none that is good
+    # the default, for an arm that reaches no pose by isolated solutions
     best, most, sure = _bent(chain, _ORDERS[0]), -1, 0
     for form in (
         *(_elimination(chain, order) for order in _ORDERS),
@@ -255,7 +284,7 @@ def best_elimination(chain: Chain) -> Elimination:
         if total > most:
             best, most, sure = form, total, 0
         elif total == most:
-            # another way finds as many: there are no more
+            # two eliminations find equally many solutions: assume that there are no more
             away = solved - q[:, None]
             away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
             near = np.where(valid, np.abs(away).max(axis=2), np.inf).min(axis=1)
@@ -268,9 +297,17 @@ def best_elimination(chain: Chain) -> Elimination:
 def candidates(
     form: Elimination, base_from_flange: Array, *, is_trial: bool = False
 ) -> tuple[NDArray[np.int_], Array]:
-    """Return what an elimination finds of poses (N, 4, 4): to which pose each candidate belongs (K,), and its joint positions (K, 6) [rad].
+    """Solve poses by an elimination.
 
-    A pose whose matrix isn't regular is solved with the arm bent a little. Of a trial, nothing is found then.
+    A pose whose matrix isn't regular is solved with the arm bent a little.
+
+    Args:
+        form: the elimination.
+        base_from_flange: (N, 4, 4).
+        is_trial: return nothing instead of bending the arm.
+
+    Returns:
+        The index of each candidate's pose (K,), and joint positions (K, 6) [rad].
     """
     try:
         return _solved(form, base_from_flange)
@@ -303,13 +340,16 @@ def _bent(chain: Chain, order: int) -> Elimination:
 
 
 def _bent_form(form: Elimination, size: float) -> Elimination:
-    """Return the elimination of an arm that is bent between its joints by about `size` [rad, and lengths in units of its scale]."""
+    """Return the elimination of an arm that is bent between its joints by about `size` [rad, and lengths in
+    units of its scale].
+    """
     random = np.random.default_rng(5)
     steps = form.steps.copy()
     for step in steps:
         turn = size * random.normal(size=3)
         angle = float(np.linalg.norm(turn))
         x, y, z = turn / angle
+        # Rodrigues' formula
         cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
         step[:3, :3] @= np.eye(3) + math.sin(angle) * cross + (1.0 - math.cos(angle)) * (cross @ cross)
         step[:3, 3] += size * random.normal(size=3)
@@ -317,7 +357,12 @@ def _bent_form(form: Elimination, size: float) -> Elimination:
 
 
 def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[Array], float]:
-    """Return the loop of arm and pose from where it is opened: joints, the transform after each of them ((4, 4), or (N, 4, 4) of the pose), the sense of the angles."""
+    """Return the loop of arm and pose, from where it is opened.
+
+    Returns:
+        The joints in the loop's order; the transform after each of them, (4, 4), or (N, 4, 4) for the pose's;
+        and the sign of the angles.
+    """
     between = _inverse(form.first) @ base_from_flange @ _inverse(form.last)
     between[:, :3, 3] /= form.scale
     joints, steps = list(range(6)), [*form.steps, _inverse(between)]
@@ -332,11 +377,14 @@ def _loop(form: Elimination, base_from_flange: Array) -> tuple[list[int], list[A
 
 @lru_cache(maxsize=256)
 def _left_side(form: Elimination) -> Array:
-    """Return the side of the fourteen equations that no pose is in: coefficients (14, 3, 3, 3) of 1, cos, sin of the third, fourth and fifth angle of the loop."""
+    """Return the side of the fourteen equations that contains no pose: coefficients (14, 3, 3, 3) of 1, cos,
+    sin of the loop's third, fourth and fifth angle.
+    """
     _, (_, _, cd, de, ef, _), _ = _loop(form, np.eye(4)[None])
     turned_c = _turns(_THIRDS + _OFFSETS[0])[:, None, None]
     turned_d = _turns(_THIRDS + _OFFSETS[1])[None, :, None]
     turned_e = _turns(_THIRDS + _OFFSETS[2])[None, None]
+    # evaluated at three angles each, which determines the coefficients of 1, cos, sin
     left = turned_c @ cd @ turned_d @ de @ turned_e @ ef
     values = _fourteen(left[..., :3, 2], left[..., :3, 3])
     side: Array = np.einsum("xi,yj,zk,ijkm->mxyz", _TRIGONOMETRIC, _TRIGONOMETRIC, _TRIGONOMETRIC, values)
@@ -345,14 +393,15 @@ def _left_side(form: Elimination) -> Array:
 
 
 def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_], Array]:
-    """Return candidates of poses, as `candidates`.
+    """Return candidates of poses, as `candidates` does.
 
     Raises:
         numpy.linalg.LinAlgError: a matrix is not regular.
     """
     count = len(base_from_flange)
     joints, (ab, bc, cd, de, ef, fa), sense = _loop(form, base_from_flange)
-    # R_c cd R_d de R_e ef = bc⁻¹ R_b⁻¹ ab⁻¹ R_a⁻¹ fa⁻¹ R_f⁻¹: its third and fourth columns are free of the last angle
+    # R_c cd R_d de R_e ef = bc⁻¹ R_b⁻¹ ab⁻¹ R_a⁻¹ fa⁻¹ R_f⁻¹: the third and fourth columns don't contain the
+    # last angle f
     three = _left_side(form)
     back = _turns(-_THIRDS)
     right = _inverse(fa)[..., 2:4]
@@ -361,28 +410,32 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     two = _fourteen(right[..., :3, 0], right[..., :3, 1])
     two = np.einsum("xi,yj,ijnm->nmyx", _TRIGONOMETRIC, _TRIGONOMETRIC, two).reshape(count, 14, 9)
     constant, factors = two[:, :, 0], two[:, :, 1:]
-    # six combinations of the equations are free of the first two angles
+    # project onto the six combinations that are orthogonal to all terms in the first two angles
     free = np.linalg.qr(factors, mode="complete")[0][:, :, 8:].transpose(0, 2, 1)
     six = (free @ three.reshape(14, 27)).reshape(count, 6, 3, 3, 3)
     six[:, :, 0, 0, 0] -= (free @ constant[:, :, None])[:, :, 0]
     six = (six.reshape(-1, 27) @ _TO_HALVES).reshape(count, 6, 3, 3, 3)
+    # multiply each of the six by the half tangent of the fourth angle: twelve equations in twelve monomials
     twelve = np.zeros((count, 3, 12, 4, 3))
     twelve[:, :, :6, :3] = six.transpose(0, 2, 1, 3, 4)
     twelve[:, :, 6:, 1:] = twelve[:, :, :6, :3]
     matrices = twelve.reshape(count, 3, 12, 12)
+    # linearize the quadratic eigenvalue problem: the companion matrix of A0 + A1 x + A2 x²
     companion = np.zeros((count, 24, 24))
     companion[:, :12, 12:] = np.eye(12)
     companion[:, 12:] = -np.linalg.solve(
         matrices[:, 2], np.concatenate((matrices[:, 0], matrices[:, 1]), axis=2)
     )
     values, vectors = np.linalg.eig(companion)
-    # of two that are all but one real value, one
+    # of a conjugate pair that is nearly one real value, keep one
     real = (np.abs(values.imag) < NEARLY_REAL * np.maximum(np.abs(values), 1e-3)) & (values.imag >= 0.0)
     rows, which = np.nonzero(real)
     value, vector = values[rows, which].real, vectors[rows, :, which]
+    # the eigenvector is (v, x v): the larger half is the more accurate one
     vector = np.where((np.abs(value) > 1.0)[:, None], vector[:, 12:], vector[:, :12])
     largest = np.take_along_axis(vector, np.argmax(np.abs(vector), axis=1)[:, None], axis=1)
     powers = (vector / largest).real.reshape(-1, 4, 3)
+    # entries of v are monomials of the half tangents of d and e: their ratios give the angles
     c: Array = 2.0 * np.arctan(value)
     d = _angle(powers[:, :3].reshape(-1, 9), powers[:, 1:].reshape(-1, 9))
     e = _angle(powers[:, :, :2].reshape(-1, 8), powers[:, :, 1:].reshape(-1, 8))
@@ -390,10 +443,12 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
     products = (bases[0][:, :, None, None] * bases[1][:, None, :, None] * bases[2][:, None, None]).reshape(
         -1, 27
     )
+    # with c, d, e known, a and b follow from the fourteen equations by least squares
     wanted = products @ three.reshape(14, 27).T - constant[rows]
     solved = (np.linalg.pinv(factors)[rows] @ wanted[:, :, None])[:, :, 0]
     a, b = np.arctan2(solved[:, 5], solved[:, 2]), np.arctan2(solved[:, 1], solved[:, 0])
     angles = [a, b, *(angle + offset for angle, offset in zip((c, d, e), _OFFSETS, strict=True))]
+    # the last angle closes the loop
     rest = np.broadcast_to(np.eye(4), (len(rows), 4, 4))
     for angle, step in zip(angles, (ab, bc, cd, de, ef), strict=True):
         rest = rest @ _turns(angle) @ (step if step.ndim == 2 else step[rows])
@@ -406,11 +461,13 @@ def _solved(form: Elimination, base_from_flange: Array) -> tuple[NDArray[np.int_
 
 
 _TO_HALVES = np.einsum("xi,yj,zk->ijkxyz", _HALVES, _HALVES, _HALVES).reshape(27, 27)
-"""From products of 1, cos, sin of three angles to products of powers of their half tangents."""
+"""Map products of 1, cos, sin of three angles to products of powers of their half tangents."""
 
 
 def _fourteen(axis: Array, point: Array) -> Array:
-    """Return the fourteen expressions (..., 14) in a frame's z axis and origin (..., 3) that are linear in cos and sin of each angle."""
+    """Return the fourteen expressions (..., 14) in a frame's z axis and origin (..., 3) that are linear in
+    cos and sin of each angle: p, l, p·p, p·l, p x l, (p·p) l - 2 (p·l) p.
+    """
     square = (point * point).sum(axis=-1, keepdims=True)
     along = (point * axis).sum(axis=-1, keepdims=True)
     across = np.stack(
@@ -425,7 +482,9 @@ def _fourteen(axis: Array, point: Array) -> Array:
 
 
 def _angle(lower: Array, higher: Array) -> Array:
-    """Return the angle (K,) whose half tangent takes each entry of `lower` (K, m) to that of `higher`, as nearly as can be; pi for an infinite one."""
+    """Return the angle (K,) whose half tangent maps `lower` (K, m) to `higher` (K, m) in the least squares
+    sense; pi if the half tangent is infinite.
+    """
     result: Array = np.arctan2(
         2.0 * (lower * higher).sum(axis=1), (lower * lower).sum(axis=1) - (higher * higher).sum(axis=1)
     )
@@ -433,7 +492,7 @@ def _angle(lower: Array, higher: Array) -> Array:
 
 
 def _turns(angle: Array) -> Array:
-    """Return the turns about z (..., 4, 4) by angles (...) [rad]."""
+    """Return rotations about z (..., 4, 4) by angles (...) [rad]."""
     turn, sin, cos = np.zeros((*angle.shape, 4, 4)), np.sin(angle), np.cos(angle)
     turn[..., 0, 0] = turn[..., 1, 1] = cos
     turn[..., 1, 0], turn[..., 0, 1] = sin, -sin
@@ -442,7 +501,7 @@ def _turns(angle: Array) -> Array:
 
 
 def _inverse(transform: Array) -> Array:
-    """Return the inverse of rigid transforms (..., 4, 4)."""
+    """Return the inverses of rigid transforms (..., 4, 4)."""
     result = np.zeros_like(transform)
     result[..., :3, :3] = transform[..., :3, :3].swapaxes(-1, -2)
     result[..., :3, 3] = -(result[..., :3, :3] @ transform[..., :3, 3:])[..., 0]

@@ -1,11 +1,12 @@
-"""Forward kinematics and Jacobians of whole batches (product of exponentials; Lynch and Park, ch. 4 and 5).
+"""Compute forward kinematics and Jacobians of whole batches (product of exponentials; Lynch and Park, ch. 4
+and 5).
 
-Pinocchio reads the URDF; for many poses at once these arrays are several times as fast as a
-loop over its calls, and the tests hold them against it.
+Pinocchio reads the URDF. For many poses at once these arrays are several times as fast as a loop over its
+calls, and the tests compare the two.
 
-Inside, each joint gets a frame whose z is the joint's axis, so that its motion is a turn of two
-columns, and all that lies between two joints is one constant matrix. The samples are the last
-index: a step is a few operations on whole rows, in blocks that stay in the cache.
+Internally each joint gets a frame whose z is the joint's axis. Its motion then is a rotation of two columns,
+and all that lies between two joints is one constant matrix. The last index counts the samples: a step is a
+few operations on whole rows, in blocks that stay in the cache.
 """
 
 from __future__ import annotations
@@ -20,12 +21,16 @@ from yarclang.robot.model import Array, Chain, Lines
 BLOCK = 1024
 """Samples in one block: the arrays of a step stay in the second-level cache."""
 NO_PITCH = 1e-11
-"""Joint that slides by less [m] per rad only turns; if its axis is farther than 1 m from {B}'s origin, by this share of the distance. No joint of a URDF does both: what is
-left is rounding, about 1e-14 m of an arm 100 m from its URDF's root, and an arm that slides has no closed form."""
+"""Largest pitch [m per rad] that counts as rounding: the joint only turns. If the joint's axis is farther
+than 1 m from {B}'s origin, the limit grows in proportion to the distance.
+
+No joint of a URDF both turns and slides. What is left is rounding, about 1e-14 m for an arm 100 m from its
+URDF's root, and an arm with sliding joints would have no closed form.
+"""
 
 
 def skew(vectors: Array) -> Array:
-    """The cross product matrices (..., 3, 3) of `vectors` (..., 3)."""
+    """Return the cross product matrices (..., 3, 3) of `vectors` (..., 3)."""
     matrix = np.zeros((*vectors.shape[:-1], 3, 3))
     matrix[..., 0, 1], matrix[..., 0, 2] = -vectors[..., 2], vectors[..., 1]
     matrix[..., 1, 0], matrix[..., 1, 2] = vectors[..., 2], -vectors[..., 0]
@@ -34,7 +39,7 @@ def skew(vectors: Array) -> Array:
 
 
 def joint_transform(screw: Array, q: Array) -> tuple[Array, Array]:
-    """The motion of one joint.
+    """Compute the motion of one joint.
 
     Args:
         screw: (6,), linear part then angular part, in the axes of {B}.
@@ -49,18 +54,20 @@ def joint_transform(screw: Array, q: Array) -> tuple[Array, Array]:
     w = skew(angular)
     sin, versine = np.sin(q), 1.0 - np.cos(q)
     rotation = np.eye(3) + sin[:, None, None] * w + versine[:, None, None] * (w @ w)
-    # exp([w]q) integrates to I q + (1 - cos q) w + (q - sin q) w^2
+    # the integral of exp([w]q) is I q + (1 - cos q) w + (q - sin q) w² (Lynch and Park, eq. 3.88)
     shift = q[:, None] * linear + versine[:, None] * (w @ linear) + (q - sin)[:, None] * (w @ w @ linear)
     return rotation, shift
 
 
 def flange_poses(chain: Chain, q: Array) -> Array:
-    """Where the flange stands: base_from_flange (N, 4, 4) for joint positions `q` (N, n) [rad or m]."""
+    """Return the flange's poses base_from_flange (N, 4, 4) at joint positions `q` (N, n) [rad or m]."""
     return tool_poses(chain, q, np.eye(4))
 
 
 def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """Where a frame on the flange stands: base_from_tool (N, 4, 4) for `q` (N, n) [rad or m]."""
+    """Return the poses base_from_tool (N, 4, 4) of a frame fixed to the flange, at joint positions `q` (N, n)
+    [rad or m].
+    """
     poses = np.empty((len(q), 4, 4))
     poses[:, 3] = 0.0, 0.0, 0.0, 1.0
     for block in _blocks(len(q)):
@@ -70,7 +77,7 @@ def tool_poses(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
 
 
 def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """Poses of a frame on the flange and the geometric Jacobians at its origin.
+    """Compute poses of a frame fixed to the flange, and the geometric Jacobians at its origin.
 
     Args:
         chain: the arm, n joints.
@@ -78,8 +85,8 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
         flange_from_tool: (4, 4).
 
     Returns:
-        base_from_tool (N, 4, 4) and Jacobians (N, 6, n): velocity of the tool's origin [m/s] above
-        angular velocity [rad/s], both in the axes of {B}, per unit of joint velocity.
+        base_from_tool (N, 4, 4) and Jacobians (N, 6, n): velocity of the tool's origin [m/s] above angular
+        velocity [rad/s], both in the axes of {B}, per unit of joint velocity.
     """
     poses = np.empty((len(q), 4, 4))
     poses[:, 3] = 0.0, 0.0, 0.0, 1.0
@@ -92,11 +99,21 @@ def poses_and_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> tupl
 
 
 def walk_with_jacobian(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array]:
-    """As `poses_and_jacobians`, with the samples last: `q` (n, N), columns (4, 3, N), Jacobians (6, n, N)."""
+    """Compute as `poses_and_jacobians` does, with the samples last.
+
+    Args:
+        chain: the arm, n joints.
+        q: (n, N) [rad or m].
+        flange_from_tool: (4, 4).
+
+    Returns:
+        The tool's columns (4, 3, N) as `walk` returns them, and Jacobians (6, n, N).
+    """
     links = links_of(chain)
     columns, axes, origins = walk(chain, q, flange_from_tool)
     arms = columns[3] - origins
     jacobian = np.empty((6, chain.size, q.shape[1]))
+    # linear part: the cross product of axis and lever arm
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
         np.multiply(axes[:, after], arms[:, before], out=jacobian[row])
@@ -118,8 +135,8 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
         flange_from_tool: (4, 4).
 
     Returns:
-        The tool's axes and, as the fourth, its origin (4, 3, N); each joint's axis (n, 3, N) and
-        a point on it (n, 3, N); all in {B}.
+        The tool's axes and, as the fourth, its origin (4, 3, N); each joint's axis (n, 3, N); and a point on
+        each axis (n, 3, N). All are in {B}.
     """
     links = links_of(chain)
     count = q.shape[1]
@@ -152,11 +169,11 @@ def walk(chain: Chain, q: Array, flange_from_tool: Array) -> tuple[Array, Array,
 class Links:
     """The constants of a chain for `walk`.
 
-    `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first`
-    (4, 3) has the columns of the first, `steps` (n, 4, 4) the transposed transforms from each joint's
-    frame to the one before, `last` (4, 4) is the flange in the last joint's frame. `turn` (n,) is the
-    angle about z, `slide` (n,) the way along z, per unit of joint position; `uniform` says that all
-    joints turn by one and none slides.
+    `frames` (n, 4, 4) are the joints' frames in {B} with all joints at zero, z along the axis. `first` (4, 3)
+    holds the columns of the first frame, `steps` (n, 4, 4) the transposed transforms from each joint's frame
+    to the one before, `last` (4, 4) the flange in the last joint's frame. Per unit of joint position, `turn`
+    (n,) is the angle about z and `slide` (n,) the distance along z. `uniform` is True if all joints turn by
+    one and none slides.
     """
 
     frames: Array
@@ -170,7 +187,7 @@ class Links:
 
 @lru_cache(maxsize=256)
 def links_of(chain: Chain) -> Links:
-    """The constants of `chain`, remembered by its identity (a chain never changes)."""
+    """Return the constants of `chain`, remembered by its identity (a chain never changes)."""
     linear, angular = chain.screws[:, :3], chain.screws[:, 3:]
     turn = np.linalg.norm(angular, axis=1)
     turn[np.abs(turn - 1.0) < 1e-12] = 1.0
@@ -178,15 +195,16 @@ def links_of(chain: Chain) -> Links:
     scale = np.where(prismatic, np.linalg.norm(linear, axis=1), turn)
     axes = np.where(prismatic[:, None], linear, angular) / scale[:, None]
     slide = np.where(prismatic, scale, np.einsum("ni,ni->n", axes, linear))
-    # rounding, of an arm that stands far from the origin of {B} or of its URDF: see NO_PITCH
+    # rounding of an arm far from the origin of {B} or of its URDF: see NO_PITCH
     slide[np.abs(slide) < NO_PITCH * np.maximum(1.0, np.linalg.norm(linear, axis=1))] = 0.0
     frames = np.zeros((chain.size, 4, 4))
     frames[:, :3, 2] = axes
-    # the coordinate axis that is farthest from z gives a safe x
+    # the coordinate axis that is farthest from z gives a well-conditioned x
     helper = np.eye(3)[np.argmin(np.abs(axes), axis=1)]
     x = np.cross(helper, axes)
     x /= np.linalg.norm(x, axis=1)[:, None]
     frames[:, :3, 0], frames[:, :3, 1] = x, np.cross(axes, x)
+    # the point of the axis nearest to the origin: for a screw (v, w) with |w| = 1, w x v
     frames[:, :3, 3] = np.where(prismatic[:, None], 0.0, np.cross(axes, linear / scale[:, None]))
     frames[:, 3, 3] = 1.0
     inverses = np.linalg.inv(frames)
@@ -204,7 +222,7 @@ def links_of(chain: Chain) -> Links:
 
 
 def lines_of(chain: Chain) -> Lines:
-    """Return the axes of a chain, by the kinematics that the chain brings along, or else by ours."""
+    """Return the axes of a chain: by the chain's own kinematics if it has one, otherwise by this module."""
     if chain.kinematics is not None:
         return chain.kinematics.lines(chain)
     links = links_of(chain)
@@ -212,5 +230,5 @@ def lines_of(chain: Chain) -> Lines:
 
 
 def _blocks(count: int) -> list[slice]:
-    """The samples in blocks."""
+    """Split the samples into blocks."""
     return [slice(start, min(start + BLOCK, count)) for start in range(0, count, BLOCK)]

@@ -1,13 +1,14 @@
-"""Which arms have a closed form: six turns, and either a spherical wrist with an elbow parallel to the shoulder, or three parallel axes.
+"""Recognize arms with a closed form: six turning joints, and a spherical wrist or three parallel axes.
 
-With a spherical wrist the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor 6,
-axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
-decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025),
-"spherical wrist, two parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
+Spherical wrist: the last three axes meet in one point (the wrist centre), axis 5 is parallel to neither 4 nor
+6, axes 2 and 3 are parallel, and axis 1 isn't parallel to them. Offsets and other angles are free. The
+decomposition is that of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two
+parallel": subproblem 4 for q1, 3 for q3, 1 for q2; then 4, 1, 1 for the wrist.
 
-With three parallel axes (2, 3, 4: most cobots), axes 5 and 6 meet. Seen from axis 1 their point stays at one height along axis 2: subproblem 4 for
-q1. What the first joint leaves of the rotation is then a turn about the parallel axes, by q2, q3 and q4 together, and the turns about axes 5 and 6: the same as for a wrist.
-Subproblem 3 gives q3, and 1 q2.
+Three parallel axes (2, 3, 4: most cobots): axes 5 and 6 meet. As the parallel axes turn, their meeting point
+keeps its distance along axis 2, which gives q1 (subproblem 4). The rotation that is left after joint 1 is a
+turn about the parallel axes, by the sum of q2, q3 and q4, followed by the turns about axes 5 and 6. It is
+solved like a wrist. Then subproblem 3 gives q3 and subproblem 1 gives q2.
 """
 
 from __future__ import annotations
@@ -22,26 +23,26 @@ from yarclang.robot.model import Array, Chain
 from yarclang.transforms import sealed
 
 TOLERANCE = 1e-9
-"""How far axes may miss each other [m], or be off parallel [rad], and still count as meeting or parallel."""
+"""Distance [m] or angle [rad] up to which axes count as meeting or as parallel."""
 
 SMALL_ANGLE = 1e-3
-"""Axes that are nearer to parallel than this [rad] don't turn a wrist or a shoulder usefully."""
+"""Axes that are nearer to parallel than this [rad] can't serve as a wrist or a shoulder."""
 
 
 @frozen(eq=False)
 class WristedArm:
-    """The constants of the closed form.
+    """The constants of the closed form of an arm with a spherical wrist.
 
-    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 sits in
-    the wrist centre, so does frame 4; frames 2 and 3 have the same axes, x from axis 2 to axis 3.
+    All frames have z along their joint's axis and are taken with all joints at zero. Frames 4 and 6 have
+    their origins in the wrist centre. Frames 2 and 3 have the same axes, with x from axis 2 to axis 3.
 
     `first_from_base` (4, 4) and `flange_from_wrist` (4, 4, frame 6 in the flange) turn a flange pose into the
-    pose of frame 6 in frame 1. `shoulder` (4, 4) is frame 2 in frame 1. `upper` and `fore` [m] are
-    the lengths of the two links in the plane across axis 2, `fore_angle` [rad] is where the wrist centre
-    stands in that plane, seen from axis 3 against x, `depth` [m] how far along axis 2. `elbow_sign` is
-    -1 where axis 3 is against axis 2. `wrist` (3, 3) is frame 4 in frame 3. `alpha` and `beta` [rad] are
-    the angles between axes 4 and 5, and 5 and 6; `bend` [rad] is the angle of joint 5 in the wrist's own
-    count at zero.
+    pose of frame 6 in frame 1. `shoulder` (4, 4) is frame 2 in frame 1. `upper` and `fore` [m] are the
+    lengths of the two links in the plane perpendicular to axis 2. `fore_angle` [rad] is the direction of the
+    wrist centre in that plane, seen from axis 3 and counted from x; `depth` [m] is its position along axis 2.
+    `elbow_sign` is -1 if axis 3 points against axis 2. `wrist` (3, 3) is frame 4 in frame 3. `alpha` and
+    `beta` [rad] are the angles between axes 4 and 5, and 5 and 6. `bend` [rad] is the wrist's own angle of
+    joint 5 with the joint at zero.
     """
 
     first_from_base: Array
@@ -60,13 +61,17 @@ class WristedArm:
 
 @frozen(eq=False)
 class ParallelArm:
-    """The constants of the closed form with three parallel axes.
+    """The constants of the closed form of an arm with three parallel axes.
 
-    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 sits where axes 5 and 6 meet (the wrist centre). Frame 2 has x from axis 2 to axis 3.
+    All frames have z along their joint's axis and are taken with all joints at zero. Frame 6 has its origin
+    where axes 5 and 6 meet (the wrist centre). Frame 2 has x from axis 2 to axis 3.
 
-    `first_from_base` and `flange_from_wrist` (4, 4), `shoulder` (4, 4), `upper` [m] and `depth` [m] (of the wrist centre) are as of a `WristedArm`. `fore` [m] is the distance from axis 3 to axis 4,
-    `fore_angle` [rad] its direction in frame 2; `hand` (2,) [m] is the way from axis 4 to the wrist centre in the plane across axis 2. `elbow_sign` and `hand_sign` are -1 where
-    axis 3, and axis 4, is against axis 2. `wrist` (3, 3) is the frame of the parallel axes with x across axis 5, in frame 2. `alpha`, `beta` and `bend` [rad] are as of a `WristedArm`, with axis 2 for axis 4.
+    `first_from_base`, `flange_from_wrist` and `shoulder` (4, 4), `upper` [m] and `depth` [m] (of the wrist
+    centre) are defined as for a `WristedArm`. `fore` [m] is the distance from axis 3 to axis 4, and
+    `fore_angle` [rad] its direction in frame 2. `hand` (2,) [m] leads from axis 4 to the wrist centre, in the
+    plane perpendicular to axis 2. `elbow_sign` and `hand_sign` are -1 if axis 3, or axis 4, points against
+    axis 2. `wrist` (3, 3), in frame 2, is the frame of the parallel axes with x perpendicular to axis 5.
+    `alpha`, `beta` and `bend` [rad] are defined as for a `WristedArm`, with axis 2 in place of axis 4.
     """
 
     first_from_base: Array
@@ -87,7 +92,7 @@ class ParallelArm:
 
 @frozen(eq=False)
 class WristAngles:
-    """The angles of three axes in a row [rad]: `alpha`, `beta` and `bend` as of a `WristedArm`."""
+    """The angles between three consecutive axes [rad]: `alpha`, `beta` and `bend` as in a `WristedArm`."""
 
     alpha: float
     beta: float
@@ -95,7 +100,7 @@ class WristAngles:
 
 
 def wrist_angles_of(axes: Array) -> WristAngles | None:
-    """Return the angles of three axes (3, 3), or None where two neighbours are parallel."""
+    """Return the angles between three unit axes (3, 3), or None if two neighbours are parallel."""
     alpha, beta = _angle(axes[0], axes[1]), _angle(axes[1], axes[2])
     if min(np.sin([alpha, beta])) < SMALL_ANGLE:
         return None
@@ -109,19 +114,20 @@ Form = WristedArm | ParallelArm
 
 @lru_cache(maxsize=256)
 def form_of(chain: Chain) -> Form | None:
-    """Return the closed form of `chain`, or None where it has none; remembered by the chain's identity."""
+    """Return the closed form of `chain`, or None if it has none; remembered by the chain's identity."""
     return wristed_arm(chain) or parallel_arm(chain)
 
 
 NEARLY_PARALLEL, NEARLY_MEETING = 0.01, 0.004
-"""How far the axes of a calibrated arm may be off parallel [rad], or miss each other [m]."""
+"""Largest angle of a calibrated arm's axes from parallel [rad], and largest distance from meeting [m]."""
 
 
 @lru_cache(maxsize=256)
 def nominal_form(chain: Chain) -> Form | None:
-    """Return the closed form of the arm as it was meant, of a chain that is calibrated; None where it has one of its own, or is like none.
+    """Return the closed form of the nominal arm from which a calibrated chain differs a little.
 
-    Its solutions are where to start from: the chain's own are next to them.
+    Its solutions are starting points: those of the chain are near them. None if the chain has a closed form
+    of its own, or resembles no arm that has one.
     """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform or form_of(chain) is not None:
@@ -133,6 +139,7 @@ def nominal_form(chain: Chain) -> Form | None:
         if centre is None or off > NEARLY_PARALLEL:
             continue
         meant, through = axes.copy(), points.copy()
+        # put the axes exactly in parallel and through one point
         for other in parallel:
             meant[other] = np.copysign(1.0, float(axes[1] @ axes[other])) * axes[1]
         through[meeting] = centre
@@ -145,7 +152,9 @@ def nominal_form(chain: Chain) -> Form | None:
 
 @lru_cache(maxsize=256)
 def parallel_arm(chain: Chain) -> ParallelArm | None:
-    """Return the closed form of a chain with three parallel axes, or None where it isn't one; remembered by the chain's identity."""
+    """Return the closed form of a chain with three parallel axes, or None if it isn't one; remembered by the
+    chain's identity.
+    """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
         return None
@@ -185,14 +194,16 @@ def parallel_arm(chain: Chain) -> ParallelArm | None:
 
 
 def _across(way: Array, axis: Array) -> Array:
-    """Return the part of a way (3,) across an axis (3,)."""
+    """Return the component of a vector (3,) perpendicular to a unit axis (3,)."""
     across: Array = way - axis * float(axis @ way)
     return across
 
 
 @lru_cache(maxsize=256)
 def wristed_arm(chain: Chain) -> WristedArm | None:
-    """The closed form of `chain`, or None where it has none; remembered by the chain's identity."""
+    """Return the closed form of a chain with a spherical wrist, or None if it isn't one; remembered by the
+    chain's identity.
+    """
     links = links_of(chain)
     if chain.size != 6 or not links.uniform:
         return None
@@ -204,7 +215,7 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
         return None
     if np.linalg.norm(np.cross(axes[1], axes[2])) > TOLERANCE:
         return None
-    # axis 3 at the same height along axis 2 as the point on axis 2
+    # the point of axis 3 at the same height along axis 2 as the point on axis 2
     across = points[2] - points[1]
     across = across - axes[1] * (axes[1] @ across)
     upper = float(np.linalg.norm(across))
@@ -238,7 +249,10 @@ def wristed_arm(chain: Chain) -> WristedArm | None:
 
 
 def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> Array | None:
-    """The point (3,) in which the axes (m, 3) through `points` (m, 3) meet within a tolerance [m], or None."""
+    """Return the point (3,) in which axes (m, 3) through `points` (m, 3) meet, or None if one misses it by
+    `tolerance` [m].
+    """
+    # least squares: the sum of the projections perpendicular to the axes
     across = np.eye(3) - axes[:, :, None] * axes[:, None, :]
     total = across.sum(axis=0)
     if np.linalg.cond(total) > 1e9:
@@ -249,12 +263,12 @@ def meeting_point(axes: Array, points: Array, tolerance: float = TOLERANCE) -> A
 
 
 def _angle(first: Array, second: Array) -> float:
-    """The angle between two unit vectors, 0 to pi."""
+    """Return the angle between two unit vectors, 0 to pi [rad]."""
     return float(np.arctan2(np.linalg.norm(np.cross(first, second)), first @ second))
 
 
 def frame_of(z: Array, x: Array, origin: Array) -> Array:
-    """The frame (4, 4) with these axes and origin."""
+    """Return the frame (4, 4) with these axes and this origin."""
     frame = np.eye(4)
     frame[:3, 0], frame[:3, 1], frame[:3, 2], frame[:3, 3] = x, np.cross(z, x), z, origin
     return frame

@@ -1,4 +1,4 @@
-"""The nearest solutions of many poses, each from the one before, found together."""
+"""Find the nearest solutions of many poses together, each taken from the solution of the pose before."""
 
 from __future__ import annotations
 
@@ -15,20 +15,21 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 _CLEARLY = 1e-8
-"""The nearest solution is nearer than all others by at least this [squared joint differences]."""
+"""Least margin by which the nearest solution must be nearer than all others [squared joint differences]."""
 
 
 def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, reference: Array) -> Array:
-    """Return the solutions that `nearest_solutions` gives first, each with the one before as its reference, as far as there is nothing to decide.
+    """Return the first solution of `nearest_solutions` for each pose, with the one before as reference.
 
-    The arm is assumed to stay on one branch, which makes all references known at once. A pose counts only if its solution is then
-    the nearest of all, clearly, and no angle is free there. An arm without a closed form has none.
+    The arm is assumed to stay on one branch, so that all references are known at once. The result ends before
+    the first pose at which that isn't certain: another solution is as near, or an angle is free. It is empty
+    for an arm without a closed form.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
         base_from_flange: (N, 4, 4).
-        reference: (n,) [rad or m], of the first pose.
+        reference: (n,) [rad or m], for the first pose.
 
     Returns:
         (k, n) [rad or m] for the first k poses, k at most N.
@@ -61,7 +62,9 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
 def _costs(
     chain: Chain, limits: Limits, q: Array, reaching: NDArray[np.bool_], reference: Array
 ) -> tuple[Array, Array]:
-    """Return the branches (N, B, n) on their turns nearest to `reference` (N, n), and their squared distances from it (N, B): none if out of limits."""
+    """Return the branches (N, B, n), each on its turn nearest to `reference` (N, n), and their squared
+    distances from it (N, B): infinite if out of limits or reach.
+    """
     lifted = nearest_turn(chain, limits, q, reference[:, None])
     inside = np.abs(beyond(limits, lifted)).max(axis=2) <= EDGE
     clipped = np.clip(lifted, limits.lower, limits.upper)
@@ -71,7 +74,9 @@ def _costs(
 
 
 def _reach(chain: Chain, base_from_flange: Array, q: Array) -> NDArray[np.bool_]:
-    """Return which branches `q` (N, B, n) reach their poses (N, 4, 4), by forward kinematics."""
+    """Return a mask (N, B) of the branches `q` (N, B, n) that reach their poses (N, 4, 4), by forward
+    kinematics.
+    """
     count, branches, size = q.shape
     columns = walk(chain, np.ascontiguousarray(q.reshape(-1, size).T), np.eye(4))[0]
     position, angle = misses(columns, pose_columns(np.repeat(base_from_flange, branches, axis=0)))

@@ -1,7 +1,8 @@
-"""Joint positions for poses: the one nearest to a seed, or all branches. For whole batches.
+"""Solve poses for joint positions: the solution nearest to a seed, or all branches. For whole batches.
 
-Arms with a spherical wrist or three parallel axes have a closed form, a calibrated arm starts from that of the arm it was meant to be, and any other arm of six turning
-joints has its solutions by elimination. All others go by numeric search.
+Arms with a spherical wrist or three parallel axes have a closed form. A calibrated arm starts from the closed
+form of its nominal arm. Any other arm of six turning joints is solved by elimination, and all others by
+numeric search.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain
 
 BRANCHES = 16
-"""How many solutions the numeric search keeps."""
+"""The largest number of solutions that the numeric search keeps."""
 
 RESTARTS = 48
-"""From how many joint positions it starts."""
+"""Number of joint positions from which the numeric search starts."""
 
 POLISH = 1e-10
 """A solution that misses by more [m or rad] is improved by iteration."""
@@ -33,32 +34,39 @@ REACHED = 1e-9
 """The miss [m or rad] up to which a joint position counts as a solution."""
 
 NEARLY_REACHED = 1e-6
-"""The same for an arm with fewer than six joints. The poses that it reaches are a thin set: axes that are parallel but for
-the last digits of a URDF, or a pose typed with some decimals, would leave nothing of it."""
+"""The same miss for an arm with fewer than six joints [m or rad].
+
+The poses that such an arm reaches are a thin set. Axes that are parallel except for the last digits of a
+URDF, or a pose typed with a few decimals, would leave nothing of it.
+"""
 
 NEARLY_REACHES = 0.05
-"""A nominal solution of a calibrated arm that misses by less [m and rad] may have a solution next to it."""
+"""A nominal solution of a calibrated arm may have a solution nearby if it misses by less than this [m and
+rad].
+"""
 
 REGULAR = 0.03
-"""A smallest singular value of a Jacobian [m and rad] above which a solution keeps its place when an arm is calibrated."""
+"""Smallest singular value of a Jacobian [m and rad] above which a solution keeps its place when the arm is
+calibrated.
+"""
 
 STRETCHED = 1.0
-"""What a branch that doesn't reach the pose costs against one that does, in squared joint differences: a
-seed at the edge of the workspace stays on its own branch instead of jumping to another."""
+"""Extra cost of a branch that doesn't reach the pose, in squared joint differences. A seed at the edge of the
+workspace stays on its own branch instead of jumping to another.
+"""
 
 
 def reached_within(chain: Chain) -> float:
-    """The miss [m or rad] up to which a joint position counts as a solution."""
+    """Return the miss [m or rad] up to which a joint position counts as a solution."""
     return REACHED if chain.size >= 6 else NEARLY_REACHED
 
 
 def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, Array, Array]:
-    """The solution nearest to each seed.
+    """Find the solution nearest to each seed, without regard to limits.
 
-    With a closed form: of all branches and full turns the one with the least sum of squared joint
-    differences; where the wrist is straight (or the wrist centre over axis 1) the seed's q4 (q1)
-    is kept. Otherwise damped least squares from the seed, on the seed's own full turn. Limits aren't
-    looked at.
+    With a closed form, it is the branch and full turn with the least sum of squared joint differences; if the
+    wrist is straight (or the wrist centre is on axis 1), the seed's q4 (q1) is kept. Otherwise damped least
+    squares start from the seed and stay on its full turn.
 
     Args:
         chain: the arm, n joints.
@@ -66,9 +74,8 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
         seeds: (N, n) [rad or m].
 
     Returns:
-        q (N, n) [rad or m], and what it misses the poses by, measured by forward kinematics: position
-        (N,) [m] and angle (N,) [rad]. Both under 1e-10 where the pose can be reached; where it can't, q
-        is the nearest miss found.
+        q (N, n) [rad or m] and its misses, measured by forward kinematics: position (N,) [m] and angle (N,)
+        [rad]. Both are under 1e-10 if the pose can be reached; otherwise q is the nearest miss found.
     """
     arm = form_of(chain)
     if arm is None:
@@ -95,13 +102,13 @@ def follow(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, 
 def branches(
     chain: Chain, base_from_flange: Array, hold: Array | None = None
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """All solutions of each pose, without regard to limits.
+    """Find all solutions of each pose, without regard to limits.
 
-    With a closed form these are its eight branches, always in the same order, so that along a path one index
-    is one configuration as long as no singularity is passed. A calibrated arm's first eight are next to those
-    of the arm as it was meant. Any other arm of six turning joints has its isolated solutions, 16 at most, in the
-    order of their joint values. Otherwise, and for a pose at which that finds none, these are the solutions that a search from 48
-    fixed joint positions finds, at most 16 and different from each other, in the order found.
+    With a closed form these are its eight branches, always in the same order: along a path, one index is one
+    configuration as long as no singularity is passed. The first eight of a calibrated arm are near those of
+    its nominal arm. Any other arm of six turning joints has its isolated solutions, at most 16, in the order
+    of their joint values. For all other arms, and for poses at which elimination finds nothing, these are the
+    distinct solutions that a search from 48 fixed joint positions finds, at most 16, in the order found.
 
     Args:
         chain: the arm, n joints.
@@ -109,7 +116,8 @@ def branches(
         hold: (n,) [rad], the joint positions that a singular q4 or q1 takes; zeros if None.
 
     Returns:
-        q (N, B, n), revolute joints in (-pi, pi] [rad], and which of them reach their pose (N, B).
+        q (N, B, n) with revolute joints in (-pi, pi] [rad], and a mask (N, B) of the entries that reach their
+        pose.
     """
     arm = form_of(chain)
     if arm is not None:
@@ -131,14 +139,24 @@ def branches(
 
 
 def has_all(chain: Chain) -> bool:
-    """Return True if `branches` has all isolated solutions of a pose: an arm of six turning joints."""
+    """Return True if `branches` finds all isolated solutions of a pose: for an arm of six turning joints."""
     return chain.size == 6 and links_of(chain).uniform
 
 
 def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return a calibrated arm's solutions (N, B, 6) [rad], those next to its nominal closed form's first, and which of them there are (N, B).
+    """Return the solutions of a calibrated arm, starting from its nominal closed form.
 
-    Where two of these meet, or are about to, the calibrated arm may have more or fewer: there all others come by elimination.
+    Where two nominal solutions meet, or nearly meet, the calibrated arm may have more or fewer: all solutions
+    of such a pose are then found by elimination too.
+
+    Args:
+        chain: the calibrated arm.
+        meant: the closed form of its nominal arm.
+        base_from_flange: (N, 4, 4).
+
+    Returns:
+        q (N, B, 6) [rad], first those near the nominal solutions, and a mask (N, B) of the entries that are
+        solutions.
     """
     count = len(base_from_flange)
     nominal = closed_form(meant, base_from_flange, np.zeros((6, 1)))
@@ -150,6 +168,7 @@ def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array
     found[is_near], miss[is_near] = polished(chain, poses[is_near], seeds[is_near])
     jacobians = walk_with_jacobian(chain, np.ascontiguousarray(found.T), np.eye(4))[1].transpose(2, 0, 1)
     is_regular = np.linalg.svd(jacobians, compute_uv=False)[:, -1] > REGULAR
+    # a branch is plain if nominal and calibrated arm agree: both reach the pose, or neither comes near it
     is_plain = (is_near == nominal.valid.T.ravel()) & (~is_near | ((miss < REACHED) & is_regular))
     q = np.zeros((count, 8 + MOST, 6))
     valid = np.zeros((count, 8 + MOST), dtype=bool)
@@ -161,7 +180,9 @@ def _as_meant(chain: Chain, meant: Form, base_from_flange: Array) -> tuple[Array
 
 
 def _found_by_search(chain: Chain, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return solutions of poses (N, BRANCHES, n) by numeric search, and which of them there are (N, BRANCHES)."""
+    """Return solutions of poses (N, BRANCHES, n) found by numeric search, and a mask (N, BRANCHES) of the
+    entries that are solutions.
+    """
     count, size = len(base_from_flange), chain.size
     starts = np.tile(restarts(chain, RESTARTS), (count, 1))
     poses = np.repeat(base_from_flange, RESTARTS, axis=0)
@@ -169,14 +190,14 @@ def _found_by_search(chain: Chain, base_from_flange: Array) -> tuple[Array, NDAr
     q = wrapped(chain, fitted.q).reshape(count, RESTARTS, size)
     reached = (fitted.total < reached_within(chain)).reshape(count, RESTARTS)
     first = reached & ~_repeated(chain, q, reached)
-    # those found first, in their order, then the rest as fillers
+    # the distinct solutions in the order found, then the rest as fillers
     order = np.argsort(~first, axis=1, kind="stable")[:, :BRANCHES]
     return np.take_along_axis(q, order[:, :, None], axis=1), np.take_along_axis(first, order, axis=1)
 
 
 def restarts(chain: Chain, count: int) -> Array:
-    """Fixed joint positions (count, n) [rad or m] to start a search from, spread evenly (a Halton
-    sequence).
+    """Return fixed joint positions (count, n) [rad or m] from which to start a search, spread evenly by a
+    Halton sequence.
     """
     index = np.arange(1, count + 1)
     spread = np.stack([_radical_inverse(index, prime) for prime in _PRIMES[: chain.size]], axis=1)
@@ -186,10 +207,10 @@ def restarts(chain: Chain, count: int) -> Array:
 
 
 def extent(chain: Chain) -> float:
-    """The sum of the distances from joint to joint and to the flange [m], a size of the arm."""
+    """Return the sum of the distances from joint to joint and to the flange [m], a size of the arm."""
     links = links_of(chain)
     points = np.vstack([links.frames[:, :3, 3], chain.base_from_flange[None, :3, 3]])
-    # the point of a prismatic joint means nothing: its neighbour's stands in
+    # a prismatic joint's frame has an arbitrary origin: use its neighbour's
     for joint in range(chain.size - 1, -1, -1):
         if not links.turn[joint]:
             points[joint] = points[joint + 1]
@@ -197,13 +218,13 @@ def extent(chain: Chain) -> float:
 
 
 def wrapped(chain: Chain, q: Array) -> Array:
-    """`q` (..., n) with revolute joints in (-pi, pi]."""
+    """Return `q` (..., n) with revolute joints in (-pi, pi]."""
     result: Array = q - np.where(chain.is_prismatic, 0.0, TURN * np.round(q / TURN))
     return result
 
 
 def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
-    """Of all branches and full turns the nearest (6, N) to `seed` (6, N)."""
+    """Return the solution (6, N) nearest to `seed` (6, N), of all branches and full turns."""
     q, sure = nearest_form(arm, poses, seed)
     if not sure.all():
         rest = np.flatnonzero(~sure)
@@ -212,7 +233,7 @@ def _nearest_branch(arm: Form, poses: Array, seed: Array) -> Array:
 
 
 def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
-    """The same, by looking at all of them."""
+    """Return the same as `_nearest_branch`, by comparing all branches."""
     found = closed_form(arm, poses, seed)
     near, away = next_to(found.q, seed[:, None])
     cost = np.einsum("jbn,jbn->bn", away, away)
@@ -223,7 +244,7 @@ def _nearest_of_all(arm: Form, poses: Array, seed: Array) -> Array:
 
 
 def _repeated(chain: Chain, q: Array, reached: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which of the solutions (N, R, n) are the same as one before them (N, R)."""
+    """Return a mask (N, R) of the solutions (N, R, n) that repeat an earlier one of the same pose."""
     count = q.shape[1]
     away = np.abs(wrapped(chain, q[:, :, None] - q[:, None])).max(axis=3)
     earlier = np.tri(count, k=-1, dtype=bool)
@@ -235,7 +256,7 @@ _PRIMES = (2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37)
 
 
 def _radical_inverse(index: NDArray[np.int_], base: int) -> Array:
-    """The digits of `index` to `base`, mirrored at the point (N,), in [0, 1)."""
+    """Return the digits of `index` (N,) to `base`, mirrored at the point, in [0, 1)."""
     result, scale, left = np.zeros(len(index)), 1.0 / base, index.copy()
     while left.any():
         left, digit = np.divmod(left, base)

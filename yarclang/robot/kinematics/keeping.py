@@ -1,7 +1,9 @@
-"""A way along a path within joint limits, for an arm with spare joints: a joint that comes to its limit stays there, and the others make up for it.
+"""Follow a path within joint limits with a redundant arm: a joint at its limit stays there, and the others
+make up for it.
 
-The way is found step by step, each with the least motion of the joints, each joint's way counted as a share of its range. It has a corner wherever a joint comes to its limit or
-leaves it. So it is smoothed along the path and put back onto the poses, in turns: a joint then slows down before its limit.
+The way is found step by step, each with the least motion of the joints, where each joint's motion counts as a
+share of its range. This way has a corner wherever a joint comes to its limit or leaves it. It is therefore
+smoothed along the path and put back onto the poses, alternately, so that a joint slows down before its limit.
 """
 
 from __future__ import annotations
@@ -17,34 +19,36 @@ from yarclang.robot.kinematics.strands import Strand
 from yarclang.robot.model import Array, Chain, Limits
 
 PLACES = 129
-"""Places of the path."""
+"""Number of places along the path."""
 
 FARTHEST, SHARPEST = 0.15, 0.02
-"""The most that a joint moves from place to place, and that two such moves differ [rad or m]."""
+"""Largest motion of a joint between two places, and largest change of that motion [rad or m]."""
 
 ROOM = 2e-3
-"""How far joints stay from their limits, as far as the start does [rad or m]: a curve through the places may go a little beyond them."""
+"""Distance that joints keep from their limits, as far as the start does [rad or m]: a curve through the
+places may overshoot a little.
+"""
 
 ROUNDS = 12
-"""How many times the way is smoothed at most."""
+"""The largest number of smoothing rounds."""
 
 PASSES = 30
-"""How many times in one round each place goes halfway to the middle of its neighbours."""
+"""Smoothing passes in one round; in each, every place moves halfway to the middle of its neighbours."""
 
 STEPS = 6
-"""Steps of each place back onto its pose."""
+"""Steps that put each place back onto its pose."""
 
 
 def kept_within(
     chain: Chain, limits: Limits, paths: Sequence[Callable[[Array], Array]], starts: Array
 ) -> list[Strand | None]:
-    """Return for each path the strand from its start that keeps within limits, None if none is found.
+    """Return for each path the strand from its start that stays within limits, or None if none is found.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
         paths: base_from_flange (N, 4, 4) at places (N,), for each path.
-        starts: (K, n) [rad or m], each stands at the start of its path within limits.
+        starts: (K, n) [rad or m], each at the start of its path and within limits.
     """
     s = np.linspace(0.0, 1.0, PLACES)
     poses = np.array([pose_at(s) for pose_at in paths])
@@ -58,7 +62,9 @@ def kept_within(
 
 
 class _Kept:
-    """Limits (K, n) for ways of an arm that start at `starts` (K, n): those of the arm less `ROOM`, as far as the starts keep within these."""
+    """Limits (K, n) for ways that start at `starts` (K, n): the arm's limits less `ROOM`, widened to include
+    the starts.
+    """
 
     __slots__ = ("chain", "lower", "scale", "starts", "upper")
 
@@ -70,7 +76,9 @@ class _Kept:
         self.scale = scale / scale.max()
 
     def stepped(self, poses: Array) -> dict[int, Array]:
-        """Return the ways (PLACES, n) of least motion through poses (K, PLACES, 4, 4), for those paths that have one."""
+        """Return the ways (PLACES, n) of least motion through poses (K, PLACES, 4, 4), by the index of their
+        path. Paths without one are left out.
+        """
         ways = np.repeat(self.starts[:, None], PLACES, axis=1)
         rows = np.arange(len(ways))
         for place in range(1, PLACES):
@@ -87,7 +95,9 @@ class _Kept:
         return {row: ways[row] for row in rows.tolist()}
 
     def smoothed(self, row: int, poses: Array, way: Array) -> Array | None:
-        """Return a way (PLACES, n) through poses (PLACES, 4, 4) without corners, None if it keeps some."""
+        """Return `way` (PLACES, n) through poses (PLACES, 4, 4) without its corners, or None if some
+        remain.
+        """
         for _ in range(ROUNDS):
             if _is_smooth(way):
                 return way

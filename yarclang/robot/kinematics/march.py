@@ -1,4 +1,4 @@
-"""Following a path with an arm that has no closed form, in leaps of several samples at once."""
+"""Follow a path with an arm that has no closed form, in leaps of several samples at once."""
 
 from __future__ import annotations
 
@@ -17,29 +17,32 @@ LEAP = 8
 """Samples of one leap: all are predicted from its start and solved together."""
 
 ROUNDS = 25
-"""The most steps of damped least squares for a leap."""
+"""The largest number of steps of damped least squares for a leap."""
 
 LEAPS = 4000
-"""The most leaps of a path of few bends."""
+"""The largest number of leaps along a path with few bends."""
 
 _OVER = 4
-"""Bends between two samples of a leap at most."""
+"""The largest number of bends between two samples of a leap."""
 
 DRIFT = 0.12
-"""How far a solution may be from its prediction [rad or m]; more may be another branch."""
+"""Largest distance of a solution from its prediction [rad or m]; beyond it may be another branch."""
 
 BEND = 0.04
-"""How much two moves from sample to sample may differ [rad or m]; more, and what looks like one curve may
-be two branches that come near each other."""
+"""Largest difference between two consecutive moves [rad or m]; beyond it, what looks like one curve may be
+two branches that come near each other.
+"""
 
 AWAY = 1.5
-"""How quickly joints near their limits go back to the middle of these, as a share of the motion of the others."""
+"""Speed at which joints near their limits return towards the middle, as a share of the motion of the
+others.
+"""
 
 STEEP = 5
-"""The power with which that grows from the middle of the limits to their ends."""
+"""The power with which that speed grows from the middle of the range to its ends."""
 
 DAMPING = 1e-7
-"""Of the prediction: at a singularity a joint that doesn't help stays where it is."""
+"""Damping of the prediction: at a singularity a joint that doesn't help stays where it is."""
 
 
 def march(
@@ -49,18 +52,22 @@ def march(
     bends: int = 0,
     limits: Limits | None = None,
 ) -> Strand:
-    """The strand that starts at `q_start` (n,), which stands at pose_at(0).
+    """Follow one path from `q_start` (n,), which stands at pose_at(0).
 
     Each leap predicts its samples along the arm's least joint velocities, improves them by damped least
-    squares, and keeps those up to the first that is too far from its prediction or from the one
-    before. A leap that keeps none is tried again shorter.
+    squares, and keeps them up to the first one that is too far from its prediction or from the sample before.
+    A leap that keeps none is repeated with a shorter length.
 
     Args:
         chain: the arm, n joints.
         pose_at: base_from_flange (N, 4, 4) at places (N,).
         q_start: (n,) [rad or m].
-        bends: about how many bends the path may have; a leap passes a few of them at most.
-        limits: what a redundant arm keeps clear of, by motions that leave the flange at rest; None for the least motion of the joints.
+        bends: approximate number of bends of the path; a leap passes only a few of them.
+        limits: limits that a redundant arm keeps clear of, by motions that leave the flange at rest; None for
+            the least motion of the joints.
+
+    Returns:
+        The strand, up to the path's end or to where it can't be continued.
     """
     steps = _steps(chain, pose_at, q_start, bends, limits)
     try:
@@ -75,13 +82,16 @@ def march(
 def marches(
     chain: Chain, paths: Sequence[Callable[[Array], Array]], starts: Array, limits: Limits | None = None
 ) -> list[Strand]:
-    """Return the strands of several paths, as `march` for each, in a fraction of its time: their leaps are solved together.
+    """Follow several paths as `march` does, in a fraction of the time: their leaps are solved together.
 
     Args:
         chain: the arm, n joints.
         paths: base_from_flange (N, 4, 4) at places (N,), for each path.
         starts: (K, n) [rad or m], where the paths begin.
         limits: as for `march`.
+
+    Returns:
+        One strand for each path.
     """
     strands: dict[int, Strand] = {}
     under_way = {at: _steps(chain, path, starts[at], 0, limits) for at, path in enumerate(paths)}
@@ -104,7 +114,9 @@ def marches(
 def _steps(
     chain: Chain, pose_at: Callable[[Array], Array], q_start: Array, bends: int, limits: Limits | None
 ) -> Generator[tuple[Array, Array], Fit, Strand]:
-    """March, and ask for each leap: yield its poses (LEAP, 4, 4) and predictions (LEAP, n), and get the solutions."""
+    """Run `march` as a generator: yield poses (LEAP, 4, 4) and predictions (LEAP, n) of each leap, receive
+    the solutions, and return the strand.
+    """
     places, joints = [np.zeros(1)], [q_start[None]]
     here, q, longest = 0.0, q_start, min(1.0, LEAP * _OVER / max(bends, 1))
     length = min(0.5, longest)
@@ -136,14 +148,14 @@ def _steps(
             break
         length = max(length / LEAP, 0.5 * FINEST * LEAP)
     else:
-        end = "nothing"  # it only creeps on
+        end = "nothing"  # no end in sight: each leap advances by less and less
     return Strand(np.concatenate(places), np.concatenate(joints), end, beyond)
 
 
 def _leap(
     chain: Chain, pose_at: Callable[[Array], Array], here: float, q: Array, s: Array, limits: Limits | None
 ) -> tuple[Array, Array]:
-    """Poses (K, 4, 4) at places `s` (K,), and what is predicted to stand there (K, n)."""
+    """Return poses (K, 4, 4) at places `s` (K,), and the joint positions (K, n) predicted there."""
     poses = pose_at(np.concatenate([[here], s]))
     columns = pose_columns(poses)
     start, target = np.repeat(columns[:, :, :1], len(s), axis=2), columns[:, :, 1:]
@@ -161,7 +173,18 @@ def _leap(
 
 
 def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: Array) -> Array:
-    """Return the least steps (n, K) that make twists (6, K), each joint's way counted as a share of its range, with a motion in the null space that leads joints away from their limits."""
+    """Return the least steps (n, K) that make twists (6, K), while joints move away from their limits in the
+    null space.
+
+    Each joint's motion counts as a share of its range.
+
+    Args:
+        chain: the arm, n joints.
+        limits: the limits to keep clear of.
+        jacobian: (6, n) at `q`.
+        twist: (6, K) [m above rad].
+        q: (n,) [rad or m].
+    """
     scale = weights(chain, limits)
     scaled = jacobian * scale
     inverse = scaled.T @ np.linalg.inv(scaled @ scaled.T + DAMPING * np.eye(len(scaled)))
@@ -169,10 +192,11 @@ def _clear_step(chain: Chain, limits: Limits, jacobian: Array, twist: Array, q: 
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
     lower, upper = (np.where(bounded, one, q) for one in (limits.lower, limits.upper))
     middle = 0.5 * (lower + upper)
-    # beyond a limit the way back grows no more
+    # beyond a limit the motion back grows no further
     place = np.clip((q - middle) / scale, -1.0, 1.0)
     back = -(np.sign(place) * np.abs(place) ** STEEP)
+    # project onto the null space: (I - J⁺ J) back
     back -= inverse @ (scaled @ back)
-    # as much as the path itself moves the joints
+    # scale it by the motion of the joints along the path itself
     step += AWAY * np.abs(step).max(axis=0) * back[:, None]
     return step * scale[:, None]

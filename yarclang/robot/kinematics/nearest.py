@@ -1,4 +1,4 @@
-"""The solutions of one pose within limits, nearest first; or why there is none."""
+"""Find the solutions of one pose within limits, nearest first, or the reason why there is none."""
 
 from __future__ import annotations
 
@@ -27,26 +27,26 @@ from yarclang.robot.model import Array, Chain, Limits
 from yarclang.transforms import sealed
 
 SAME = APART
-"""Solutions nearer to each other than this in every joint [rad or m], but for full turns, are one."""
+"""Solutions that differ by less than this in every joint [rad or m], except for full turns, count as one."""
 
 STANDS = 1e-7
-"""A squared joint difference from the reference up to which a solution is the reference itself."""
+"""Squared joint difference from the reference up to which a solution counts as the reference itself."""
 
 SEARCHES = 96
-"""Starts of the numeric search within limits."""
+"""Number of starts of the numeric search within limits."""
 
 FREE = 1e-5
-"""A smallest singular value of a Jacobian [m and rad] under which a pose may leave a joint free."""
+"""Smallest singular value of a Jacobian [m and rad] below which a pose may leave a joint free."""
 
 ORIENTATION = 30.0
-"""What 1 rad counts against 1 m where the nearest miss with the orientation held is looked for."""
+"""Weight of 1 rad against 1 m in the search for the nearest miss with the orientation held."""
 
 
 @frozen(eq=False)
 class Solutions:
     """Joint positions that reach a pose within limits: `q` (m, n) [rad or m], nearest to the reference first.
 
-    One for each branch, on its nearest full turns; `full_turns` lists the others.
+    There is one for each branch, on its nearest full turns; `full_turns` lists the others.
     """
 
     q: Array
@@ -54,12 +54,13 @@ class Solutions:
 
 @frozen(eq=False)
 class Unreachable:
-    """Why no joint position reaches a pose.
+    """The reason why no joint position reaches a pose.
 
-    kind "reach": the frame misses by `miss` [m] at least, its orientation held; where the arm can't
-    even hold that, `miss_angle` [rad] is what is left. Neither is known unless `is_measured`. kind "limits": the solution that needs least has
-    `joint` (from 0) beyond its limit by `excess` [rad or m], above the upper one if positive, below the
-    lower one if negative. `q` (n,) is the joint position in question [rad or m].
+    kind "reach": the frame misses the pose by at least `miss` [m] with its orientation held; if the arm can't
+    hold the orientation either, `miss_angle` [rad] remains. Both are valid only if `is_measured`.
+    kind "limits": in the solution that exceeds limits least, joint number `joint` (from 0) exceeds its limit
+    by `excess` [rad or m], positive above the upper one, negative below the lower one.
+    `q` (n,) is the joint position in question [rad or m].
     """
 
     kind: Literal["reach", "limits"]
@@ -80,19 +81,21 @@ def nearest_solutions(
     measures: bool = True,
     is_only: bool = False,
 ) -> Solutions | Unreachable:
-    """All solutions within limits, by their sum of squared joint differences from `reference`.
+    """Find all solutions within limits, sorted by their sum of squared joint differences from `reference`.
 
-    Equal distances are ordered by the joint values, the first joint first. Where the wrist is straight q4
-    is the reference's and q6 makes up the sum (only a limit of joint 6 moves q4). A redundant arm has a
-    continuum of solutions: the nearest that a search from fixed starts finds, clear of limits where it can be.
+    Solutions at equal distances are sorted by their joint values, the first joint first. If the wrist is
+    straight, q4 is the reference's and q6 makes up the sum; q4 moves only if joint 6 would exceed a limit. A
+    redundant arm has a continuum of solutions: the result has the nearest that a search from fixed starts
+    finds, clear of limits if possible.
 
     Args:
         chain: the arm, n joints.
         limits: its limits.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
-        measures: True to search for how far a pose is out of reach.
-        is_only: True if only the nearest is wanted: of a redundant arm, which takes half the time, others may be missing.
+        measures: True to compute by how much a pose is out of reach.
+        is_only: True if only the nearest solution is needed. For a redundant arm this takes half the time,
+            and others may be missing.
 
     Returns:
         The solutions, or the reason why there is none.
@@ -122,9 +125,10 @@ def nearest_solutions(
 
 
 def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDArray[np.bool_]:
-    """Return True (N,) for each pose (N, 4, 4) for which `nearest_solutions` has a solution, as far as that is seen without a closer look.
+    """Return a mask (N,) of the poses (N, 4, 4) for which `nearest_solutions` certainly finds a solution.
 
-    None is seen of arms without a closed form, nor where a singularity leaves a joint free.
+    False means only that a closer look is needed: always for arms without a closed form, and where a
+    singularity leaves a joint free.
     """
     arm = form_of(chain)
     sure = np.zeros(len(base_from_flange), dtype=bool)
@@ -142,7 +146,9 @@ def surely_reached(chain: Chain, limits: Limits, base_from_flange: Array) -> NDA
 
 
 def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
-    """All joint positions (m, n) within limits that differ from `q` (n,) by full turns of revolute joints."""
+    """Return all joint positions (m, n) within limits that differ from `q` (n,) by full turns of revolute
+    joints.
+    """
     choices = []
     for joint, value in enumerate(q):
         if chain.is_prismatic[joint]:
@@ -158,10 +164,15 @@ def full_turns(chain: Chain, limits: Limits, q: Array) -> Array:
 
 
 def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[Array, float, float]:
-    """Where the arm comes nearest to a pose that it can't reach, its orientation held.
+    """Find where the arm comes nearest to a pose that it can't reach, with the pose's orientation held.
+
+    Args:
+        chain: the arm, n joints.
+        base_from_flange: (4, 4).
+        seeds: (m, n) [rad or m], where the search starts.
 
     Returns:
-        q (n,), the miss [m], and the turn that is left [rad], the best from `seeds` (m, n).
+        q (n,) [rad or m], the miss [m], and the angle that is left [rad]: the best result from all seeds.
     """
     poses = np.broadcast_to(base_from_flange, (len(seeds), 4, 4))
     found = fit(chain, poses, seeds, rounds=300, angle_weight=ORIENTATION)
@@ -170,7 +181,9 @@ def nearest_miss(chain: Chain, base_from_flange: Array, seeds: Array) -> tuple[A
 
 
 def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array) -> Array:
-    """The branches (m, n) that reach the pose, a straight wrist's last turn shared where joint 6 has to."""
+    """Return the branches (m, n) that reach the pose. At a straight wrist, joint 4 takes what joint 6 would
+    exceed its limit by.
+    """
     arm = form_of(chain)
     assert arm is not None
     start = np.clip(reference, limits.lower, limits.upper)
@@ -180,6 +193,7 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
     if straight.any() and isinstance(arm, WristedArm):
         lifted = nearest_turn(chain, limits, q, reference)
         axes = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[1]
+        # q4 and q6 turn about the same line, in the same sense or in opposite ones
         sense = np.sign(np.einsum("kn,kn->n", axes[3], axes[5]))
         excess = np.where(straight, beyond(limits, lifted)[:, 5], 0.0)
         moved = lifted.copy()
@@ -190,7 +204,9 @@ def _in_closed_form(chain: Chain, limits: Limits, pose: Array, reference: Array)
 
 
 def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_only: bool) -> Array:
-    """Solutions (m, n) by numeric search; within limits if there are any, else without regard to them."""
+    """Return solutions (m, n) found without a closed form: within limits if there are any, otherwise without
+    regard to limits.
+    """
     start = np.clip(reference, limits.lower, limits.upper)
     if has_all(chain):
         q = _isolated(chain, limits, pose, reference, start)
@@ -210,7 +226,7 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_on
     q = np.vstack(
         [along, free[0][reached[0]], from_reference.q[from_reference.total < reached_within(chain)]]
     )
-    # with more joints than the pose needs: what isn't reached without limits isn't within them
+    # a redundant arm that reaches the pose nowhere without limits doesn't reach it within them
     if chain.size > 6 and not len(q):
         return q
     q = np.vstack([q, _found_within(chain, limits, pose, start)])
@@ -225,7 +241,9 @@ def _searched(chain: Chain, limits: Limits, pose: Array, reference: Array, is_on
 
 
 def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Array:
-    """Return solutions (m, n) within limits that are found from joint positions spread over these, and from one (n,)."""
+    """Return solutions (m, n) within limits, found from `start` (n,) and from joint positions spread over the
+    limits.
+    """
     even = spread(chain, limits.lower, limits.upper, start, SEARCHES)
     seeds = np.vstack([start, even])
     poses = np.broadcast_to(pose, (len(seeds), 4, 4))
@@ -235,7 +253,10 @@ def _found_within(chain: Chain, limits: Limits, pose: Array, start: Array) -> Ar
 
 
 def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
-    """Return True if the nearest of joint positions (m, n) of an arm with one spare joint leaves another one free, and isn't the reference itself."""
+    """Return True if the nearest of `q` (m, 7), of an arm with one spare joint, leaves a second joint free.
+
+    False if the nearest is the reference itself.
+    """
     away = np.square(q - reference).sum(axis=1)
     nearest = q[int(np.argmin(away))]
     if away.min() < STANDS:
@@ -245,9 +266,12 @@ def _is_loose(chain: Chain, reference: Array, q: Array) -> bool:
 
 
 def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start: Array) -> Array | None:
-    """Return all solutions (m, 6) of an arm of six turning joints; None where there may be others: none is found, or those that are leave a joint free and are out of limits."""
+    """Return all solutions (m, 6) of an arm of six turning joints, or None if others may exist.
+
+    Others may exist if no solution is found, or if the ones found leave a joint free and are out of limits.
+    """
     found, reached = branches(chain, pose[None])
-    # a continuum goes through the reference, or near it
+    # the start itself, or a solution near it, may lie on a continuum
     from_start, miss = polished(chain, pose[None], start[None])
     q = np.vstack([found[0][reached[0]], from_start[miss < reached_within(chain)]])
     if not len(q):
@@ -261,7 +285,7 @@ def _isolated(chain: Chain, limits: Limits, pose: Array, reference: Array, start
 
 
 def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
-    """The nearest miss from the reference and from fixed starts."""
+    """Return the nearest miss, searched for from the reference and from fixed starts."""
     seeds = np.vstack([reference, restarts(chain, 48)])
     arm = form_of(chain)
     if arm is not None:
@@ -271,7 +295,9 @@ def _out_of_reach(chain: Chain, pose: Array, reference: Array) -> Unreachable:
 
 
 def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
-    """Which of the joint positions (m, n) reach their poses (m, 4, 4), or the only pose (1, 4, 4), by forward kinematics."""
+    """Return a mask (m,) of the joint positions (m, n) that reach their poses (m, 4, 4), or the one pose (1,
+    4, 4), by forward kinematics.
+    """
     columns = walk(chain, np.ascontiguousarray(q.T), np.eye(4))[0]
     position, angle = misses(columns, pose_columns(poses))
     reaching: NDArray[np.bool_] = np.maximum(position, angle) < reached_within(chain)
@@ -279,7 +305,9 @@ def _reaching(chain: Chain, poses: Array, q: Array) -> NDArray[np.bool_]:
 
 
 def _distinct(chain: Chain, q: Array) -> NDArray[np.bool_]:
-    """Return the rows of `q` (m, n) that aren't the same as one before them, but for full turns."""
+    """Return a mask (m,) of the rows of `q` (m, n) that differ from all earlier ones, except for full
+    turns.
+    """
     away = np.abs(wrapped(chain, q[:, None] - q[None])).max(axis=2)
     same: NDArray[np.bool_] = ((away < SAME) & np.tri(len(q), k=-1, dtype=bool)).any(axis=1)
     return ~same

@@ -1,7 +1,8 @@
-"""The solutions of one pose nearest to a reference, of an arm with one joint more than the pose needs.
+"""Find the solutions of one pose nearest to a reference, for an arm with one joint more than the pose needs.
 
-The spare joint is sampled over its range; the closed form gives every branch at each sample. Where a branch comes nearest, the samples are narrowed around that place,
-and around the lowest point of a parabola through three of them.
+The spare joint is sampled over its range; the closed form gives every branch at each sample. Around each
+place at which a branch comes nearest, the samples are refined, and so they are around the vertex of the
+parabola through the three nearest samples.
 """
 
 from __future__ import annotations
@@ -17,45 +18,51 @@ from yarclang.robot.kinematics.within import EDGE, clear_of_limits, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
 
 SAMPLES = 72
-"""Places of the spare joint at which all branches are looked at first."""
+"""Places of the spare joint at which all branches are computed first."""
 
 KEPT = 6
-"""Places at which a branch comes nearest that are looked at more closely, the nearest first."""
+"""Number of local minima that are refined, the nearest first."""
 
 CLOSER = 21
-"""Samples around each of these once more, and `VERTEX` where a parabola has its lowest point."""
+"""Refined samples around each of these minima; `VERTEX` adds some around the parabola's vertex."""
 
 VERTEX: Array = np.array([-0.02, 0.0, 0.02])
-"""The samples there, as shares of how far those around go."""
+"""Samples around the vertex, as shares of the distance that the refined samples cover."""
 
 SLID = 1
-"""Of these, the nearest are slid along the self-motion ..."""
+"""Number of the best results that are then slid along the self-motion."""
 
 SLIDES, LARGEST, SETTLED = 6, 0.2, 1e-4
-"""... in so many steps, each at most this large, until they are this small [rad or m]."""
+"""The largest number of such steps, the largest step, and the step at which sliding ends [rad or m]."""
 
 EXACT, LESS = 1e-9, 1e-9
-"""What a joint position may miss the pose by [m or rad], and how much nearer to the reference another one has to be [squared joint differences]."""
+"""The miss up to which a joint position counts as on the pose [m or rad], and the gain that makes another one
+nearer to the reference [squared joint differences].
+"""
 
 STEPS = 3
 """Newton steps from the reference towards the pose."""
 
 NEARLY = 0.1
-"""A sample that is beyond limits by less [rad or m] may have one within them next to it."""
+"""A sample that exceeds limits by less [rad or m] may have a neighbour within them."""
 
 DAMPED = 1e-6
-"""The damping of these steps."""
+"""Damping of these Newton steps."""
 
 UNCLEAR, OUTSIDE = 1e6, 1e9
-"""What a joint position that isn't clear of limits, or is beyond them, costs more than any other [squared joint differences]."""
+"""Extra costs of a joint position that isn't clear of limits, and of one that exceeds them [squared joint
+differences]; each is larger than any other cost.
+"""
 
 
 def nearest_along(
     chain: Chain, limits: Limits, form: SpareForm, base_from_flange: Array, reference: Array
 ) -> Array:
-    """Return the joint positions (m, 7) within limits that are nearer to a reference than all next to them on the same self-motion, none if the samples show none.
+    """Return joint positions (m, 7) within limits that are locally nearest to a reference along their
+    self-motions.
 
-    Like those of other arms with spare joints they are clear of limits, as far as any is and as far as the reference is.
+    They are clear of limits as far as any is, and as far as the reference is. The result is empty if the
+    samples show none within limits.
 
     Args:
         chain: the arm.
@@ -70,7 +77,7 @@ def nearest_along(
     values = np.sort(np.append(np.linspace(low, high, SAMPLES), np.clip(first, low, high)))
     q, costs, over = seen.costs(*seen.at(values))
     branch, place = _lowest(costs)
-    # what is nearly within limits comes in its turn
+    # minima within limits or nearly within them come first
     away = np.square(q[branch, place] - reference).sum(axis=1)
     far = costs[branch, place] * (over[branch, place] > NEARLY)
     order = np.argsort(away + far, kind="stable")[:KEPT]
@@ -78,7 +85,7 @@ def nearest_along(
         return np.empty((0, chain.size))
     branch, place = branch[order], place[order]
     best, cost = q[branch, place], costs[branch, place]
-    # as far as the neighbours
+    # refine up to the neighbouring samples
     gaps = np.diff(values, prepend=values[0], append=values[-1])
     centre, half = values[place], np.maximum(gaps[place], gaps[place + 1])
     rows = np.arange(len(centre))
@@ -106,7 +113,7 @@ def nearest_along(
 
 
 class _Seen:
-    """Joint positions of one pose, and what they cost."""
+    """The joint positions of one pose, and their costs."""
 
     __slots__ = ("chain", "form", "high", "limits", "low", "pose", "reference")
 
@@ -118,13 +125,17 @@ class _Seen:
         self.low, self.high = clear_of_limits(limits, reference)
 
     def at(self, values: Array) -> tuple[Array, NDArray[np.bool_]]:
-        """Return all branches (B, N, 7) at places of the spare joint (N,), and which of them reach the pose (B, N)."""
+        """Return all branches (B, N, 7) at places of the spare joint (N,), and a mask (B, N) of those that
+        reach the pose.
+        """
         return solutions_with(self.form, self.pose, values, self.reference)
 
     def costs(self, q: Array, valid: NDArray[np.bool_]) -> tuple[Array, Array, Array]:
-        """Return joint positions (..., 7) on the full turns next to the reference, their costs (...), and how far they are beyond limits (...).
+        """Return joint positions (..., 7) on the full turns nearest to the reference, their costs (...), and
+        by how much they exceed limits (...).
 
-        The cost is the squared difference from the reference; what is not clear of limits, or beyond them, costs more than all that is, and what doesn't reach the pose is infinite.
+        The cost is the squared difference from the reference. Positions that aren't clear of limits cost
+        more, positions beyond limits more still, and those that miss the pose cost infinity.
         """
         q = nearest_turn(self.chain, self.limits, q, self.reference)
         away = q - self.reference
@@ -137,9 +148,17 @@ class _Seen:
         return q, cost, over
 
     def slid(self, q: Array, cost: float) -> tuple[Array, float]:
-        """Return a joint position (7,) slid along the self-motion to where that is nearest to the reference, as far as limits allow, and its cost; itself where nothing is nearer.
+        """Slide a joint position (7,) along its self-motion to the place nearest to the reference, as far as
+        limits allow.
 
-        The steps are those of the secant method, each with one of Newton's method back to the pose.
+        The steps are those of the secant method, each with one Newton step back to the pose.
+
+        Args:
+            q: the joint position.
+            cost: its cost, as returned by `costs`.
+
+        Returns:
+            The position reached and its cost, or `q` and `cost` if none is nearer.
         """
         here = q
         low, high = (self.low, self.high) if cost < UNCLEAR else (self.limits.lower, self.limits.upper)
@@ -154,13 +173,14 @@ class _Seen:
                 outside = np.maximum(low - here, here - high).max()
                 if outside <= EDGE:
                     q, cost = here, float(away @ away) + (UNCLEAR if cost >= UNCLEAR else 0.0)
+            # the last right singular vector spans the null space: keep its sense from step to step
             way = right[6] if right[6] @ way >= 0.0 else -right[6]
             slope = float(way @ away)
             if step != 0.0:
                 bend = min(max((slope - before) / step, 0.2), 20.0)
             before = slope
             sign = way if slope < 0.0 else -way
-            # as far as the first joint that comes to its limit
+            # stop where the first joint comes to its limit
             room = np.where(sign > 0.0, high - here, here - low) / np.maximum(np.abs(sign), 1e-9)
             step = -math.copysign(max(min(abs(slope) / bend, LARGEST, float(room.min())), 0.0), slope)
             if abs(step) < SETTLED and (number == 0 or np.abs(error).max() < EXACT):
@@ -179,7 +199,16 @@ class _Seen:
 
 
 def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
-    """Return where parabolas through the lowest of the costs (K, P) at places (K, P) and its neighbours have their lowest points (K,); the lowest place where they have none between these."""
+    """Return the vertices (K,) of parabolas through the lowest costs and their neighbours.
+
+    Args:
+        places: (K, P), sorted.
+        costs: (K, P).
+        lowest: (K,) index of each row's lowest cost.
+
+    Returns:
+        The vertex if it is between the neighbours, otherwise the place of the lowest cost.
+    """
     rows = np.arange(len(places))
     inner = np.clip(lowest, 1, places.shape[1] - 2)
     (left, middle, right), (before, here, after) = (
@@ -193,7 +222,9 @@ def _vertex(places: Array, costs: Array, lowest: NDArray[np.int_]) -> Array:
 
 
 def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float, float]:
-    """Return from where to where the spare joint is sampled [rad or m]: its range, of a turn no more than one full turn about `near`."""
+    """Return the interval in which the spare joint is sampled [rad or m]: its range, but for a turning joint
+    at most one full turn about `near`.
+    """
     low, high = float(limits.lower[joint]), float(limits.upper[joint])
     half = math.pi
     if chain.is_prismatic[joint]:
@@ -209,9 +240,9 @@ def _range(chain: Chain, limits: Limits, joint: int, near: float) -> tuple[float
 
 
 def _lowest(costs: Array) -> tuple[NDArray[np.int_], NDArray[np.int_]]:
-    """Return the branches and places at which costs (B, N) are no more than at both neighbours."""
+    """Return the branches and places of the local minima of costs (B, N)."""
     padded = np.pad(costs, ((0, 0), (1, 1)), constant_values=math.inf)
     low = np.isfinite(costs) & (costs <= padded[:, :-2]) & (costs < padded[:, 2:])
-    # the last of a row of equals
+    # of a row of equal costs, the last is the minimum
     branch, place = np.nonzero(low)
     return branch, place

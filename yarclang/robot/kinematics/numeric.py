@@ -1,9 +1,9 @@
-"""Inverse kinematics by damped least squares, for any serial arm and whole batches of poses.
+"""Solve inverse kinematics by damped least squares, for any serial arm and whole batches of poses.
 
-Levenberg-Marquardt with the damping in proportion to the squared error (Sugihara, Solvability-Unconcerned
-Inverse Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011), so that it converges
-quadratically where the pose can be reached and to the nearest miss where not. Every sample has its own
-damping factor; a step that makes things worse is taken back. The samples are the last index.
+Levenberg-Marquardt with damping in proportion to the squared error (Sugihara, Solvability-Unconcerned Inverse
+Kinematics by the Levenberg-Marquardt Method, IEEE T-RO 27(5), 2011): it converges quadratically if the pose
+can be reached, and to the nearest miss if it can't. Every sample has its own damping factor, and a step that
+increases the error is taken back. The last index counts the samples.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ EXACT = 2e-12
 """The error at which a solution is done [m and rad]."""
 
 FLOOR = 1e-13
-"""The least damping; joints that don't matter at a singularity stay."""
+"""The least damping; it keeps joints at rest that don't matter at a singularity."""
 
 FEW = 128
-"""Up to as many samples are solved one by one; more, each operation for all of them."""
+"""Number of samples up to which LAPACK solves each by itself; more are solved by whole-array operations."""
 
 BLOCK = 2048
 """Samples that are iterated together."""
@@ -35,7 +35,7 @@ BLOCK = 2048
 
 @frozen(eq=False)
 class Fit:
-    """How near the arm comes to poses: `q` (N, n), and the misses (N,) [m] and [rad] that are left."""
+    """The result of a fit: joint positions `q` (N, n), and their misses (N,) [m] and (N,) [rad]."""
 
     q: Array
     miss_position: Array
@@ -43,7 +43,7 @@ class Fit:
 
     @property
     def total(self) -> Array:
-        """Both misses together (N,), m and rad alike."""
+        """Both misses together (N,), 1 m counted like 1 rad."""
         return np.hypot(self.miss_position, self.miss_angle)
 
 
@@ -57,16 +57,17 @@ def fit(
     rounds: int = 60,
     angle_weight: float = 1.0,
 ) -> Fit:
-    """The joint positions nearest to `seeds` in the sense of Levenberg-Marquardt that reach the poses.
+    """Find joint positions that reach poses, by Levenberg-Marquardt from seeds.
 
     Args:
         chain: the arm, n joints.
         base_from_flange: (N, 4, 4).
         seeds: (N, n) [rad or m].
-        lower: (n,) limits that a step is clipped to [rad or m]; None for no clipping.
-        upper: (n,) the same.
-        rounds: the most steps.
-        angle_weight: what 1 rad counts against 1 m. Large: the orientation is held and the position misses.
+        lower: (n,) lower limits to which each step is clipped [rad or m]; None for no clipping.
+        upper: (n,) upper limits, likewise.
+        rounds: the largest number of steps.
+        angle_weight: weight of 1 rad against 1 m. If it is large, the orientation is held and the position
+            misses.
 
     Returns:
         The best joint positions found; not wrapped.
@@ -85,22 +86,28 @@ def fit(
 
 
 def pose_error(columns: Array, target: Array) -> Array:
-    """The twist (6, N) from where the frame stands to where it shall: way [m] above turn [rad], axes of {B}.
+    """Return the twists (6, N) that lead from frames to their targets: translation [m] above rotation [rad],
+    axes of {B}.
 
-    Both poses are columns (4, 3, N). The turn is the rotation vector; half a turn has none and gives 0 in
-    its direction, so it is bent a little.
+    The rotation is the rotation vector. After exactly half a turn its direction is undefined; x is used.
+
+    Args:
+        columns: the frames' columns (4, 3, N).
+        target: the targets' columns (4, 3, N).
     """
     error = np.empty((6, columns.shape[2]))
     np.subtract(target[3], columns[3], out=error[:3])
     turn = error[3:]
     for row in range(3):
         after, before = (row + 1) % 3, (row + 2) % 3
+        # half the sum of cross products of the axes: the rotation axis times sin(angle)
         turn[row] = 0.5 * (
             (columns[:3, after] * target[:3, before]).sum(axis=0)
             - (columns[:3, before] * target[:3, after]).sum(axis=0)
         )
     cosine = 0.5 * ((columns[:3] * target[:3]).sum(axis=(0, 1)) - 1.0)
     sine = np.sqrt((turn * turn).sum(axis=0))
+    # close to the target sin(angle) stands for the angle: the iteration converges all the same
     large = cosine < 0.999
     if large.any():
         stretch = np.arctan2(sine, cosine) / np.where(sine > 1e-9, sine, 1.0)
@@ -110,14 +117,16 @@ def pose_error(columns: Array, target: Array) -> Array:
 
 
 def pose_columns(poses: Array) -> Array:
-    """Poses (N, 4, 4) as columns (4, 3, N)."""
+    """Return poses (N, 4, 4) as columns (4, 3, N)."""
     return np.ascontiguousarray(poses[:, :3].transpose(2, 1, 0))
 
 
 def misses(columns: Array, target: Array) -> tuple[Array, Array]:
-    """How far frames miss their targets [m] and [rad], (N,) each; columns (4, 3, N)."""
+    """Return how far frames miss their targets, (N,) [m] and (N,) [rad], for columns (4, 3, N)."""
     apart = target - columns
     squares = (apart * apart).sum(axis=1)
+    # the Frobenius norm of the difference of two rotations is 2 √2 sin(angle / 2); unlike acos this is
+    # accurate for small angles
     chord = np.sqrt(squares[0] + squares[1] + squares[2]) * (0.5 / math.sqrt(2.0))
     return np.sqrt(squares[3]), 2.0 * np.arcsin(np.minimum(chord, 1.0))
 
@@ -131,7 +140,7 @@ def _fit_block(
     rounds: int,
     angle_weight: float,
 ) -> Fit:
-    """`fit` for one block."""
+    """Run `fit` for one block."""
     target = pose_columns(poses)
     best = np.array(seeds.T, dtype=float, order="C")
     if lower is not None and upper is not None:
@@ -163,7 +172,7 @@ def _fit_block(
         new_error = pose_error(columns, target[:, :, active]) * weight
         new = np.einsum("kn,kn->n", new_error, new_error)
         better = new < now
-        # done: exact; or many steps without a gain that counts
+        # a sample is done if it is exact, or after many steps without a gain
         idle = np.where(better & (new < now * (1.0 - 1e-7)), 0, idle + 1)
         factor = np.clip(np.where(better, factor * 0.2, factor * 6.0), 1e-6, 1e12)
         best[:, active[better]] = trial[:, better]
@@ -183,7 +192,9 @@ def _fit_block(
 
 
 def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
-    """(JᵀJ + damping)⁻¹ Jᵀ e (n, N), by whichever of JᵀJ and JJᵀ is smaller; J (6, n, N), e (6, N)."""
+    """Return (JᵀJ + damping)⁻¹ Jᵀ e (n, N), by the smaller of JᵀJ and JJᵀ; J (6, n, N), e (6, N), damping
+    (N,).
+    """
     rows, joints, count = jacobian.shape
     if count <= FEW:
         step = _step_of_few(jacobian, error, damping)
@@ -196,6 +207,7 @@ def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
                 normal[i, j] = normal[j, i] = np.einsum("kn,kn->n", jacobian[:, i], jacobian[:, j])
             normal[i, i] += damping
         return _solve(normal, np.einsum("kjn,kn->jn", jacobian, error))
+    # the push-through identity: (JᵀJ + d)⁻¹ Jᵀ = Jᵀ (JJᵀ + d)⁻¹
     normal = np.empty((rows, rows, count))
     for i in range(rows):
         for j in range(i + 1):
@@ -206,7 +218,9 @@ def damped_step(jacobian: Array, error: Array, damping: Array) -> Array:
 
 
 def _step_of_few(jacobian: Array, error: Array, damping: Array) -> Array | None:
-    """Return `damped_step` sample by sample, in a tenth of the time for a few; None if a matrix is singular."""
+    """Return `damped_step` sample by sample, in a tenth of the time for a few samples; None if a matrix is
+    singular.
+    """
     rows, joints, count = jacobian.shape
     each = jacobian.transpose(2, 0, 1)
     across = each.transpose(0, 2, 1)
@@ -224,7 +238,9 @@ def _step_of_few(jacobian: Array, error: Array, damping: Array) -> Array | None:
 
 
 def _solve(matrix: Array, right: Array) -> Array:
-    """matrix⁻¹ right for positive definite (m, m, N) and (m, N), by elimination; both are overwritten."""
+    """Return matrix⁻¹ right for positive definite (m, m, N) and (m, N), by elimination; both arguments are
+    overwritten.
+    """
     size = len(matrix)
     for k in range(size - 1):
         factor = matrix[k + 1 :, k] / np.maximum(matrix[k, k], 1e-300)

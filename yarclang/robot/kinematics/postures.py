@@ -1,7 +1,9 @@
-"""Joint positions that nearly reach a pose, from a table: where to begin the search for an arm with spare joints.
+"""Look up joint positions that nearly reach a pose: starts of the search for a redundant arm.
 
-The first and the last joint need no table: a pose, read as the line of the last axis, has the same place beside the first axis however far the first joint is moved, and the last joint only turns about that line. So the table
-has the joints between, and for each row where the last axis then lies as seen from the first. The rows that come nearest to the pose give the other two joints.
+The first and the last joint need no table. Read a pose as the line of the last axis: its position relative to
+the first axis doesn't depend on the first joint, and the last joint only turns about that line. The table
+therefore varies only the joints between, and records for each row where the last axis lies as seen from the
+first. The rows that come nearest to the pose determine the other two joints.
 """
 
 from __future__ import annotations
@@ -21,25 +23,28 @@ ROWS = 8192
 """Joint positions in a table."""
 
 SEEDS = 48
-"""Joint positions from which one pose is looked for."""
+"""Joint positions from which the search for one pose starts."""
 
 NEAREST = 192
-"""Rows that come nearest to a pose; of these, those are taken that are nearest to the reference."""
+"""Rows nearest to a pose that are considered; of these, the nearest to the reference are used."""
 
 LONG = 3.0
-"""A slide is looked at as far as this to both sides [sizes of the arm]."""
+"""A sliding joint is covered up to this distance to either side [sizes of the arm]."""
 
 BEYOND = 10.0
-"""What it costs to be beyond limits at an end of the arm [squared joint differences, per rad or m]."""
+"""Cost of exceeding limits at the first or the last joint [squared joint differences, per rad or m]."""
 
 
 @frozen(eq=False)
 class Table:
-    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and where the last axis lies.
+    """Joint positions `q` (ROWS, n) [rad or m] with the first and the last joint at zero, and where the last
+    axis then lies.
 
-    `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that the first joint doesn't change, lengths in units of `unit` [m], `sizes` (ROWS,) their squares. `bearings` (ROWS,) is how far the first joint would be for them [rad or m].
-    `across` (ROWS, 3) is a direction across the last axis. `axis`, `point`, `side` (3,) are the last axis, a point of it, and that direction, in the flange.
-    `turns` is True if the first joint turns, `first` (4, 4) its frame in {B}.
+    `places` (ROWS, 5) are the coordinates of a point of the last axis and of its direction that don't depend
+    on the first joint, lengths in units of `unit` [m]. `sizes` (ROWS,) are their squared norms. `bearings`
+    (ROWS,) is the first joint's share of the point's position [rad or m]. `across` (ROWS, 3) is a direction
+    perpendicular to the last axis. `axis`, `point` and `side` (3,) are the last axis, a point of it, and that
+    direction, in the flange. `turns` is True if the first joint turns, `first` (4, 4) is its frame in {B}.
     """
 
     q: Array
@@ -64,16 +69,16 @@ def seeds_near(
     reference: Array,
     count: int = SEEDS,
 ) -> Array:
-    """Return joint positions (count, n) [rad or m] from which a pose is looked for, the reference first.
+    """Return joint positions (count, n) [rad or m] from which to search for a pose, the reference first.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
-        lower: (n,) the limits to keep to [rad or m].
-        upper: (n,) the same.
+        lower: (n,) the lower limits to keep to [rad or m].
+        upper: (n,) the upper limits, likewise.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
-        count: how many, NEAREST + 1 at most.
+        count: how many to return, at most NEAREST + 1.
     """
     table = _table_of(chain, limits.lower.tobytes(), limits.upper.tobytes())
     if table is None:
@@ -85,7 +90,11 @@ def seeds_near(
 
 @lru_cache(maxsize=16)
 def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
-    """Return an arm's table, remembered by the identity of the chain and its limits; None if its first joint is a screw, its last one doesn't just turn, or another one slides so far that a table would be too coarse."""
+    """Return an arm's table, remembered by the identity of the chain and its limits.
+
+    None if the first joint is a screw, the last joint doesn't purely turn, or another joint slides so far
+    that a table would be too coarse.
+    """
     links = links_of(chain)
     turns = bool(links.turn[0])
     far = np.frombuffer(upper) - np.frombuffer(lower) > 2.0 * LONG * extent(chain)
@@ -122,19 +131,23 @@ def _table_of(chain: Chain, lower: bytes, upper: bytes) -> Table | None:
 
 
 def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array, reference: Array) -> Array:
-    """Return joint positions (NEAREST, n) [rad or m] within limits that nearly reach a pose, on the full turns nearest to the reference.
+    """Return joint positions (NEAREST, n) [rad or m] within limits that nearly reach a pose, on the full
+    turns nearest to the reference.
 
     Args:
         table: the arm's table.
-        lower: (n,) [rad or m].
-        upper: (n,) the same.
+        lower: (n,) the lower limits [rad or m].
+        upper: (n,) the upper limits, likewise.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m].
+
+    Returns:
+        The rows in the order of their distance from the reference.
     """
     wanted, bearing = _seen(
         base_from_flange[None], table.first, table.turns, table.axis, table.point, table.unit
     )
-    # squared distances, but for a constant
+    # squared distances, except for a constant
     apart = table.sizes - table.places @ (2.0 * wanted[0])
     rows = np.argpartition(apart, NEAREST)[:NEAREST]
     q = table.q[rows].copy()
@@ -143,6 +156,7 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
     if table.turns:
         across = _about(table.first[:3, 2], across, q[:, 0])
     axis, side = base_from_flange[:3, :3] @ table.axis, base_from_flange[:3, :3] @ table.side
+    # the turn about the last axis that brings the row's direction to the pose's
     q[:, -1] = -np.arctan2(across @ np.cross(axis, side), across @ side)
     turning = [0, -1] if table.turns else [-1]
     q[:, turning] += 2.0 * math.pi * np.round((reference[turning] - q[:, turning]) / (2.0 * math.pi))
@@ -153,9 +167,11 @@ def near_pose(table: Table, lower: Array, upper: Array, base_from_flange: Array,
 
 
 def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -> Array:
-    """Return joint positions (count, n) [rad or m] spread evenly over limits, of turns half a turn to both sides of `about` (n,) at most."""
+    """Return joint positions (count, n) [rad or m] spread evenly over limits, turning joints at most half a
+    turn to either side of `about` (n,).
+    """
     reach = np.where(chain.is_prismatic, LONG * extent(chain), math.pi)
-    # no narrower than they have to be where `about` is near a limit, or beyond it
+    # if `about` is near a limit or beyond it, shift the interval instead of narrowing it
     about = np.clip(about, np.minimum(lower + reach, upper), np.maximum(upper - reach, lower))
     low, high = np.maximum(lower, about - reach), np.minimum(upper, about + reach)
     even = restarts(chain, count)
@@ -167,7 +183,19 @@ def spread(chain: Chain, lower: Array, upper: Array, about: Array, count: int) -
 def _seen(
     poses: Array, first: Array, turns: bool, axis: Array, point: Array, unit: float
 ) -> tuple[Array, Array]:
-    """Return where the last axis lies at flange poses (N, 4, 4) as the first joint leaves it, (N, 5), and that joint's share (N,) [rad or m]."""
+    """Return the coordinates of the last axis that don't depend on the first joint, and that joint's share.
+
+    Args:
+        poses: flange poses (N, 4, 4).
+        first: the first joint's frame in {B} (4, 4).
+        turns: True if the first joint turns, False if it slides.
+        axis: the last axis in the flange (3,).
+        point: a point of it in the flange (3,) [m].
+        unit: unit of lengths [m].
+
+    Returns:
+        Coordinates (N, 5), and the first joint's share (N,) [rad or m].
+    """
     place = (poses[:, :3, :3] @ point + poses[:, :3, 3] - first[:3, 3]) @ first[:3, :3]
     way = (poses[:, :3, :3] @ axis) @ first[:3, :3]
     if not turns:
@@ -190,7 +218,7 @@ def _seen(
 
 
 def _about(axis: Array, vectors: Array, angle: Array) -> Array:
-    """Return vectors (N, 3) turned about an axis (3,) by angles (N,) [rad]."""
+    """Return vectors (N, 3) turned about a unit axis (3,) by angles (N,) [rad], by Rodrigues' formula."""
     sin, cos = np.sin(angle)[:, None], np.cos(angle)[:, None]
     result: Array = (
         cos * vectors + sin * np.cross(axis, vectors) + (1.0 - cos) * (vectors @ axis)[:, None] * axis

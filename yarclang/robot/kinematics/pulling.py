@@ -1,8 +1,10 @@
-"""The solutions of one pose nearest to a reference, for any arm with more joints than a pose needs.
+"""Find the solutions of one pose nearest to a reference, for any redundant arm.
 
-Many joint positions go at once towards the pose and, through their null spaces, towards the reference: each step leads to the point of the linearised self-motion that is nearest
-to the reference. A step along the self-motion is as long as the last two say that it bends (Barzilai and Borwein, IMA Journal of Numerical Analysis 8, 1988). A joint at its limit that
-would go beyond stays there, and the others make up for it.
+Many joint positions move together towards the pose and, through their null spaces, towards the reference:
+each step leads to the point of the linearised self-motion that is nearest to the reference. The length of a
+step along the self-motion follows from the curvature that the last two steps show (Barzilai and Borwein, IMA
+Journal of Numerical Analysis 8, 1988). A joint at its limit that would exceed it stays there, and the others
+make up for it.
 """
 
 from __future__ import annotations
@@ -21,79 +23,97 @@ from yarclang.robot.kinematics.within import EDGE, clear_of_limits
 from yarclang.robot.model import Array, Chain, Limits
 
 STEPS = 30
-"""The most steps."""
+"""The largest number of steps."""
 
 TOWARDS, ALONG = 0.6, 0.4
 """The largest change of a joint in one step towards the pose, and along the self-motion [rad or m]."""
 
 EXACT = 2e-10
-"""The miss [m and rad together] at which a joint position has arrived ..."""
+"""The miss [m and rad together] at which a joint position has arrived, provided that it has settled."""
 
 SETTLED = 1e-3
-"""... if the motion along the self-motion that is still wanted is smaller than this [rad or m]."""
+"""A joint position has settled if it would move by less than this along the self-motion [rad or m]."""
 
 DAMPING = 1e-12
-"""Of a step: far from the pose more, by `FAR` times the squared miss."""
+"""Least damping of a step; `FAR` times the squared miss is added."""
 
 FAR = 1e-2
 
 HOLDS = 3
-"""How many times joints are held at limits in one step."""
+"""The largest number of times that joints are held at limits in one step."""
 
 SHORTEST, LONGEST = 0.05, 2.0
-"""A step along the self-motion, as a share of the way that would be right if it were straight."""
+"""The shortest and the longest step along the self-motion, as a share of the step that would be right if it
+were straight.
+"""
 
 HOPE = 2.0
-"""How much nearer a joint position may come yet, times what a parabola says."""
+"""Safety factor on the gain towards the reference that a parabola predicts."""
 
 LESS = 1e-4
-"""What isn't nearer by this isn't waited for [squared joint differences]."""
+"""The iteration ends if no joint position can gain more than this [squared joint differences]."""
 
 ALONE, FIRST = 0.7, 6
-"""What the reference may miss the pose by to go alone first [m and rad together], and for how many steps."""
+"""The miss up to which the reference is tried alone first [m and rad together], and the steps that it
+gets.
+"""
 
 ROUGH = 1.0
-"""How much nearer to the reference a solution may be than the seed from which it is found [joint difference]."""
+"""Largest distance by which a solution is assumed to be nearer to the reference than its seed [joint
+difference].
+"""
 
 CLOSE, TOGETHER, MANY = 2e-4, 0.02, 64
-"""What misses by less [m and rad together] will arrive; what is nearer to each other than this in every joint [rad or m] will arrive together, looked for among so many."""
+"""A joint position that misses by less than `CLOSE` [m and rad together] will arrive. Two that differ by less
+than `TOGETHER` in every joint [rad or m] will arrive at the same place; they are compared only among up to
+`MANY`.
+"""
 
 EARLY, KEPT = 4, 16
-"""After so many steps, as many are kept of which the most is hoped, if only the nearest is wanted."""
+"""If only the nearest is needed: after `EARLY` steps, the `KEPT` most promising joint positions are kept."""
 
 LAST_SEEDS, LAST_STEPS, ENOUGH = 193, 30, 24
-"""Seeds of the table, and as many others, that go to the pose only, in so many steps, if none of fewer arrives, until so many have come there."""
+"""The last search, for the pose only, if nothing else has arrived: `LAST_SEEDS` seeds from the table and as
+many others, at most `LAST_STEPS` steps, ended when `ENOUGH` have reached the pose.
+"""
 
 AFTER, AWAY = 12, 0.1
-"""Of these, what misses by more after so many steps is given up [m and rad together]."""
+"""In the last search, a joint position that misses by more than `AWAY` [m and rad together] after `AFTER`
+steps is given up.
+"""
 
 TINY = 1e-12
 
 NEAR, LAST = 1e-2, 3
-"""What then misses by less [m and rad together] is led to the pose by so many steps at most."""
+"""At the end, joint positions that miss by less than `NEAR` [m and rad together] get at most `LAST` steps to
+the pose.
+"""
 
 LOST: Array = np.array([math.inf] * 8 + [0.1] * 6 + [1e-3] * 40)
-"""What misses by more after so many steps is given up [m and rad together]."""
+"""For each step number, the miss above which a joint position is given up [m and rad together]."""
 
 
 def nearest_pulled(
     chain: Chain, limits: Limits, base_from_flange: Array, reference: Array, *, is_only: bool = False
 ) -> Array:
-    """Return joint positions (m, n) [rad or m] at a pose within limits, the nearest to a reference that is found among them; clear of limits if any is found that is.
+    """Return joint positions (m, n) [rad or m] at a pose within limits, found from many seeds and pulled to a
+    reference.
+
+    They are clear of limits if any such is found.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
         base_from_flange: (4, 4).
         reference: (n,) [rad or m], within limits.
-        is_only: True if no others are wanted.
+        is_only: True if only the nearest is needed.
     """
     for lower, upper in (clear_of_limits(limits, reference), (limits.lower, limits.upper)):
         pull = Pull(chain, lower, upper, base_from_flange, reference)
         seeds = seeds_near(chain, limits, lower, upper, base_from_flange, reference)
         found = np.empty((0, chain.size))
         if is_only:
-            # near the pose the reference itself arrives soon
+            # if the reference is near the pose, it arrives soon by itself
             is_near = pull.misses(seeds[:1])[0] < ALONE
             first = pull.arriving(seeds[:1], is_only=True, steps=FIRST) if is_near else found
             bound = np.square(first - reference).sum(axis=1).min(initial=np.inf)
@@ -104,7 +124,7 @@ def nearest_pulled(
             found = pull.arriving(seeds)
         if len(found):
             return found
-    # to the pose first, wherever that is
+    # last: to the pose first, without regard to the reference
     pull = Pull(chain, limits.lower, limits.upper, base_from_flange, reference)
     seeds = seeds_near(chain, limits, limits.lower, limits.upper, base_from_flange, reference, LAST_SEEDS)
     even = spread(chain, limits.lower, limits.upper, reference, LAST_SEEDS)
@@ -114,23 +134,25 @@ def nearest_pulled(
 
 
 def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Array, reference: Array) -> Array:
-    """Return the joint positions (m, n) [rad or m] at a pose within limits at which seeds arrive, each nearer to the reference than those next to it.
+    """Return joint positions (m, n) [rad or m] at a pose within limits, each locally nearest to the
+    reference.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
         base_from_flange: (4, 4).
-        seeds: (k, n) [rad or m].
+        seeds: (k, n) [rad or m], where the search starts.
         reference: (n,) [rad or m].
     """
     return Pull(chain, limits.lower, limits.upper, base_from_flange, reference).arriving(seeds)
 
 
 class Pull:
-    """The target of joint positions (k, n) that are pulled.
+    """Target to which joint positions (k, n) are pulled: a pose and a reference.
 
-    It is a pose (4, 4), or one for each of them (k, 4, 4), and a reference (n,) or (k, n), within the limits `lower` and `upper` (n,). Ways of joints count in units of `scale` (n,) [rad or m],
-    all alike if None.
+    The pose is (4, 4), or (k, 4, 4) with one for each of them; the reference is (n,) or (k, n), within the
+    limits `lower` and `upper` (n,). Joint motions are counted in units of `scale` (n,) [rad or m], all alike
+    if it is None.
     """
 
     __slots__ = ("chain", "lower", "pose", "reference", "scale", "target", "upper")
@@ -149,13 +171,15 @@ class Pull:
         self.target = pose_columns(base_from_flange.reshape(-1, 4, 4))
 
     def misses(self, q: Array) -> Array:
-        """Return what joint positions (k, n) miss the pose by (k,) [m and rad together]."""
+        """Return the distances (k,) of joint positions (k, n) from the pose [m and rad together]."""
         error = self._seen(q)[1]
         result: Array = np.sqrt(np.einsum("kr,kr->k", error, error))
         return result
 
     def reaching(self, seeds: Array) -> Array:
-        """Return joint positions (m, n) at the pose to which seeds (k, n) lead, wherever the reference is; no more than `ENOUGH` are waited for."""
+        """Return joint positions (m, n) at the pose that seeds (k, n) lead to, without regard to the
+        reference. The search ends when `ENOUGH` are found.
+        """
         q, reached = np.clip(seeds, self.lower, self.upper), []
         for number in range(LAST_STEPS):
             go_on()
@@ -173,7 +197,9 @@ class Pull:
         return np.concatenate(reached)
 
     def put_back(self, q: Array, steps: int) -> tuple[Array, Array]:
-        """Return joint positions (k, n) after so many steps towards their poses and the reference, and what they miss the poses by (k,)."""
+        """Return joint positions (k, n) after a number of steps towards their poses and the reference, and
+        their misses (k,) [m and rad together].
+        """
         q = np.clip(q, self.lower, self.upper)
         for number in range(steps + LAST + 1):
             go_on()
@@ -194,13 +220,13 @@ class Pull:
     def arriving(
         self, seeds: Array, *, is_only: bool = False, bound: float = np.inf, steps: int = STEPS
     ) -> Array:
-        """Return where seeds (k, n) arrive, (m, n).
+        """Return the joint positions (m, n) at which seeds arrive.
 
         Args:
-            seeds: [rad or m].
-            is_only: True if only the nearest is wanted, and only if it is nearer than `bound`.
+            seeds: (k, n) [rad or m].
+            is_only: True if only the nearest is needed, and only if it is nearer than `bound`.
             bound: a squared joint difference.
-            steps: how many there are at most.
+            steps: the largest number of steps.
         """
         q = np.clip(seeds, self.lower, self.upper)
         share = np.ones(len(q))
@@ -215,6 +241,8 @@ class Pull:
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
             wanted = self.reference - q
             towards, along = self._steps(q, jacobian, error, miss, wanted)
+            # Barzilai and Borwein: the step length |s|² / (s · y), with the last step s and the change y of
+            # the remaining way
             bent = np.einsum("kn,kn->k", moved_before, wanted_before - along)
             length = np.einsum("kn,kn->k", moved_before, moved_before)
             usable = (bent > TINY) & (length > TINY)
@@ -226,7 +254,7 @@ class Pull:
             if there.any():
                 arrived.append(q[there])
                 nearest = min(nearest, float(away[there].min()))
-            # how near each may come yet
+            # a lower bound on the distance that each may still reach
             hoped = away - HOPE * (share * np.einsum("kn,kn->k", along, along) + miss)
             going = ~there & (miss < LOST[number])
             if number == steps or not (hoped[going] < nearest - LESS).any():
@@ -251,7 +279,9 @@ class Pull:
         return np.concatenate(arrived) if arrived else np.empty((0, self.chain.size))
 
     def _hopeful(self, q: Array, away: Array, hoped: Array, miss: Array, nearest: float) -> NDArray[np.bool_]:
-        """Return which joint positions (k, n) may still come to be the nearest, one of those that have come together."""
+        """Return a mask (k,) of the joint positions (k, n) that may still become the nearest; of those that
+        have come together, only the first.
+        """
         close = miss < CLOSE
         if close.any():
             nearest = min(nearest, float((away + HOPE * miss)[close].min()))
@@ -262,7 +292,7 @@ class Pull:
         return hopeful
 
     def _exact(self, q: Array) -> Array:
-        """Return those of joint positions (k, n) near the pose that a few steps lead to it within limits."""
+        """Return those of joint positions (k, n) near the pose that reach it in a few steps within limits."""
         for number in range(LAST + 1):
             jacobian, error = self._seen(q)
             miss = np.sqrt(np.einsum("kr,kr->k", error, error))
@@ -274,7 +304,9 @@ class Pull:
         return kept
 
     def _seen(self, q: Array) -> tuple[Array, Array]:
-        """Return the Jacobians (k, 6, n) of joint positions (k, n), and the twists from them to the pose (k, 6)."""
+        """Return the Jacobians (k, 6, n) at joint positions (k, n), and the twists from there to the pose (k,
+        6).
+        """
         if len(q) == 1:
             pose, one = pose_with_jacobian(self.chain, q[0])
             return one[None], twist_between(pose, self.pose.reshape(4, 4))[None]
@@ -285,7 +317,19 @@ class Pull:
     def _steps(
         self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
     ) -> tuple[Array, Array]:
-        """Return `_least` of joint positions (k, n) with those joints held that are at a limit and would leave it, or that then would."""
+        """Compute steps towards the pose and along the self-motion, holding joints that would leave their
+        limits.
+
+        Args:
+            q: (k, n) [rad or m].
+            jacobian: (k, 6, n).
+            error: twists to the pose (k, 6).
+            miss: norms of the twists (k,).
+            wanted: moves towards the reference (k, n).
+
+        Returns:
+            Steps towards the pose (k, n), and along the self-motion (k, n).
+        """
         if self.scale is not None:
             towards, along = self._held(q, jacobian * self.scale, error, miss, wanted / self.scale)
             return towards * self.scale, along * self.scale
@@ -294,7 +338,7 @@ class Pull:
     def _held(
         self, q: Array, jacobian: Array, error: Array, miss: Array, wanted: Array
     ) -> tuple[Array, Array]:
-        """Return `_steps`, ways of joints in one unit."""
+        """Compute `_steps` with all joint motions in one unit."""
         towards, along = _least(jacobian, error, miss, wanted)
         low, high = q <= self.lower + EDGE, q >= self.upper - EDGE
         if not (low | high).any():
@@ -315,7 +359,17 @@ class Pull:
 
 
 def _least(jacobian: Array, error: Array, miss: Array, wanted: Array) -> tuple[Array, Array]:
-    """Return the least steps (k, n) that make up for errors (k, 6), and what wanted moves (k, n) leave in the null space."""
+    """Return the least steps that correct errors, and the part of wanted moves that lies in the null space.
+
+    Args:
+        jacobian: (k, 6, n).
+        error: (k, 6).
+        miss: norms of the errors (k,).
+        wanted: (k, n).
+
+    Returns:
+        J⁺ error (k, n) and (I - J⁺ J) wanted (k, n), with the damped pseudoinverse J⁺ = Jᵀ (JJᵀ + d)⁻¹.
+    """
     across = jacobian.transpose(0, 2, 1)
     square = jacobian @ across
     square.reshape(len(square), -1)[:, ::7] += (DAMPING + FAR * np.minimum(miss * miss, 1.0))[:, None]

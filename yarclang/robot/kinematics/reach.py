@@ -1,6 +1,4 @@
-"""How far the tool can be from each joint axis, at most: the lever that turns joint motion into path
-error.
-"""
+"""Bound the distance of the tool from each joint axis: the lever by which joint motion becomes path error."""
 
 from __future__ import annotations
 
@@ -13,17 +11,17 @@ from yarclang.robot.model import Array, Chain, Limits
 
 
 def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
-    """For each joint, a bound over all configurations on what a unit of it moves the tool's origin.
+    """Return, for each joint, an upper bound on the speed of the tool's origin per unit of joint speed.
 
-    For a revolute joint that is the distance [m] from its axis to the tool's origin: the distance from the
-    axis to a fixed point on the next one, and from there on the sum of the links, point to point, with
-    all travel of the prismatic joints among them. It holds by the triangle inequality, whatever the
-    joints do within the limits of the prismatic ones; limits of revolute joints aren't used. For a
-    prismatic joint, which has no lever, it is 1 (times the length of its screw).
+    For a revolute joint this is a bound on the distance [m] from its axis to the tool's origin: the distance
+    from the axis to a fixed point on the next one, plus the lengths of the links from there on, point to
+    point, plus the travel of the prismatic joints among them. By the triangle inequality it holds for all
+    joint positions within the limits of the prismatic joints; the limits of revolute joints aren't used. A
+    prismatic joint has no lever: its bound is 1 (times the length of its screw).
 
     Args:
         chain: the arm, n joints.
-        limits: the travel of prismatic joints is taken from here; endless travel gives an infinite bound.
+        limits: contains the travel of prismatic joints; unlimited travel gives an infinite bound.
         flange_from_tool: (4, 4).
 
     Returns:
@@ -40,7 +38,7 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
             beyond += links.slide[joint] * travel
             continue
         axis, origin = links.frames[joint, :3, 2], links.frames[joint, :3, 3]
-        # `point` is fixed in the link that this joint turns; its nearest point on the axis stays where it is
+        # `point` is fixed in the link that this joint turns; its nearest point on the axis stays at rest
         foot = origin + axis * (axis @ (point - origin))
         beyond += float(np.linalg.norm(point - foot))
         radii[joint] = links.turn[joint] * beyond
@@ -49,17 +47,21 @@ def reach_radii(chain: Chain, limits: Limits, flange_from_tool: Array) -> Array:
 
 
 def arm_length(chain: Chain, flange_from_tool: Array) -> float:
-    """How far the tool can be from the first axis that turns [m], slides at zero; 1 m where nothing turns.
+    """Return how far the tool can be from the first turning axis [m], slides at zero; 1 m if no joint turns.
 
-    It is the sum of the links, each from the foot of the one behind it on its axis: a size of the arm that
+    It is the sum of the links, each measured from the foot of the next one on its axis. This size of the arm
     doesn't depend on where along their axes the URDF puts the joints.
+
+    Args:
+        chain: the arm.
+        flange_from_tool: (4, 4).
     """
     return _arm_length(chain, np.asarray(flange_from_tool, dtype=float).tobytes())
 
 
 @lru_cache(maxsize=256)
 def _arm_length(chain: Chain, tool: bytes) -> float:
-    """As `arm_length`, remembered by the chain's identity and the tool's numbers (4, 4)."""
+    """Compute `arm_length`, remembered by the chain's identity and the tool's numbers (4, 4)."""
     links = links_of(chain)
     point = (chain.base_from_flange @ np.frombuffer(tool).reshape(4, 4))[:3, 3]
     total = 0.0

@@ -1,4 +1,4 @@
-"""The self-motion of arms with more joints than a pose needs: joint positions that all reach it."""
+"""Sample the self-motion of redundant arms: joint positions that all reach the same pose."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ STEP = 0.12
 """The largest change of a joint from one joint position to the next [rad, or m by `weights`]."""
 
 ROUNDS = 40
-"""Steps to each side at most: more than half a turn of the joint that moves most."""
+"""The largest number of steps to each side: more than half a turn of the joint that moves most."""
 
 
 LEAST = 1e-3
-"""What the way of a joint counts that has hardly any range, as a share of that with the largest."""
+"""Least weight of a joint that has hardly any range, as a share of the largest weight."""
 
 
 def weights(chain: Chain, limits: Limits) -> Array:
-    """Return what each joint's way counts against the others (n,) [rad or m]: half of its range, of a turn half a turn at most, of a slide the arm's size."""
+    """Return the unit in which each joint's motion is counted (n,) [rad or m].
+
+    It is half of the joint's range, but at most half a turn, or for a sliding joint the arm's size.
+    """
     half = 0.5 * (limits.upper - limits.lower)
     ways = np.minimum(half, np.where(chain.is_prismatic, extent(chain), np.pi))
     # a joint that limits lock counts as one that hardly moves
@@ -33,15 +36,20 @@ def weights(chain: Chain, limits: Limits) -> Array:
 
 
 def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array) -> Array:
-    """Return joint positions (m, n) [rad or m] within limits that reach a pose as others do, sampled along the motions of the arm that leave the flange at rest.
+    """Sample joint positions within limits that reach the same pose, along motions that leave the flange at
+    rest.
 
-    From each position given, steps go to both sides along each direction of the null space, as far as limits allow.
+    From each given position, steps go to both sides along each direction of the null space, as far as limits
+    allow.
 
     Args:
         chain: an arm with more than six joints.
         limits: its limits.
         base_from_flange: (4, 4).
         q: (k, n) [rad or m], joint positions that reach the pose within limits.
+
+    Returns:
+        (m, n) [rad or m], without the given ones.
     """
     spare = chain.size - 6
     if spare < 1 or not len(q):
@@ -56,7 +64,7 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         step = way * (STEP / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None] * scale
         poses = np.broadcast_to(base_from_flange, (len(here), 4, 4))
         moved = fit(chain, poses, here + step, lower=limits.lower, upper=limits.upper, rounds=10)
-        # a joint at its limit is held there by the others; what gets nowhere any more has come to an end
+        # the fit holds a joint at its limit; a position that no longer moves has come to an end
         gone = np.abs((moved.q - here) / scale).max(axis=1)
         going = (moved.total < reached_within(chain)) & (gone > 0.25 * STEP) & (gone < 3.0 * STEP)
         going &= np.abs(beyond(limits, moved.q)).max(axis=1) <= EDGE
@@ -64,14 +72,17 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
             break
         here, way = moved.q[going], way[going]
         found.append(here)
-        # on in the same direction
+        # continue in the same direction: project it onto the new null space
         null = null_spaces(chain, here, scale)
         way = np.einsum("nki,nk->ni", null, np.einsum("nki,ni->nk", null, way))
     return np.concatenate(found) if found else np.empty((0, chain.size))
 
 
 def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:
-    """Return the directions (m, k, n), orthonormal, in which joint positions (m, n) leave the flange at rest, each joint's way counted in units of `scale` (n,) [rad or m]."""
+    """Return orthonormal directions (m, k, n) in which joint positions (m, n) leave the flange at rest, joint
+    motions counted in units of `scale` (n,) [rad or m].
+    """
+    # the right singular vectors after the six singular values span the null space
     directions: Array = np.linalg.svd(_scaled_jacobians(chain, q, scale))[2][:, 6:]
     return directions
 

@@ -1,8 +1,9 @@
-"""One joint position within limits for each of many poses, whatever the arm: no seed, no reference.
+"""Find one joint position within limits for each of many poses, for any arm, without seed or reference.
 
-Where there is a closed form its branches are tried, and first of all for a calibrated arm what is next to those of the arm as it was meant. Otherwise damped least squares starts from those of some
-thousand fixed joint positions within limits whose poses are nearest, one a pose first, and more for
-the poses that are still unsolved.
+If there is a closed form, its branches are tried; for a calibrated arm, the solutions near its nominal ones
+are tried first. Otherwise damped least squares start from fixed joint positions within limits, of which there
+are some thousand: from those whose poses are nearest, first one for each pose, then more for the poses that
+are still unsolved.
 """
 
 from __future__ import annotations
@@ -24,29 +25,35 @@ from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Chain, Limits
 
 STARTS = 2048
-"""Fixed joint positions to start from."""
+"""Number of fixed joint positions to start from."""
 
 TURNED = 0.3
-"""What a turn by 1 rad counts against a way of the arm's whole length where the nearest start is chosen."""
+"""Weight of a turn by 1 rad against a distance of the arm's whole length, in the choice of the nearest
+start.
+"""
 
 STAGES = ((1, 14), (2, 20), (6, 30), (24, 40), (64, 60), (160, 80))
-"""Starts a pose, and the most steps of each: a start that hasn't converged by then seldom does."""
+"""Starts for each pose, and the largest number of steps of each: a start that hasn't converged by then seldom
+does.
+"""
 
 BLOCK = 512
-"""Poses whose distances to all starts are looked at together."""
+"""Poses whose distances to all starts are computed together."""
 
 
 def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """A joint position within limits for each pose, without preference among several.
+    """Find a joint position within limits for each pose, without preference among several.
+
+    A search that finds none doesn't prove that there is none.
 
     Args:
         chain: the arm, n joints.
-        limits: position limits; a continuous joint comes out within half a turn of 0.
+        limits: position limits; a continuous joint ends up within half a turn of 0.
         base_from_flange: (N, 4, 4).
 
     Returns:
-        q (N, n) [rad or m], and which of them stand at their poses within 1e-9 m and rad, inside the
-        limits (N,); the others are the last that was tried. A search that finds none is no proof that there is none.
+        q (N, n) [rad or m], and a mask (N,) of those that stand at their poses within 1e-9 m and rad, inside
+        the limits. The others are the last ones that were tried.
     """
     count = len(base_from_flange)
     if form_of(chain) is not None:
@@ -88,11 +95,21 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
 def _next_to_meant(
     chain: Chain, meant: Form, limits: Limits, base_from_flange: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return joint positions of a calibrated arm (N, 6) [rad] next to those of its nominal closed form, and which of them stand at their poses within limits (N,)."""
+    """Return joint positions of a calibrated arm near its nominal solutions.
+
+    Args:
+        chain: the calibrated arm.
+        meant: the closed form of its nominal arm.
+        limits: its limits.
+        base_from_flange: (N, 4, 4).
+
+    Returns:
+        q (N, 6) [rad], and a mask (N,) of those that stand at their poses within limits.
+    """
     low, high = span(chain, limits)
     found = closed_form(meant, base_from_flange, 0.5 * (low + high)[:, None])
     q, inside = _within(chain, limits, found.q.transpose(2, 1, 0))
-    # the farther from all limits the better: the solution is only next to this one
+    # prefer the branch farthest from all limits, since the solution is only near the nominal one
     room = np.minimum(q - limits.lower, limits.upper - q).min(axis=2)
     choice = np.argmax(np.where(found.valid.T & inside, room, -1.0), axis=1)
     exact, miss = polished(chain, base_from_flange, q[np.arange(len(q)), choice])
@@ -101,7 +118,9 @@ def _next_to_meant(
 
 
 def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """`q` (..., n) on the full turns next to the middle of the limits, and which of them are within (...)."""
+    """Return `q` (..., n) on the full turns nearest to the middle of the limits, and a mask (...) of those
+    within limits.
+    """
     low, high = span(chain, limits)
     lifted = nearest_turn(chain, limits, q, 0.5 * (low + high))
     inside: NDArray[np.bool_] = np.abs(beyond(limits, lifted)).max(axis=-1) <= EDGE
@@ -109,8 +128,10 @@ def _within(chain: Chain, limits: Limits, q: Array) -> tuple[Array, NDArray[np.b
 
 
 def span(chain: Chain, limits: Limits) -> tuple[Array, Array]:
-    """Where each joint is looked for (n,) each [rad or m]: its limits, but no more than a full turn about
-    their middle (0 without limits), and of a slide without limits no more than the arm's size.
+    """Return the interval in which each joint is searched, (n,) each [rad or m].
+
+    It is the joint's range, but at most a full turn about its middle; without limits, half a turn to either
+    side of 0, or for a slide the arm's size.
     """
     half = np.where(chain.is_prismatic, extent(chain), math.pi)
     bounded = np.isfinite(limits.lower) & np.isfinite(limits.upper)
@@ -123,7 +144,7 @@ def span(chain: Chain, limits: Limits) -> tuple[Array, Array]:
 
 
 def within(chain: Chain, limits: Limits, count: int) -> Array:
-    """Fixed joint positions (count, n) [rad or m] within limits, spread evenly."""
+    """Return fixed joint positions (count, n) [rad or m] within limits, spread evenly."""
     low, high = span(chain, limits)
     share = restarts(chain, count) / np.where(chain.is_prismatic, extent(chain), math.pi)
     spread: Array = 0.5 * (low + high) + 0.5 * (high - low) * share
@@ -132,7 +153,7 @@ def within(chain: Chain, limits: Limits, count: int) -> Array:
 
 @lru_cache(maxsize=16)
 def _start_positions(chain: Chain, limits: Limits) -> Array:
-    """The fixed joint positions (STARTS, n), remembered by the identity of chain and limits."""
+    """Return the fixed joint positions (STARTS, n), remembered by the identity of chain and limits."""
     return within(chain, limits, STARTS)
 
 
@@ -142,7 +163,9 @@ def _start_features(chain: Chain, limits: Limits) -> Array:
 
 
 def _features(chain: Chain, poses: Array) -> Array:
-    """Poses (N, 4, 4) as points (N, 12), whose distances grow with the way and the turn between the poses."""
+    """Map poses (N, 4, 4) to points (N, 12) whose distances grow with the translation and the turn between
+    the poses.
+    """
     points: Array = np.empty((len(poses), 12))
     points[:, :3] = poses[:, :3, 3] / arm_length(chain, np.eye(4))
     points[:, 3:] = poses[:, :3, :3].reshape(-1, 9) * (TURNED / math.sqrt(2.0))
@@ -150,12 +173,13 @@ def _features(chain: Chain, poses: Array) -> Array:
 
 
 def _nearest_starts(chain: Chain, limits: Limits, poses: Array, most: int) -> NDArray[np.int_]:
-    """The numbers (N, most) of the starts whose poses are nearest, the nearest first."""
+    """Return the numbers (N, most) of the starts whose poses are nearest, the nearest first."""
     known = _start_features(chain, limits)
     half_square = 0.5 * np.square(known).sum(axis=1)
     result = np.empty((len(poses), most), dtype=int)
     for first in range(0, len(poses), BLOCK):
         piece = slice(first, first + BLOCK)
+        # half the squared distance, except for a term that is the same for all starts
         away = half_square - _features(chain, poses[piece]) @ known.T
         if most == 1:
             result[piece, 0] = np.argmin(away, axis=1)

@@ -1,4 +1,6 @@
-"""Pose, Jacobian and error of one joint position: as `fk` and `numeric` for batches, which take five times as long for a single one."""
+"""Compute pose, Jacobian and error of a single joint position, in a fifth of the time that `fk` and `numeric`
+take for a batch of one.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from yarclang.transforms import sealed
 
 
 def pose_with_jacobian(chain: Chain, q: Array) -> tuple[Array, Array]:
-    """Return base_from_flange (4, 4) of a joint position (n,) [rad or m] and the Jacobian (6, n) at the flange's origin, linear part above, axes of {B}."""
+    """Return base_from_flange (4, 4) of a joint position (n,) [rad or m], and the Jacobian (6, n) at the
+    flange's origin, linear part above, axes of {B}.
+    """
     links, (first, after) = links_of(chain), _constants(chain)
     turns = q if links.uniform else q * links.turn
     sin, cos = np.sin(turns), np.cos(turns)
@@ -42,10 +46,13 @@ def pose_with_jacobian(chain: Chain, q: Array) -> tuple[Array, Array]:
 
 
 def twist_between(pose: Array, target: Array) -> Array:
-    """Return the twist (6,) from one pose (4, 4) to another: way [m] above turn [rad], axes of {B}; see `numeric.pose_error`."""
+    """Return the twist (6,) from one pose (4, 4) to another: translation [m] above rotation [rad], axes of
+    {B}; see `numeric.pose_error`.
+    """
     error = np.empty(6)
     error[:3] = target[:3, 3] - pose[:3, 3]
     turned = (target[:3, :3] @ pose[:3, :3].T).tolist()
+    # the antisymmetric part of the relative rotation: its axis times sin(angle)
     x = 0.5 * (turned[2][1] - turned[1][2])
     y = 0.5 * (turned[0][2] - turned[2][0])
     z = 0.5 * (turned[1][0] - turned[0][1])
@@ -59,7 +66,9 @@ def twist_between(pose: Array, target: Array) -> Array:
 
 @lru_cache(maxsize=256)
 def _constants(chain: Chain) -> tuple[Array, Array]:
-    """Return the first joint's frame in {B} (4, 4), and what lies after each joint, up to the next or the flange (n, 4, 4); remembered by the chain's identity."""
+    """Return the first joint's frame in {B} (4, 4), and the transforms from each joint to the next or to the
+    flange (n, 4, 4); remembered by the chain's identity.
+    """
     links: Links = links_of(chain)
     after = np.empty((chain.size, 4, 4))
     after[:-1] = links.steps[1:].transpose(0, 2, 1)

@@ -1,9 +1,10 @@
-"""How near joint positions are to a singularity, and what a motion of the tool costs there in joint speed.
+"""Measure the distance of joint positions from a singularity, and the motions that a singularity makes
+expensive.
 
-A Jacobian mixes m and rad, so that its singular values mean nothing until lengths and angles are
-weighted. Here every length is divided by the arm's characteristic length L: the most that the tool can be
-away from the first axis (`reach.arm_length`). A way of L counts as much as a turn of 1 rad, of the tool and of a sliding joint alike,
-and the smallest singular value is a pure number: 0 at a singularity, 0.1 or so far from one.
+A Jacobian mixes m and rad, so its singular values are meaningless until lengths and angles are weighted. Here
+every length is divided by the arm's characteristic length L, the largest distance of the tool from the first
+axis (`reach.arm_length`). A translation by L counts like a turn of 1 rad, for the tool and for a sliding
+joint alike. The smallest singular value is then a pure number: 0 at a singularity, about 0.1 far from one.
 """
 
 from __future__ import annotations
@@ -16,17 +17,19 @@ from yarclang.robot.kinematics.reach import arm_length
 from yarclang.robot.model import Array, Chain
 
 _ROUNDING = 1e-9
-"""What squares of singular values, of up to some tens, may lose by rounding, and much more."""
+"""Margin that covers, many times over, the rounding of squared singular values, which are at most some
+tens.
+"""
 
 
 @frozen(eq=False)
 class Nearness:
-    """How near joint positions are to a singularity.
+    """The distance of joint positions from a singularity.
 
-    `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the motion
-    of the joints that moves the tool least, of length 1 [rad, or L for a sliding joint]: its large
-    entries name the joints that work against each other. `twist` (N, 6) is the motion of the tool that is hardest
-    to make, of length 1: linear part [L] above angular part [rad], axes of {B}.
+    `smallest` (N,) is the smallest singular value of the weighted Jacobian. `joints` (N, n) is the joint
+    motion of length 1 [rad, or L for a sliding joint] that moves the tool least: its large entries name the
+    joints that work against each other. `twist` (N, 6) is the tool motion of length 1 that is most expensive:
+    linear part [L] above angular part [rad], axes of {B}.
     """
 
     smallest: Array
@@ -35,10 +38,11 @@ class Nearness:
 
 
 def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
-    """The smallest singular value at each joint position, and which motions belong to it.
+    """Compute the smallest singular value at each joint position, and the motions that belong to it.
 
-    An arm with fewer than six joints has as many singular values as joints: it's singular where it
-    can do less than elsewhere. With more than six the smallest of six counts, and the others of the null space don't.
+    An arm with fewer than six joints has as many singular values as joints: it is singular where it can move
+    in fewer directions than elsewhere. With more than six joints, the smallest of six counts; the null space
+    doesn't.
 
     Args:
         chain: the arm, n joints.
@@ -51,7 +55,7 @@ def nearness(chain: Chain, q: Array, flange_from_tool: Array) -> Nearness:
 
 
 def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """As `nearness(...).smallest` (N,), without the motions."""
+    """Return `nearness(...).smallest` (N,) without computing the motions."""
     scaled = weighted_jacobians(chain, q, flange_from_tool)
     return np.linalg.svd(scaled, compute_uv=False)[:, -1].astype(float)
 
@@ -59,8 +63,8 @@ def smallest_singular_values(chain: Chain, q: Array, flange_from_tool: Array) ->
 def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float) -> bool:
     """Return True if the smallest singular value is proved to be above a limit at every joint position.
 
-    The squares of the singular values, less that of the limit, are all positive if there is a Cholesky factor: a fifth of the time of the values.
-    Very near the limit the answer is False.
+    JJᵀ - limit² I is positive definite exactly if it has a Cholesky factor, which takes a fifth of the time
+    of the singular values. Very near the limit the answer is False.
 
     Args:
         chain: the arm, n joints.
@@ -80,7 +84,7 @@ def are_all_above(chain: Chain, q: Array, flange_from_tool: Array, limit: float)
 
 
 def weighted_jacobians(chain: Chain, q: Array, flange_from_tool: Array) -> Array:
-    """The geometric Jacobians (N, 6, n) at the tool with all lengths in units of L."""
+    """Return the geometric Jacobians (N, 6, n) at the tool, with all lengths in units of L."""
     length = arm_length(chain, flange_from_tool)
     jacobians = poses_and_jacobians(chain, q, flange_from_tool)[1]
     per_length = np.repeat([1.0 / length, 1.0], 3)

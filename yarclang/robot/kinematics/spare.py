@@ -1,13 +1,15 @@
-"""Arms with one joint more than a pose needs: all solutions of a pose for given values of that joint, in closed form.
+"""Solve arms with one spare joint in closed form: all solutions of a pose for given values of that joint.
 
-With one joint held, two kinds of arms of seven joints are left with a closed form:
+With one joint held, two kinds of arms with seven joints have a closed form:
 
-- The held joint is the first or the last (a rail under an arm, a turn behind its flange), and the other six are an arm of `closed_form`.
-- All turn, the last three axes meet (the wrist centre), and two others of the first four meet: the first two with the third held (a
-  spherical shoulder, as of LBR iiwa), or the second and third with the first held. The distance of the wrist centre from where these two meet
-  gives the fourth angle (subproblem 3), its direction these two (subproblem 2), and what is left of the rotation the wrist. An arm
-  whose first three axes meet (Panda, xArm 7) is one of these when it is read from its flange. The decomposition is that of Elias and Wen,
-  IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two intersecting".
+- The held joint is the first or the last (a rail under an arm, a turn after its flange), and the other six
+  are an arm of `closed_form`.
+- All joints turn, the last three axes meet (the wrist centre), and two of the first four meet: the first two
+  with the third held (a spherical shoulder, as in LBR iiwa), or the second and third with the first held. The
+  distance of the wrist centre from the point where these two meet gives the fourth angle (subproblem 3), its
+  direction gives these two (subproblem 2), and the rotation that is left gives the wrist. An arm whose first
+  three axes meet (Panda, xArm 7) is one of these when it is read from its flange. The decomposition is that
+  of Elias and Wen, IK-Geo (Mechanism and Machine Theory 209, 2025), "spherical wrist, two intersecting".
 """
 
 from __future__ import annotations
@@ -34,16 +36,18 @@ from yarclang.robot.model import Array, Chain
 from yarclang.transforms import sealed
 
 APART = 1e-3
-"""Axes and points that are nearer to each other than this [m, or rad of parallel] decide nothing."""
+"""Least distance of axes and points [m], and least angle between axes [rad], at which they determine a
+solution.
+"""
 
 BRANCHES = 8
 
 
 @frozen(eq=False)
 class HeldAtEnd:
-    """An arm whose other six joints have a closed form, `arm`, with joint `joint` (0 or 6) held.
+    """An arm whose other six joints have the closed form `arm`, with joint `joint` (0 or 6) held.
 
-    `screw` (6,) is that of the held joint as it stands before or after the other six, in {B} or in the flange.
+    `screw` (6,) is that of the held joint: in {B} if it is the first, in the flange if it is the last.
     """
 
     joint: int
@@ -55,9 +59,11 @@ class HeldAtEnd:
 class HeldWithin:
     """An arm of seven turning joints with a wrist, read from the base or from the flange (`is_reversed`).
 
-    All of it is said of the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the joints' axes, `held` (0 or 2) is the held joint, `pair` the two whose
-    axes meet in `meeting` (3,); joint 3 bends, joints 4 to 6 are the wrist with the centre `centre` (3,), of the angles `angles`. `home` (4, 4) is the tip at zero, `fourth` and `sixth` (3, 3) are the frames of
-    the wrist's first and last axis. `crosses` (7, 3, 3) are the matrices of the cross product with each axis.
+    All fields describe the chain as it is read, with all joints at zero. `axes` and `points` (7, 3) are the
+    joints' axes. `held` (0 or 2) is the held joint, `pair` the two whose axes meet in `meeting` (3,). Joint 3
+    bends; joints 4 to 6 are the wrist with the centre `centre` (3,) and the angles `angles`. `home` (4, 4) is
+    the tip at zero. `fourth` and `sixth` (3, 3) are the frames of the wrist's first and last axis. `crosses`
+    (7, 3, 3) are the cross product matrices of the axes.
     """
 
     is_reversed: bool
@@ -75,7 +81,7 @@ class HeldWithin:
 
     @property
     def joint(self) -> int:
-        """The held joint of the arm."""
+        """The held joint, counted from the base."""
         return 6 - self.held if self.is_reversed else self.held
 
 
@@ -84,7 +90,9 @@ SpareForm = HeldAtEnd | HeldWithin
 
 @lru_cache(maxsize=256)
 def spare_form(chain: Chain) -> SpareForm | None:
-    """Return the closed form of an arm of seven joints, one of them held, or None where it has none; remembered by the chain's identity."""
+    """Return the closed form of an arm of seven joints with one of them held, or None if it has none;
+    remembered by the chain's identity.
+    """
     if chain.size != 7:
         return None
     return _at_end(chain) or _within(chain, is_reversed=False) or _within(chain, is_reversed=True)
@@ -93,16 +101,17 @@ def spare_form(chain: Chain) -> SpareForm | None:
 def solutions_with(
     form: SpareForm, base_from_flange: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return all solutions of a pose for values of the held joint, without regard to limits.
+    """Find all solutions of a pose for given values of the held joint, without regard to limits.
 
     Args:
         form: the arm.
         base_from_flange: (4, 4).
-        values: (N,) [rad or m].
-        hold: (7,) [rad or m], what joints have that a singularity leaves free.
+        values: (N,) values of the held joint [rad or m].
+        hold: (7,) [rad or m], the values of joints that a singularity leaves free.
 
     Returns:
-        q (BRANCHES, N, 7), turns in (-pi, pi] but for the held joint [rad or m], and which of them reach the pose (BRANCHES, N).
+        q (BRANCHES, N, 7) [rad or m], turns in (-pi, pi] except for the held joint, and a mask (BRANCHES, N)
+        of those that reach the pose.
     """
     if isinstance(form, HeldAtEnd):
         return _solved_at_end(form, base_from_flange, values, hold)
@@ -116,7 +125,7 @@ def solutions_with(
 
 
 def _at_end(chain: Chain) -> HeldAtEnd | None:
-    """Return the form with the first or last joint held."""
+    """Return the form with the first or last joint held, or None if the other six have no closed form."""
     without_first = Chain(sealed(chain.screws[1:]), chain.base_from_flange)
     arm = form_of(without_first)
     if arm is not None:
@@ -130,7 +139,7 @@ def _at_end(chain: Chain) -> HeldAtEnd | None:
 def _solved_at_end(
     form: HeldAtEnd, pose: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return `solutions_with` for a held joint at an end."""
+    """Compute `solutions_with` for a held joint at an end."""
     away = _moves(form.screw, -values)
     others = slice(1, 7) if form.joint == 0 else slice(0, 6)
     poses = away @ pose if form.joint == 0 else pose @ away
@@ -142,7 +151,9 @@ def _solved_at_end(
 
 
 def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
-    """Return the form with a joint of the arm held, read from the base or from the flange."""
+    """Return the form with a joint inside the arm held, read from the base or from the flange, or None if
+    there is none.
+    """
     if not links_of(chain).uniform:
         return None
     if is_reversed:
@@ -161,7 +172,8 @@ def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
         if held_joint == 0 and _distance(axes[3], points[3], meeting) < APART:
             continue
         if held_joint == 2:
-            # the meeting point goes round the held axis: if that leaves it where it is, it has to be off the fourth
+            # the held joint carries the meeting point around its axis; if the point stays at rest, it has to
+            # be off the fourth axis
             stays = _distance(axes[2], points[2], meeting) < TOLERANCE
             if stays and _distance(axes[3], points[3], meeting) < APART:
                 continue
@@ -186,10 +198,12 @@ def _within(chain: Chain, *, is_reversed: bool) -> HeldWithin | None:
 def _solved_within(
     form: HeldWithin, pose: Array, values: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Return solutions (7, BRANCHES, N) of the chain as it is read, and which reach the pose (BRANCHES, N); samples are the last index."""
+    """Return solutions (7, BRANCHES, N) of the chain as it is read, and a mask (BRANCHES, N) of those that
+    reach the pose; samples are the last index.
+    """
     count, (one, other) = len(values), form.pair
     turned = pose[:3, :3] @ form.home[:3, :3].T
-    # where the wrist centre and the frame of the last axis shall be
+    # the wanted wrist centre and the wanted frame of the last axis
     target = pose[:3, 3] + turned @ (form.centre - form.home[:3, 3])
     tip = (turned @ form.sixth)[:, :, None]
     sin, cos = np.sin(values), np.cos(values)
@@ -203,7 +217,7 @@ def _solved_within(
         way = (target - form.meeting)[:, None] + np.zeros(count)
         middle = _turned(form.crosses[2], middle - start, -sin, cos) + start
     bend, bends = _bend(form, middle, way)
-    # from where the two axes meet to the wrist centre, before they turn: (3, bend 2, N)
+    # the vector from where the two axes meet to the wrist centre, before they turn: (3, bend 2, N)
     bend_sin, bend_cos = np.sin(bend), np.cos(bend)
     across = (form.centre - form.points[3])[:, None, None]
     reach = _turned(form.crosses[3], across, bend_sin, bend_cos) + form.points[3][:, None, None]
@@ -212,7 +226,7 @@ def _solved_within(
         reach = _turned(form.crosses[2], reach - start, sin, cos) + start
     reach = reach - form.meeting[:, None, None]
     first, second, leans = _two_turns(form, way, reach, hold[[one, other]])
-    # what is left of the rotation: (3, 3, shoulder 2, bend 2, N)
+    # undo the first four joints: the rotation that is left for the wrist, (3, 3, shoulder 2, bend 2, N)
     rest = tip[:, :, None, None]
     rest = _turned(form.crosses[one], rest, -np.sin(first), np.cos(first))
     rest = _turned(form.crosses[other], rest, -np.sin(second), np.cos(second))
@@ -233,7 +247,17 @@ def _solved_within(
 
 
 def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Return the fourth angle (2, N) at which the wrist centre is as far from `middle` (3, N) as `way` (3, N) is long, and where there is one (N,) (subproblem 3)."""
+    """Solve subproblem 3: the fourth angle at which the wrist centre is as far from `middle` as `way` is
+    long.
+
+    Args:
+        form: the arm.
+        middle: (3, N) [m].
+        way: (3, N) [m].
+
+    Returns:
+        The angle (2, N) [rad], and a mask (N,) of the samples that have one.
+    """
     axis = form.axes[3]
     arm, seen = form.centre - form.points[3], middle - form.points[3][:, None]
     along, height = float(axis @ arm), axis @ seen
@@ -241,7 +265,7 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
     seen = seen - axis[:, None] * height
     length, distance = float(np.linalg.norm(arm)), np.sqrt((seen * seen).sum(axis=0))
     square = (way * way).sum(axis=0) - np.square(along - height)
-    # both legs of half the angle between arm and seen
+    # both legs of half the angle between arm and seen, by the law of cosines
     sine, cosine = square - np.square(length - distance), np.square(length + distance) - square
     reached = (np.minimum(sine, cosine) >= -REACH_TOLERANCE) & (distance > APART)
     half = np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
@@ -252,14 +276,25 @@ def _bend(form: HeldWithin, middle: Array, way: Array) -> tuple[Array, NDArray[n
 def _two_turns(
     form: HeldWithin, way: Array, reach: Array, hold: Array
 ) -> tuple[Array, Array, NDArray[np.bool_]]:
-    """Return the turns about the pair of axes that bring `reach` (3, 2, N) to `way` (3, N) (subproblem 2). Where `way` lies along the first axis, or `reach` along the other, this one is held at `hold` (2,).
+    """Solve subproblem 2: the turns about the pair of axes that bring `reach` to `way`.
+
+    If `way` lies along the first axis, its turn is held at `hold[0]`; if `reach` lies along the other axis,
+    that one's turn is held at `hold[1]`.
+
+    Args:
+        form: the arm.
+        way: (3, N) [m].
+        reach: (3, 2, N) [m].
+        hold: (2,) [rad].
 
     Returns:
-        The turn about the first axis and that about the other, (2, 2, N) each [rad], and where there are some (2, N).
+        The turns about the first and about the other axis, (2, 2, N) each [rad], and a mask (2, N) of the
+        samples that have them.
     """
     one, other = (form.axes[joint] for joint in form.pair)
     cosine, normal = float(one @ other), form.crosses[form.pair[0]] @ other
     sine = float(normal @ normal)
+    # the vector between the two turns lies on both cones: first · one + second · other ± aside · normal
     level, height = one @ way, (other @ reach.reshape(3, -1)).reshape(reach.shape[1:])
     first, second = (level - cosine * height) / sine, (height - cosine * level) / sine
     square = (reach * reach).sum(axis=0) - first * (first + 2.0 * cosine * second) - second * second
@@ -282,32 +317,40 @@ def _two_turns(
 
 
 def _turn_between(start: Array, across: Array, end: Array) -> Array:
-    """Return the turn about an axis that brings one vector to another [rad]: from the cross products (3, ...) of the axis with both, and the other itself."""
+    """Return the turn about an axis that brings one vector to another [rad].
+
+    Args:
+        start: the axis crossed with the first vector (3, ...).
+        across: the axis crossed with the second vector (3, ...).
+        end: the second vector (3, ...).
+    """
     result: Array = np.arctan2((start * end).sum(axis=0), (start * across).sum(axis=0))
     return result
 
 
 def _crossed(cross: Array, vectors: Array) -> Array:
-    """Return the cross products of an axis, by its matrix (3, 3), with vectors (3, ...)."""
+    """Return the cross products of an axis, given by its matrix (3, 3), with vectors (3, ...)."""
     result: Array = (cross @ vectors.reshape(3, -1)).reshape(vectors.shape)
     return result
 
 
 def _turned(cross: Array, vectors: Array, sin: Array, cos: Array) -> Array:
-    """Return vectors (3, ...) turned about an axis, by its matrix (3, 3), by angles (...) of these sines and cosines."""
+    """Return vectors (3, ...) turned about an axis, given by its matrix (3, 3), by angles (...) with these
+    sines and cosines.
+    """
     across = _crossed(cross, vectors)
     result: Array = vectors + sin * across + (1.0 - cos) * _crossed(cross, across)
     return result
 
 
 def _cross(axis: Array) -> Array:
-    """Return the matrix (3, 3) of the cross product with an axis (3,)."""
+    """Return the cross product matrix (3, 3) of an axis (3,)."""
     x, y, z = axis
     return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 
 
 def _distance(axis: Array, point: Array, other: Array) -> float:
-    """Return how far a point (3,) is from an axis through another one [m]."""
+    """Return the distance of the point `other` (3,) from an axis (3,) through `point` (3,) [m]."""
     return float(np.linalg.norm(np.cross(axis, other - point)))
 
 
@@ -328,7 +371,7 @@ def _seen_from(frame: Array, screws: Array) -> Array:
 
 
 def _moves(screw: Array, values: Array) -> Array:
-    """Return the motions (N, 4, 4) of a joint with a screw (6,) by its values (N,) [rad or m]."""
+    """Return the motions (N, 4, 4) of a joint with screw (6,) for its values (N,) [rad or m]."""
     linear, angular = screw[:3], screw[3:]
     result = np.tile(np.eye(4), (len(values), 1, 1))
     size = float(np.linalg.norm(angular))
@@ -339,6 +382,7 @@ def _moves(screw: Array, values: Array) -> Array:
     cross = _cross(axis)
     sin, cos = np.sin(turn)[:, None, None], (1.0 - np.cos(turn))[:, None, None]
     result[:, :3, :3] += sin * cross + cos * (cross @ cross)
+    # Chasles: a turn about the axis through `point`, and a translation along it
     point = np.cross(axis, linear) / size
     pitch = axis * float(axis @ linear)
     result[:, :3, 3] = point - result[:, :3, :3] @ point + values[:, None] * pitch

@@ -1,13 +1,14 @@
-"""Following the branches of the closed form along a path.
+"""Follow the branches of the closed form along a path.
 
-All branches of all samples come at once. From sample to sample the strand stays on its branch; where
-that would need more than a small move, the place is looked at more closely, down to a billionth of the
-path. If there another branch goes on smoothly, the path passes exactly through a singularity and the
-strand changes over; if none does, a joint would have to jump.
+All branches of all samples are computed at once. From sample to sample the strand stays on its branch. Where
+that would need more than a small move, more samples are taken, down to a billionth of the path. If another
+branch continues smoothly there, the path passes exactly through a singularity, and the strand changes to that
+branch; if none does, a joint would have to jump.
 
-Within a singularity the pose leaves one angle free, which is held. Closed forms go over from the held angle to the one that
-the pose determines within a few 1e-10 rad, and a short path has samples in there. What the free angle
-turns by on the way out isn't the path's doing: if it is much, the joint would have to jump.
+Inside a singularity the pose leaves one angle free, which is held. The closed form changes from the held
+angle to the determined one within a few 1e-10 rad, and a short path may have samples in between. The path
+itself doesn't require the free angle to turn on the way out; if it turns by much, the joint would have to
+jump.
 """
 
 from __future__ import annotations
@@ -29,30 +30,30 @@ NEAR = 0.2
 """The largest move of a joint from sample to sample [rad or m]."""
 
 FINEST = 1e-9
-"""The shortest piece of a path that is looked at."""
+"""The shortest piece of a path that is examined, as a share of the path."""
 
 BEND = 0.02
-"""How far a sample may lie off the chord of its neighbours [rad]."""
+"""Largest distance of a sample from the chord of its neighbours [rad]."""
 
 SHORT = 1e-5
-"""A piece of a path that isn't cut for the sake of its bend alone."""
+"""Length of a piece that isn't cut merely because of its bend, as a share of the path."""
 
 SECTIONS = 16
-"""Into how many pieces an interval is cut that hides a jump."""
+"""Number of pieces into which an interval is cut that hides a jump."""
 
 ROUNDS = 40
-"""The most refinements of a skeleton."""
+"""The largest number of refinements of a skeleton."""
 
 End = Literal["whole", "jump", "nothing"]
 
 
 @frozen(eq=False)
 class Strand:
-    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, as far as they go on without a
+    """Joint positions `q` (M, n) [rad or m] at places `s` (M,) of a path, as far as they continue without a
     jump.
 
-    `end` says whether that is the whole path, or the nearest solution beyond would be a jump (to `beyond`
-    (n,)), or there is none.
+    `end` is "whole" if they reach the path's end, "jump" if the nearest solution after them would be a jump
+    (to `beyond` (n,)), and "nothing" if there is no solution after them.
     """
 
     s: Array
@@ -63,7 +64,9 @@ class Strand:
 
 @dataclass(slots=True, eq=False)
 class _Samples:
-    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8), `free` (M, 8, 2)."""
+    """All branches at all places so far, the places first: `q` (M, 8, 6), `valid` and `singular` (M, 8),
+    `free` (M, 8, 2).
+    """
 
     s: Array
     poses: Array
@@ -75,8 +78,10 @@ class _Samples:
 
 @frozen(eq=False)
 class _Held:
-    """A singularity that the strand is in: the sample `before` it, where the joints stand at `q` (6,), and the
-    `joints` that it frees.
+    """A singularity that the strand has entered.
+
+    `before` is the last sample before it, with joints at `q` (6,); `joints` are the joints that the
+    singularity frees.
     """
 
     before: int
@@ -84,19 +89,24 @@ class _Held:
     joints: list[int]
 
     def turned(self, q: Array) -> Array:
-        """How far the free joints are (K,) at joint positions `q` (K, 6) from where they are held [rad]."""
+        """Return how far the free joints (K,) are at joint positions `q` (K, 6) from their held values
+        [rad].
+        """
         away: Array = np.abs(q[:, self.joints] - self.q[self.joints]).max(axis=1)
         return away
 
 
 def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_start: Array) -> Strand:
-    """The strand that starts at `q_start` (6,) [rad], which stands at pose_at(s[0]).
+    """Follow a path from `q_start` (6,) [rad], which stands at pose_at(s[0]).
 
     Args:
         arm: the closed form.
         pose_at: base_from_flange (N, 4, 4) at places (N,).
         s: (M,) the first skeleton, from 0 to 1.
         q_start: (6,) [rad].
+
+    Returns:
+        The strand, up to the path's end or to where it can't be continued.
     """
     samples = _sampled(arm, pose_at(s), s, q_start)
     for _ in range(ROUNDS):
@@ -113,7 +123,7 @@ def follow_branches(arm: Form, pose_at: Callable[[Array], Array], s: Array, q_st
 def plain_strands(
     arm: Form, poses: Array, s: Array, starts: Array, branch: int
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Follow many paths at once along one branch, where there is nothing to decide.
+    """Follow many paths at once along one branch, as far as no decision is needed.
 
     Args:
         arm: the closed form.
@@ -123,8 +133,8 @@ def plain_strands(
         branch: the branch on which all begin.
 
     Returns:
-        Joint positions (m, M, 6), and True (m,) for each path that keeps to the branch without a closer look. For these, `follow_branches` gives the
-        same strand, whole.
+        Joint positions (m, M, 6), and a mask (m,) of the paths that stay on the branch without refinement.
+        For these, `follow_branches` returns the same strand, whole.
     """
     q = np.empty((len(starts), len(s), 6))
     beyond = poses.reshape(*q.shape[:2], 4, 4)[:, 1:]
@@ -140,7 +150,7 @@ def plain_strands(
     q[:, 2:] = next_to(here[:, 1:], q[:, 1:2] + np.cumsum(moves, axis=1))[0]
     is_plain = valid.reshape(here.shape[:2]).all(axis=1)
     is_plain &= (np.abs(away) <= NEAR).all(axis=1) & (np.abs(moves) <= NEAR).all(axis=(1, 2))
-    # to the first sample, the nearest of all branches is taken
+    # `follow_branches` takes the nearest of all branches to the first sample
     size = np.abs(next_to(branches.q.transpose(2, 1, 0), starts[:, None])[1]).max(axis=2)
     size[~branches.valid.T] = np.inf
     is_plain &= np.argmin(size, axis=1) == branch
@@ -150,12 +160,22 @@ def plain_strands(
 
 
 def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
-    """Follow the samples from `q_start`; also the places (K,) that need a closer look."""
+    """Follow the samples from `q_start` (6,).
+
+    Args:
+        arm: the closed form.
+        samples: all branches at the places so far.
+        q_start: (6,) [rad].
+
+    Returns:
+        The strand, and the places (K,) that need to be added.
+    """
     s, count = samples.s, len(samples.s)
     q = np.empty((count, 6))
     q[0] = q_start
     cuts: list[Array] = []
-    # how far each branch moves from each sample to the next
+    # the move of each branch from each sample to the next; infinite if it misses the pose or touches a
+    # singularity
     moves = samples.q[1:] - samples.q[:-1]
     moves -= TURN * np.round(moves / TURN)
     farthest = np.abs(moves).max(axis=2)
@@ -166,7 +186,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
     beyond = q_start
     while here < count - 1:
         if branch >= 0:
-            # run on along the branch as far as it is smooth
+            # continue along the branch as far as it is smooth
             rough = farthest[here:, branch] > NEAR
             run = int(np.argmax(rough)) if rough.any() else len(rough)
             if run:
@@ -208,6 +228,7 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
             along = _held_run(arm, samples, here, here + run, choice, target)
             q[here : here + len(along)] = along
             here += len(along) - 1
+        # inside a singularity and on leaving it, a freed joint that turns by much would have to jump
         if held is not None:
             turned = held.turned(q[first : here + 1]) > NEAR
             if turned.any():
@@ -220,9 +241,18 @@ def _walk(arm: Form, samples: _Samples, q_start: Array) -> tuple[Strand, Array]:
 
 
 def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, q: Array) -> Array:
-    """Joint positions (K, 6) from sample `first` to before `last`, all of them singular, with the free
-    angle held at that of `q` (6,), the first of them; as far as no joint moves too much from one to the
-    next.
+    """Return joint positions (K, 6) of consecutive singular samples, with the free angle held.
+
+    Args:
+        arm: the closed form.
+        samples: all branches at the places so far.
+        first: the first singular sample.
+        last: the sample after the last singular one.
+        branch: the branch to follow.
+        q: (6,) [rad] at sample `first`; its free angle is held.
+
+    Returns:
+        The joint positions from sample `first` on, as far as no joint moves too much from one to the next.
     """
     held = closed_form(arm, samples.poses[first:last], q[:, None]).q[:, branch].T
     moves = np.diff(held, axis=0)
@@ -233,8 +263,10 @@ def _held_run(arm: Form, samples: _Samples, first: int, last: int, branch: int, 
 
 
 def _bends(strand: Strand) -> Array:
-    """Places (K,) halfway to the neighbours of samples that lie off the chord between these: what happens
-    there, a short stretch out of reach perhaps, would be missed.
+    """Return places (K,) halfway to the neighbours of samples that lie off the chord between these
+    neighbours.
+
+    Between such samples a short event, such as a stretch out of reach, would be missed.
     """
     s, q = strand.s, strand.q
     if len(s) < 3:
@@ -250,8 +282,17 @@ def _bends(strand: Strand) -> Array:
 
 
 def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Array, bool]:
-    """The branch at sample `index` nearest to `q` (6,), its joints on the turns next to q, and whether it is
-    singular there, with the free angle held at q's; -1 for none.
+    """Return the branch at sample `index` that is nearest to `q` (6,).
+
+    Args:
+        arm: the closed form.
+        samples: all branches at the places so far.
+        index: the sample.
+        q: (6,) [rad].
+
+    Returns:
+        The branch, or -1 if none reaches the pose; its joints (6,) on the turns nearest to `q`; and True if
+        it is singular there, with the free angle held at that of `q`.
     """
     found, valid, singular = samples.q[index], samples.valid[index], samples.singular[index]
     if not valid.any():
@@ -266,13 +307,13 @@ def _choose(arm: Form, samples: _Samples, index: int, q: Array) -> tuple[int, Ar
 
 
 def _sections(start: float, end: float, pieces: int) -> Array:
-    """The inner ends (pieces - 1,) of equal pieces."""
+    """Return the inner ends (pieces - 1,) of equal pieces."""
     result: Array = np.linspace(start, end, pieces + 1)[1:-1]
     return result
 
 
 def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
-    """All branches at new places."""
+    """Compute all branches at new places."""
     found = closed_form(arm, poses, hold[:, None])
     return _Samples(
         s,
@@ -285,7 +326,7 @@ def _sampled(arm: Form, poses: Array, s: Array, hold: Array) -> _Samples:
 
 
 def _merged(samples: _Samples, extra: _Samples) -> _Samples:
-    """Both, in the order of their places."""
+    """Merge both in the order of their places."""
     s = np.concatenate([samples.s, extra.s])
     order = np.argsort(s, kind="stable")
     return _Samples(

@@ -1,8 +1,8 @@
-"""Following a path of flange poses by continuity, or saying where and why that ends.
+"""Follow a path of flange poses by continuity, or report where and why it can't be followed.
 
-A skeleton of samples is laid over the path, dense enough that each joint moves little from one to the
-next; where it doesn't, the skeleton is refined until either it does or the place is so short that the
-joint would have to jump.
+A skeleton of samples is laid over the path, dense enough that each joint moves little from one sample to the
+next. Where a joint moves more, the skeleton is refined until the move is small or the interval is so short
+that the joint would have to jump.
 """
 
 from __future__ import annotations
@@ -29,39 +29,41 @@ from yarclang.transforms import sealed
 
 BreakKind = Literal["reach", "limits", "singular", "configuration"]
 Reason = Literal["any", "kind", "measured"]
-"""How much is found out of why a path that keeps to joint limits can't be followed: nothing (any kind stands there), its kind, or also how far
-the path is out of reach. The last two are searches of some 0.1 s."""
+"""Information wanted about a path within joint limits that can't be followed: nothing ("any": the reported
+kind is arbitrary), the kind of the break ("kind"), or also by how much the path is out of reach ("measured").
+The last two are searches of about 0.1 s.
+"""
 
 PathPoses = Callable[[Array], Array]
 
 SAMPLES = 33
-"""How many places of a path are looked at first."""
+"""Number of places of a path in the first skeleton."""
 
 ON_PATH = 1e-6
-"""How far the start may miss the path, and the polished start its limits [m or rad]."""
+"""Largest distance of the start from the path, and of the polished start from its limits [m or rad]."""
 
 START = 1e-3
-"""How far the polished start may be from the given one [rad or m]."""
+"""Largest distance of the polished start from the given one [rad or m]."""
 
 CLEAR = 1e-6
-"""How far after a singularity the jump over it is measured, as a share of the path ..."""
+"""Distance after a singularity at which the jump over it is measured, as a share of the path."""
 
 CLEAR_WAY = 1e-7
-"""... and at least [m and rad together]: nearer, the closed form goes over from one angle to the other."""
+"""Least such distance [m and rad together]: nearer, the closed form changes from one angle to the other."""
 
 EDGE = 1e-8
-"""A joint that is beyond its limit by no more [rad or m] counts as on it."""
+"""A joint that exceeds its limit by no more than this [rad or m] counts as on it."""
 
 
 @frozen(eq=False)
 class Track:
     """Joint positions along a path.
 
-    `s` (M,) grows from 0 to 1; `q` (M, n) [rad or m] stand at the path's poses, with each joint
-    on continuous turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that `at`
-    gives seeds for `follow` on the same branch. `bend` (M, n) are the second derivatives of the natural cubic
-    spline through them for a redundant arm, whose seeds choose among a continuum of solutions and so have
-    to be smooth; None for others.
+    `s` (M,) grows from 0 to 1. `q` (M, n) [rad or m] stand at the path's poses, each joint on continuous
+    turns. Between two neighbours no joint moves more than 0.2 rad (or m), so that `at` returns seeds for
+    `follow` on the same branch. `bend` (M, n) are the second derivatives of the natural cubic spline through
+    `q`, for a redundant arm only: its seeds choose among a continuum of solutions and therefore have to be
+    smooth.
     """
 
     s: Array
@@ -69,7 +71,9 @@ class Track:
     bend: Array | None = None
 
     def at(self, s: Array) -> Array:
-        """Joint positions (N, n) at path places `s` (N,), between the samples: seeds, not solutions."""
+        """Return joint positions (N, n) at path places `s` (N,), interpolated between the samples: seeds, not
+        solutions.
+        """
         after = np.clip(np.searchsorted(self.s, s, side="right"), 1, len(self.s) - 1)
         before = after - 1
         width = (self.s[after] - self.s[before])[:, None]
@@ -85,20 +89,22 @@ class Track:
 
 @frozen(eq=False)
 class Broken:
-    """Where a path can't be followed any further.
+    """The place after which a path can't be followed.
 
-    `s` is how far it got, `q` (n,) [rad or m] the joint position there.
+    `s` is the last place reached, `q` (n,) [rad or m] the joint position there.
 
-    kind "reach": further on the path is out of reach, at the worst by `amount` [m], the orientation
-    held; where the arm can't hold that, `angle` [rad] is left as well. Neither is known unless `is_measured`.
-    kind "limits": `joint` (from 0) leaves its limits here and would exceed them on the way by up to
-    `amount` [rad or m], above the upper one if positive, below the lower one if negative; and further on
-    there is a pose that no other configuration reaches within limits either.
-    kind "configuration": only another configuration (or another full turn of a joint) goes on from here.
-    Where limits are the reason, `joint` and `amount` are as for limits, and every sampled pose of the
-    rest of the path is within reach and limits of some other configuration. Where this configuration ends,
-    `joint` is the one that differs most in the nearest other, and `amount` by how much, or None.
-    kind "singular": `joint` would have to jump here by `amount` [rad or m], the flange at rest.
+    kind "reach": the rest of the path is out of reach, at the worst place by `amount` [m] with the
+    orientation held; if the arm can't hold the orientation either, `angle` [rad] remains. Both are valid only
+    if `is_measured`.
+    kind "limits": `joint` (from 0) leaves its limits here. On the rest of the path it would exceed them by up
+    to `amount` [rad or m], positive above the upper limit, negative below the lower one, and some later pose
+    can't be reached within limits by any other configuration either.
+    kind "configuration": only another configuration (or another full turn of a joint) continues from here. If
+    limits are the reason, `joint` and `amount` are as for "limits", and every sampled pose of the rest of the
+    path can be reached within limits by some other configuration. If this configuration ends here, `joint` is
+    the one that differs most in the nearest other configuration and `amount` the difference, or `joint` is
+    None.
+    kind "singular": `joint` would have to jump here by `amount` [rad or m] with the flange at rest.
     """
 
     s: float
@@ -126,11 +132,11 @@ def track(
         limits: its limits; q_start is within them.
         pose_at: base_from_flange (N, 4, 4) for path places s (N,) in [0, 1]; continuous.
         q_start: (n,) [rad or m], stands at pose_at(0) within 1e-6.
-        samples: how many places are looked at first, at equal distances.
-        reason: how much is found out of why a path can't be followed.
+        samples: number of places in the first skeleton, at equal distances.
+        reason: how much to find out if the path can't be followed.
 
     Returns:
-        The joint positions all along the path, or where and why they end.
+        The joint positions along the whole path, or where and why they end.
 
     Raises:
         ValueError: q_start doesn't stand at the path's start.
@@ -143,7 +149,7 @@ def track(
     if max(float(miss[0]), float(turn[0])) > ON_PATH or np.abs(start[0] - q_start).max() > START:
         raise ValueError("the start position doesn't stand at the path's start")
     if np.abs(beyond(limits, start[0])).max() <= ON_PATH:
-        # a start that stands on a limit may do so within its own accuracy
+        # a start on a limit may exceed it within its own accuracy
         limits = replace(
             limits, lower=np.minimum(limits.lower, start[0]), upper=np.maximum(limits.upper, start[0])
         )
@@ -154,7 +160,7 @@ def track(
     )
     outside = _leaving(chain, limits, pose_at, strand)
     if chain.size > 6 and (outside is not None or strand.end != "whole"):
-        # the least motion of the joints doesn't lead along the whole path within limits: another one may
+        # the least joint motion leaves the limits or ends early: try motions that keep clear of limits
         clear: Strand | None = march(chain, pose_at, start[0], bends, limits)
         if clear is not None and not _keeps(limits, clear):
             clear = None if bends else kept_within(chain, limits, [pose_at], start)[0]
@@ -171,7 +177,8 @@ def track(
 
 
 def followed(chain: Chain, limits: Limits, paths: Sequence[PathPoses], starts: Array) -> NDArray[np.bool_]:
-    """Return which paths `track` follows to their ends (K,), in a fraction of its time for an arm without a closed form.
+    """Return a mask (K,) of the paths that `track` follows to their ends, in a fraction of its time for an
+    arm without a closed form.
 
     Args:
         chain: the arm, n joints.
@@ -201,7 +208,7 @@ def _keeps(limits: Limits, strand: Strand) -> bool:
 
 
 def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -> Broken | None:
-    """Where the joints first leave their limits, if they do."""
+    """Return where the joints of a strand first leave their limits, or None if they don't."""
     excess = beyond(limits, strand.q)
     out = np.abs(excess) > EDGE
     if not out.any():
@@ -222,7 +229,7 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
         last = max(int(np.argmax(over)), 1) if over.any() else 16
         before, after, ends, inside = s[last - 1], s[last], q[last - 1 : last + 1], q[last - 1]
     joint = int(np.argmax(np.abs(beyond(limits, ends[1]))))
-    # how far the same limit would be exceeded on the rest of the way
+    # the largest excess over the same limit on the rest of the path
     worst = excess[first:, joint]
     amount = float(worst[np.argmax(np.abs(worst))])
     kind: BreakKind = "limits"
@@ -233,11 +240,11 @@ def _leaving(chain: Chain, limits: Limits, pose_at: PathPoses, strand: Strand) -
 
 
 def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) -> Broken:
-    """What a strand that ends on the way ends of."""
+    """Return why a strand ends before the path does."""
     s, q = float(strand.s[-1]), sealed(strand.q[-1])
     if strand.end == "jump":
         return _jump(chain, pose_at, s, q, strand.beyond)
-    # just behind the break, and all the way: a gap in reach may be short
+    # sample densely just after the break, and the whole rest: a gap in reach may be short
     rest = np.unique(
         np.concatenate([s + (1.0 - s) * np.geomspace(1e-8, 1.0, 25), np.linspace(s, 1.0, 33)[1:]])
     )
@@ -256,8 +263,8 @@ def _break(chain: Chain, pose_at: PathPoses, strand: Strand, *, measures: bool) 
 
 
 def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -> Broken:
-    """What a strand ends of whose nearest continuation is away from `q` (n,)."""
-    # a little further on, where the joints stand clear of the singularity
+    """Return why a strand ends whose nearest continuation `beyond` (n,) is a jump away from `q` (n,)."""
+    # measure the jump a little further on, where the joints are clear of the singularity
     ends = pose_columns(pose_at(np.array([s, 1.0])))
     way = sum(float(one[-1]) for one in misses(ends[:, :, :1], ends[:, :, 1:]))
     ahead = max(CLEAR, (1.0 - s) * CLEAR_WAY / max(way, CLEAR_WAY))
@@ -265,10 +272,11 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
     if max(further[1][0], further[2][0]) < reached_within(chain):
         beyond = further[0][0]
     jump = beyond - q
-    # two axes that fall together jump by the same: which of them is larger by rounding differs from processor to processor
+    # two axes that coincide jump by the same amount: take the first, since rounding differs between
+    # processors
     size = np.abs(jump)
     joint = int(np.flatnonzero(size >= (1.0 - 1e-6) * size.max())[0])
-    # at a singularity the joints could go over with the flange at rest; else the two are apart
+    # at a singularity the joints can move over with the flange at rest; otherwise the two are separate
     middle = 0.5 * (q + beyond)
     between = fit(chain, pose_at(np.array([s])), middle[None])
     joined = between.total[0] < 1e-6 and np.abs(between.q[0] - middle).max() < 0.3 * abs(jump[joint])
@@ -276,7 +284,7 @@ def _jump(chain: Chain, pose_at: PathPoses, s: float, q: Array, beyond: Array) -
 
 
 def _otherwise(chain: Chain, limits: Limits, poses: Array, reference: Array) -> bool:
-    """Whether every pose is within reach and limits of some configuration."""
+    """Return True if every pose (N, 4, 4) can be reached within limits by some configuration."""
     q, valid = branches(chain, poses, reference)
     lifted = nearest_turn(chain, limits, q, reference)
     inside = (np.abs(beyond(limits, lifted)) <= EDGE).all(axis=2) & valid

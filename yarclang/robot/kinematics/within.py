@@ -1,4 +1,4 @@
-"""Joint positions and limits: how far beyond, on which full turn, and how clear of them."""
+"""Relate joint positions to limits: excess, nearest full turn, clearance."""
 
 from __future__ import annotations
 
@@ -8,15 +8,23 @@ from yarclang.robot.kinematics.wrist import TURN
 from yarclang.robot.model import Array, Chain, Limits
 
 EDGE = 1e-8
-"""A joint that is beyond its limit by no more [rad or m] is put on it."""
+"""A joint that exceeds its limit by no more than this [rad or m] is put on it."""
 
 CLEAR = 0.05
-"""How far a redundant arm keeps from its limits where it can [rad or m], at most a twentieth of the range."""
+"""Distance that a redundant arm keeps from its limits if it can [rad or m], at most a twentieth of the
+range.
+"""
 
 
 def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Array:
-    """`q` (..., n) shifted by full turns: within limits where that can be, there nearest to `reference`
-    (..., n), otherwise as little out of them as can be.
+    """Shift `q` (..., n) by full turns: within limits and nearest to the reference, or else with least
+    excess.
+
+    Args:
+        chain: the arm, n joints; prismatic joints aren't shifted.
+        limits: its limits.
+        q: (..., n) [rad or m].
+        reference: (..., n) [rad or m].
     """
     turns = np.round((reference - q) / TURN)
     least = np.ceil((limits.lower - q - EDGE) / TURN)
@@ -30,13 +38,15 @@ def nearest_turn(chain: Chain, limits: Limits, q: Array, reference: Array) -> Ar
 
 
 def beyond(limits: Limits, q: Array) -> Array:
-    """How far `q` (..., n) is out of limits [rad or m]: positive above, negative below, 0 within."""
+    """Return by how much `q` (..., n) exceeds limits [rad or m]: positive above, negative below, 0 within."""
     result: Array = np.maximum(q - limits.upper, 0.0) + np.minimum(q - limits.lower, 0.0)
     return result
 
 
 def clear_of_limits(limits: Limits, reference: Array) -> tuple[Array, Array]:
-    """Limits (n,) each [rad or m] that keep clear of the real ones, but for where the reference doesn't."""
+    """Return lower and upper limits (n,) [rad or m] that keep clear of the real ones, but include the
+    reference.
+    """
     room = np.minimum(CLEAR, 0.05 * (limits.upper - limits.lower))
     return (
         np.maximum(limits.lower, np.minimum(limits.lower + room, reference)),

@@ -1,4 +1,6 @@
-"""The three angles of a wrist whose axes meet, both solutions, for whole batches; angles that a singularity leaves free are held."""
+"""Solve the three angles of a wrist whose axes meet, both solutions, for whole batches; angles that a
+singularity leaves free are held.
+"""
 
 from __future__ import annotations
 
@@ -11,12 +13,15 @@ from yarclang.robot.kinematics.geometry import Form, WristAngles
 from yarclang.robot.model import Array
 
 HOLD = 1e-10
-"""The sine of the wrist's angle, and the wrist centre's distance from axis 1 [m], under which the angle
-that it no longer determines goes over to the held one. The transition is smooth; it costs at most half
-of this, times the difference [rad], in the pose."""
+"""Scale of the transition to a held angle: the sine of the wrist's angle, or the wrist centre's distance from
+axis 1 [m].
+
+Below it, the angle that the pose no longer determines changes smoothly to the held one. The change moves the
+pose by at most half of this, times the difference of the angles [rad].
+"""
 
 REACH_TOLERANCE = 1e-10
-"""How far beyond a boundary [m, or as a sine] a pose still counts as on it."""
+"""Distance beyond a boundary up to which a pose counts as on it [m, or as a sine]."""
 
 TURN = 2.0 * math.pi
 
@@ -24,27 +29,34 @@ TURN = 2.0 * math.pi
 def wrist_angles(
     arm: Form | WristAngles, rest: Array, hold: Array
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
-    """The wrist's three angles (3, wrist 2, arm 4, N) for the rotation `rest` (3, 3, arm 4, N).
+    """Solve the wrist's three angles for the rotation that is left for it.
 
-    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), t5 = q5 + bend: its last column says how far
-    axis 6 leans from axis 4, and that gives t5 (subproblem 4) and then q4 (subproblem 1). q6 is taken
-    after q4, so that an uncertain q4 at a straight wrist doesn't spoil the pose.
+    rest = Rz(q4) Rx(alpha) Rz(t5) Rx(beta) Rz(q6), with t5 = q5 + bend. Its last column is axis 6; the angle
+    between axes 4 and 6 gives t5 (subproblem 4), and then its direction gives q4 (subproblem 1). q6 is
+    computed from q4, so that an uncertain q4 at a straight wrist doesn't falsify the pose.
 
-    Also where the wrist can bend as far (arm 4, N), and where it is straight.
+    Args:
+        arm: has the angles between the wrist's axes.
+        rest: the rotation (3, 3, arm 4, N).
+        hold: q4 where the wrist is straight [rad].
+
+    Returns:
+        The angles (3, wrist 2, arm 4, N) [rad]; a mask (arm 4, N) of the rotations that the wrist can bend
+        to; and a mask (arm 4, N) of those at which it is straight.
     """
     alpha, beta = arm.alpha, arm.beta
     sin_a, cos_a, sin_b, cos_b = math.sin(alpha), math.cos(alpha), math.sin(beta), math.cos(beta)
     x, y, z = rest[:, 2]
     lean_sine = np.hypot(x, y)
     lean = np.arctan2(lean_sine, z)
-    # spherical triangle of the sides alpha, beta, lean: both half-angle legs of the angle at axis 5
+    # spherical triangle with sides alpha, beta and lean: both half-angle legs of the angle at axis 5
     half, middle, difference = 0.5 * lean, 0.5 * (alpha + beta), 0.5 * (alpha - beta)
     sine = np.sin(middle + half) * np.sin(middle - half)
     cosine = np.sin(half + difference) * np.sin(half - difference)
     bendable = np.minimum(sine, cosine) >= -REACH_TOLERANCE * sin_a * sin_b
     t5 = 2.0 * np.arctan2(np.sqrt(np.maximum(sine, 0.0)), np.sqrt(np.maximum(cosine, 0.0)))
     sin5, cos5 = np.sin(t5), np.cos(t5)
-    # where axis 6 points, seen along axis 4, before joint 4 turns
+    # the direction of axis 6 seen along axis 4, before joint 4 turns
     before = np.arctan2(-cos_a * sin_b * cos5 - sin_a * cos_b, sin_b * sin5)
     seen = np.arctan2(y, x)
     angles = np.empty((3, 2, *t5.shape))
@@ -66,7 +78,7 @@ def wrist_angles(
 
 
 def held(angle: Array, hold: Array, weight: Array) -> Array:
-    """`angle` where `weight` determines it, `hold` where not, and a smooth transition at HOLD."""
+    """Return `angle`, replaced by `hold` where `weight` is far below HOLD, with a smooth transition."""
     square = weight * weight
     away = angle - hold
     away -= TURN * np.round(away * (1.0 / TURN))

@@ -1,1 +1,3 @@
-"""A robot folder from a URDF: the chain, what the URDF says, and rules for what it doesn't, each marked as a guess."""
+"""Make a robot folder from a URDF: the chain, the values of the URDF, and rules for what it lacks, each
+marked as a guess.
+"""

@@ -1,4 +1,4 @@
-"""Which chain of a URDF is the arm: its base, its tip, and the joints that belong to neither."""
+"""Choose the chain of a URDF that is the arm: its base, its tip, and the joints that don't belong to it."""
 
 from __future__ import annotations
 
@@ -16,25 +16,27 @@ FINGERS = re.compile(r"finger|gripper|thumb|knuckle|jaw|claw", re.IGNORECASE)
 """Names of joints that move a hand, not an arm."""
 
 LONGEST_HAND = 4
-"""Where an arm splits up and no part has more joints than this, the parts are fingers."""
+"""If an arm splits and no branch has more joints than this, the branches are fingers."""
 
 MOST_ARMS = 3
-"""Where it splits up into more parts, they are fingers however long they are."""
+"""If an arm splits into more branches than this, they are fingers, however long they are."""
 
 DEEPEST = 100
-"""Joints, fixed ones too, from the root to a tip: more are no robot."""
+"""The largest number of joints, fixed ones included, from the root to a tip."""
 
 SHORTEST_ARM = 3
-"""An arm has at least so many joints before it may split up into fingers."""
+"""The least number of joints of an arm before it may split into fingers."""
 
 HANDS = re.compile(
     r"gripper|robotiq|schunk|onrobot|finger|hand(?!le)|palm|wsg|suction|vacuum|cup|jaw|claw|torch|spindle|welder|eoat|camera|sensor|_sc$",
     re.IGNORECASE,
 )
-"""Names of links that stand on a flange, or are a second shape of the last link."""
+"""Names of links that are mounted on a flange, or are a second shape of the last link."""
 
 _FLANGE_NAMES = (r"(^|_)tool0$", r"(^|_)flange(_link|_frame)?$", r"flange", r"ee_link|link_ee|end_effector")
-"""REP 199: tool0 has z out along the tool, as PICKPLACE and PALLET have it; of flange it is x that leads out."""
+"""Names of flanges, the best first. By REP 199, z of tool0 points out along the tool, as PICKPLACE and PALLET
+require; of flange it is x.
+"""
 
 _TCP_NAMES = (r"tcp|grasp|tool_tip",)
 
@@ -47,14 +49,14 @@ class ArmChain:
         base: the link that is {B}.
         flange: the link that is {FLANGE}.
         joints: the moving joints between them, from the base to the flange.
-        tcp: a link fixed to the flange that the names call the tool's tip; empty for none.
-        base_choices: the links that may as well be the base: they are fixed to it.
-        flange_choices: the links that may as well be the flange: they are fixed to it.
-        other_tips: the tips of other chains that are as long.
+        tcp: a link fixed to the flange whose name denotes the tool's tip; empty for none.
+        base_choices: other links that could be the base, since they are fixed to it.
+        flange_choices: other links that could be the flange, since they are fixed to it.
+        other_tips: the tips of other chains of the same length.
         ignored: the moving joints that aren't in the chain.
-        fingers: those of them that move a gripper on the tip.
-        followers: those of them that follow another joint by <mimic>: rods, counterweights.
-        left_out: joints with a motor of their own that are a limb of an arm's size outside the chain.
+        fingers: those ignored joints that move a gripper on the tip.
+        followers: those ignored joints that follow another joint by <mimic>: rods, counterweights.
+        left_out: joints with motors of their own, outside the chain, that form a limb as large as an arm.
     """
 
     base: str
@@ -70,7 +72,7 @@ class ArmChain:
     left_out: tuple[str, ...] = ()
 
     def incomplete(self, source: SourceFile) -> Diagnostic:
-        """Return the finding about limbs of an arm's size that the chain doesn't have."""
+        """Return the finding about limbs as large as an arm that the chain leaves out."""
         names = f"{', '.join(self.left_out[:6])}{', ...' * (len(self.left_out) > 6)}"
         message = (
             f"the chain from {self.base} to {self.flange} has {len(self.joints)} joints and leaves out "
@@ -82,11 +84,13 @@ class ArmChain:
 
 
 def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> ArmChain | Diagnostic:
-    """The longest serial chain of a URDF, or the one between two links.
+    """Find the longest serial chain of a URDF, or the one between two links.
 
-    Joints behind a link called tool0 belong to a tool. Joints that are called fingers, that others on the tip mimic, or into which an arm splits up at its end are left out. A
-    joint that mimics another is left out as well, but not the one that it follows. Where one carries the rest of the arm,
-    the chain is coupled, and that is a finding. Of chains with as many joints the first one of the file is taken.
+    Left out are: joints after a link called tool0, which belong to a tool; joints whose names denote fingers;
+    joints that others on the tip mimic; and the branches into which an arm splits at its end. A joint that
+    mimics another is left out as well, but not the joint that it follows. If a mimicking joint carries the
+    rest of the arm, the chain is coupled, which is a finding. Of chains with equally many joints, the first
+    one of the file is taken.
 
     Args:
         urdf: a sound tree.
@@ -106,7 +110,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     if tip is None:
         starts = [base] if base else tree.starts()
         found = [path for start in starts for path in tree.arms(start)]
-        if not found:  # what is called a finger may be all that there is
+        if not found:  # perhaps there are only joints whose names denote fingers
             tree = _Tree(urdf, None)
             found = [path for start in starts for path in tree.arms(start)]
         longest = max((len(path) for path in found), default=0)
@@ -168,7 +172,7 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
 
 
 class _Tree:
-    """The links of a URDF, downwards."""
+    """The links of a URDF, for walks downwards."""
 
     def __init__(self, urdf: Urdf, fingers: re.Pattern[str] | None) -> None:
         self.fingers = fingers
@@ -184,27 +188,31 @@ class _Tree:
                 self.leaders[joint.name] = mimic.attributes.get("joint", "")
 
     def deeper_than(self, most: int) -> str:
-        """Return a link that hangs more joints than this below a root, or nothing."""
+        """Return a link that is more than `most` joints below a root; empty if there is none."""
         row = [link for link in self.below if link not in self.above]
         for _ in range(most + 1):
             row = [joint.child for link in row for joint in self.below[link]]
         return next(iter(row), "")
 
     def starts(self) -> list[str]:
-        """Where an arm may begin: at the root, and below a joint that only a vehicle has."""
+        """Return the links at which an arm may begin: the roots, and the links below a joint that only a
+        vehicle has.
+        """
         roots = [link for link in self.below if link not in self.above]
         return roots + [joint.child for joint in self.above.values() if joint.kind in UNARMED]
 
     def body(self, link: str) -> list[str]:
-        """The links that fixed joints join with `link`, below it, itself first."""
+        """Return `link` and the links below it that fixed joints connect to it."""
         found = [link]
         for name in found:
             found += [joint.child for joint in self.below[name] if joint.kind == "fixed"]
         return found
 
     def moving(self, link: str) -> list[Joint]:
-        """The joints that move a part of an arm against the body of `link`: those with a motor, and those that follow
-        one but carry what has one, or the flange.
+        """Return the joints that move a part of an arm relative to the body of `link`.
+
+        These are joints with a motor, and joints that follow one but carry a joint with a motor, or the
+        flange.
         """
         if link not in self._moving:
             found = [joint for name in self.body(link) for joint in self.below[name] if joint.kind in MOVING]
@@ -217,11 +225,15 @@ class _Tree:
         return self._moving[link]
 
     def carries(self, joint: Joint) -> bool:
-        """Return True if the chain goes on behind a joint: to a motor's joint, or to a link called flange."""
+        """Return True if the chain continues after a joint: to a joint with a motor, or to a link called
+        flange.
+        """
         return bool(_named(self.body(joint.child), _FLANGE_NAMES) or self.moving(joint.child))
 
     def grips(self, joint: Joint, beside: Sequence[Joint]) -> bool:
-        """Return True if nothing but fingers hangs on a joint: the last of its branch, and joints beside or below follow it."""
+        """Return True if a joint carries nothing but fingers: it is the last of its branch, and joints beside
+        or below follow it.
+        """
         if joint.name not in self.leaders.values():
             return False
         near = {other.name for other in (*beside, *self.below_of(joint.child))}
@@ -229,14 +241,18 @@ class _Tree:
         return follow and not self.carries(joint)
 
     def limbs(self, taken: Collection[str], size: int) -> tuple[str, ...]:
-        """The joints of limbs outside a chain of `size` joints that are as long as an arm, or as that chain."""
+        """Return the joints of limbs outside a chain of `size` joints that are as long as an arm, or as that
+        chain.
+        """
         paths = [path for start in self.starts() for path in self.arms(start)]
         outside = [[joint.name for joint in path if joint.name not in taken] for path in paths]
         long = [names for names in outside if len(names) >= min(SHORTEST_ARM, size)]
         return tuple(dict.fromkeys(name for names in long for name in names))
 
     def driven_above(self, link: str) -> tuple[str, ...]:
-        """Return the driven joints above a link: a planar or floating joint in the middle of an arm makes two of it."""
+        """Return the driven joints above a link: a planar or floating joint in the middle of an arm divides
+        it into two.
+        """
         found = []
         while link in self.above:
             if self.above[link].kind in MOVING and self.above[link].name not in self.leaders:
@@ -245,11 +261,11 @@ class _Tree:
         return tuple(reversed(found))
 
     def depth(self, link: str) -> int:
-        """The most moving joints of a chain that begins at `link`."""
+        """Return the largest number of moving joints of a chain that begins at `link`."""
         return max((1 + self.depth(joint.child) for joint in self.moving(link)), default=0)
 
     def arms(self, link: str, path: tuple[Joint, ...] = ()) -> list[tuple[Joint, ...]]:
-        """All chains of moving joints from `link` to a tip, without the fingers on it."""
+        """Return all chains of moving joints from `link` to a tip, without the fingers on it."""
         ways = self.moving(link)
         splits = len(ways) > 1 and self.depth(link) <= LONGEST_HAND
         ends = self.depth(link) <= LONGEST_HAND and _named(self.body(link), _FLANGE_NAMES[:1])
@@ -259,8 +275,10 @@ class _Tree:
         return [arm for joint in ways for arm in self.arms(joint.child, (*path, joint))]
 
     def flange_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """The flange behind the last moving link, and what may be it as well: by name, else the one link that
-        is fixed to it, else itself.
+        """Return the flange after the last moving link, and other links that could be it.
+
+        It is chosen by name; otherwise it is the one link that is fixed to the last moving link, or that link
+        itself.
         """
         body = self.body(link)
         named = _named(body, _FLANGE_NAMES)
@@ -270,15 +288,17 @@ class _Tree:
         return flange, tuple(name for name in body if name != flange)
 
     def holds(self, link: str) -> bool:
-        """Return True if something moves on a link itself, as on the base of a gripper."""
+        """Return True if a joint moves something on the link itself, as on the base of a gripper."""
         return any(joint.kind in MOVING for joint in self.below[link])
 
     def tcp_of(self, flange: str) -> str:
-        """The link below the flange that is called the tool's tip, or nothing."""
+        """Return the link fixed to the flange whose name denotes the tool's tip; empty if there is none."""
         return _named(self.body(flange)[1:], _TCP_NAMES)
 
     def base_of(self, link: str) -> tuple[str, tuple[str, ...]]:
-        """The base above the first moving joint, and what may be it as well: by name, else the link of the joint."""
+        """Return the base above the first moving joint, and other links that could be it: chosen by name,
+        otherwise the joint's parent.
+        """
         body = [link]
         while body[-1] in self.above and self.above[body[-1]].kind == "fixed":
             body.append(self.above[body[-1]].parent)
@@ -286,7 +306,7 @@ class _Tree:
         return base, tuple(name for name in body if name != base)
 
     def foot_of(self, tip: str) -> str:
-        """The topmost link above `tip` that isn't above a joint of a vehicle."""
+        """Return the parent of the first moving joint above `tip`, without the joints of a vehicle."""
         first = here = tip
         while here in self.above and self.above[here].kind not in UNARMED:
             if self.above[here].kind in MOVING:
@@ -295,7 +315,7 @@ class _Tree:
         return first
 
     def below_of(self, link: str) -> list[Joint]:
-        """All joints below `link`."""
+        """Return all joints below `link`."""
         found = list(self.below[link])
         for joint in found:
             found += self.below[joint.child]
@@ -303,7 +323,7 @@ class _Tree:
 
 
 def _named(links: Sequence[str], patterns: Sequence[str]) -> str:
-    """The first link whose name matches the first pattern that any matches."""
+    """Return the first link that matches the first pattern that any link matches; empty if there is none."""
     for pattern in patterns:
         for link in links:
             if re.search(pattern, link, re.IGNORECASE):

@@ -1,8 +1,9 @@
-"""The URDF's copy in a robot folder: the same text, with its meshes beside it.
+"""Copy a URDF into a robot folder: the same text, with its meshes beside it.
 
-What collides is needed: a collision mesh that isn't there (`lookup.py`), is no mesh, or is somebody else's file (`meshes.py`) is an error. If the user
-goes without those that aren't there, their <collision> is taken out of the copy, so that what the copy says is true.
-What is only drawn isn't needed: a visual mesh that can't be copied is left out, and pictures show the collision shapes of its link.
+Collision meshes are required: one that is missing (`lookup.py`), is no mesh, or is somebody else's file
+(`meshes.py`) is an error. If the user allows missing ones, their <collision> is removed from the copy, so
+that the copy is truthful. Visual meshes are optional: one that can't be copied is left out, and pictures show
+the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -25,10 +26,10 @@ MESHES = "meshes"
 """The folder of the meshes beside the copy."""
 
 VISUALS = f"{MESHES}/visual"
-"""The folder of those that are only drawn."""
+"""The folder of the visual meshes."""
 
 LARGE = 5_000_000
-"""Of a collision mesh with more bytes, the hull is copied: each command reads the file."""
+"""Size of a collision mesh [bytes] above which only its hull is copied, since each command reads the file."""
 
 LARGEST_VISUAL = 20_000_000
 """Largest visual mesh that is copied [bytes]: pictures draw none with that many triangles."""
@@ -36,11 +37,11 @@ LARGEST_VISUAL = 20_000_000
 
 @frozen
 class UrdfCopy:
-    """The copy's text, the meshes that belong to it (name in the folder, content), and what isn't as it was.
+    """The copy's text, its meshes (name in the folder, content), and the differences from the original.
 
-    `hulls` are the large collision meshes of which only the convex hull was copied, which is all that counts of them.
-    `without` are the links that lost a collision mesh, with the mesh's name; `unseen` the names of visual meshes that
-    weren't copied, with the reasons.
+    `hulls` are the large collision meshes of which only the convex hull was copied; nothing else of them is
+    used. `without` are the links that lost a collision mesh, with the mesh's name. `unseen` are the names of
+    visual meshes that weren't copied, with the reasons.
     """
 
     text: str
@@ -53,14 +54,14 @@ class UrdfCopy:
 def copy_urdf(
     urdf: Urdf, file: Path, more: Iterable[Path], packages: Packages, partial: bool = False
 ) -> UrdfCopy:
-    """Return the copy of a URDF; its findings say which files can't be copied.
+    """Copy a URDF; its findings name the files that can't be copied.
 
     Args:
         urdf: a sound tree.
-        file: where it stands.
-        more: folders that meshes may come from besides.
+        file: its path.
+        more: additional folders that meshes may come from.
         packages: the ROS packages that `package://` may name.
-        partial: True to leave out collision meshes that aren't there; else they are an error.
+        partial: True to leave out missing collision meshes; otherwise they are an error.
     """
     more = tuple(more)
     surroundings = Surroundings(file, more, packages)
@@ -111,14 +112,15 @@ def _copy_visuals(
     collisions: tuple[dict[Path, bytes], dict[Path, str]],
     edits: list[tuple[int, int, str]],
 ) -> tuple[tuple[tuple[str, bytes], ...], tuple[tuple[str, str], ...]]:
-    """Copy what is only drawn, as far as that is possible.
+    """Copy the visual meshes, as far as possible.
 
     Args:
         urdf: a sound tree.
         lookup: finds the files.
         surroundings: the folders that meshes may come from.
-        collisions: content and name of each collision mesh: one that is drawn as well isn't copied twice.
-        edits: begin, end and text of what is another text in the copy; added to.
+        collisions: content and name of each collision mesh; a file that is also a visual mesh isn't copied
+            twice.
+        edits: begin, end and new text of each change of the copy; added to.
 
     Returns:
         The meshes (name in the folder, content), and those that weren't copied, each with the reason.
@@ -151,7 +153,7 @@ def _copy_visuals(
 
 
 def _visual(name: str, path: Path, surroundings: Surroundings) -> bytes | str:
-    """Return the content of a mesh that is only drawn, or why it isn't copied."""
+    """Return the content of a visual mesh, or the reason why it isn't copied."""
     if not surroundings.has(name, path):
         return "is outside the URDF's package"
     try:
@@ -165,14 +167,14 @@ def _visual(name: str, path: Path, surroundings: Surroundings) -> bytes | str:
 
 
 def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, before: int) -> bytes:
-    """Return a mesh's content; nothing, with a finding, if the file must not be copied.
+    """Return a mesh's content; empty, with a finding, if the file must not be copied.
 
     Args:
         urdf: findings go to it.
         mesh: the element that names the file.
         path: of the file.
         surroundings: the folders that it may come from.
-        before: the size of the meshes before [bytes].
+        before: the size of the meshes copied before [bytes].
     """
     name = mesh.attributes.get("filename", "")
     shown = shown_name(name)
@@ -204,7 +206,7 @@ def _mesh(body: Element) -> Element | None:
 
 
 def _free(name: str, taken: set[str]) -> str:
-    """A plain file name that isn't taken."""
+    """Return a plain file name that isn't taken."""
     stem, suffix = PurePosixPath(name).stem, PurePosixPath(name).suffix
     stem, suffix = re.sub(r"[^A-Za-z0-9_.-]", "_", stem), re.sub(r"[^A-Za-z0-9_.-]", "_", suffix)
     free, number = f"{stem}{suffix}", 2
@@ -214,7 +216,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _filename(text: str, mesh: Element) -> tuple[int, int]:
-    """Where the value of a mesh's filename stands, with its quotes."""
+    """Return begin and end of the value of a mesh's filename, with its quotes."""
     match = re.compile(r"""\sfilename\s*=\s*("[^"]*"|'[^']*')""").search(text, mesh.start, mesh.end)
     assert match is not None  # the element was read from this text
     return match.span(1)

@@ -1,4 +1,4 @@
-"""Edits of a URDF's text by its elements, and what is said of them."""
+"""Edit a URDF's text by its elements, and describe the edits."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.robot.urdf_xml import Element, UrdfText
 
 
 class Edits:
-    """Edits of a text, and a sentence for each kind of them."""
+    """Edits of a text, and a sentence for each kind of edit."""
 
     def __init__(self, urdf: UrdfText) -> None:
         self._urdf = urdf
@@ -16,7 +16,7 @@ class Edits:
         self.notes: list[str] = []
 
     def text(self) -> str:
-        """Return the text with all edits; where one lies in another, the outer one counts."""
+        """Return the text with all edits; of nested edits, the outer one counts."""
         parts, at = [], 0
         for (start, end), new in sorted(self._edits.items(), key=lambda edit: (edit[0][0], -edit[0][1])):
             if start >= at:
@@ -25,7 +25,7 @@ class Edits:
         return "".join((*parts, self._urdf.text[at:]))
 
     def put(self, place: Element, attribute: str, value: str) -> None:
-        """Give an element's attribute a value, whether it has one or not."""
+        """Set an element's attribute, which may be missing."""
         pattern = re.compile(rf"""\s{attribute}\s*=\s*("[^"]*"|'[^']*')""")
         match = pattern.search(self._urdf.text, place.start, place.end)
         if match:
@@ -35,7 +35,7 @@ class Edits:
             self._edits[after, after] = f' {attribute}="{value}"'
 
     def remove(self, element: Element) -> bool:
-        """Take an element out, but for its line ends; False if its end isn't found."""
+        """Remove an element except for its line ends; return False if its end isn't found."""
         end = element.end
         if self._urdf.text[end - 2 : end] != "/>":
             closing = re.compile(rf"</{element.tag}\s*>").search(self._urdf.text, end)
@@ -46,6 +46,6 @@ class Edits:
         return True
 
     def count(self, number: int, what: str) -> None:
-        """Say how often something was changed, if at all."""
+        """Add a note with the number of changes of a kind, if there are any."""
         if number:
             self.notes.append(f"{number} {what}")

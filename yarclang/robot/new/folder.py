@@ -1,4 +1,4 @@
-"""A robot folder from a URDF: what is unknown, and then the files."""
+"""Make a robot folder from a URDF: ask for what is unknown, then write the files."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from yarclang.toml.reading import read_text
 
 @frozen
 class Arm:
-    """A URDF with the chain that is the robot, and what was mended in it."""
+    """A URDF with the chain that is the robot, and notes about what was mended in it."""
 
     path: Path
     urdf: Urdf
@@ -36,9 +36,10 @@ class Arm:
 
 @frozen
 class NewRobot:
-    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the folder.
+    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the
+    folder.
 
-    `homes` are the joint positions that may be HOME, the best first: robot.toml has the first.
+    `homes` are the joint positions that could be HOME, the best first; robot.toml has the first.
     """
 
     sketch: Sketch
@@ -54,7 +55,9 @@ class NewRobot:
 
 @frozen
 class Question:
-    """What only its maker knows of a robot: the option that says it, the question, and what holds by rule."""
+    """A question about a robot that only its maker can answer: the option that answers it, the text, and the
+    value by rule.
+    """
 
     option: str
     text: str
@@ -62,13 +65,13 @@ class Question:
 
 
 def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile | None = None) -> Result[Arm]:
-    """Reads a URDF and finds the arm in it.
+    """Read a URDF and find the arm in it.
 
     Args:
         path: the file.
         base: the link that is {B}, or None.
         tip: the link that is {FLANGE}, or None.
-        source: the URDF, if it isn't what stands in the file.
+        source: the URDF, if it differs from the file's content.
     """
     read = source or read_text(path, "Name a URDF file.")
     if isinstance(read, Diagnostic):
@@ -97,11 +100,11 @@ _FORMATS = {
     "mujoco": ("MJCF, MuJoCo's format", "Take the maker's URDF, from which MJCF files are mostly made."),
     "sdf": ("SDF, Gazebo's format", "Take the maker's URDF, or the xacro from which the SDF was made."),
 }
-"""Descriptions of robots that aren't URDFs, by their roots: what they are, and what to do."""
+"""Robot descriptions other than URDF, by their root element: the format, and what to do."""
 
 
 def _other_format(source: SourceFile) -> Diagnostic | None:
-    """Return what to do with a description of a robot that isn't a URDF."""
+    """Return the finding about a robot description in another format than URDF, or None."""
     root = re.search(r"<([A-Za-z]+)", re.sub(r"<!--.*?-->", "", source.text[:10_000], flags=re.DOTALL))
     if root is None or root[1] not in _FORMATS:
         return None
@@ -110,7 +113,7 @@ def _other_format(source: SourceFile) -> Diagnostic | None:
 
 
 def proposed_name(urdf: Urdf) -> str:
-    """The name of the URDF's robot as a robot's name, or ROBOT."""
+    """Return the name of the URDF's robot in the form of a robot's name, or ROBOT."""
     said = urdf.root.attributes.get("name", "") if urdf.root else ""
     name = re.sub(r"\W+", "_", said, flags=re.ASCII).strip("_").upper()
     name = f"R{name}" if re.match(r"\d", name) else name
@@ -118,7 +121,16 @@ def proposed_name(urdf: Urdf) -> str:
 
 
 def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tuple[Question, ...]:
-    """What isn't known, in the order in which it is to be asked: first what decides on the rest."""
+    """Return questions about what isn't known, in the order of asking: first those on which the others
+    depend.
+
+    Args:
+        arm: the URDF and its chain.
+        given: the values that are already known.
+        named: True if the name is known.
+        base: True if the base is known.
+        tip: True if the tip is known.
+    """
     chain, size = arm.chain, len(arm.chain.joints)
     asked: list[Question] = []
     if not tip and (chain.other_tips or chain.flange_choices):
@@ -149,7 +161,7 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
 
 
 def lost_meshes(arm: Arm, meshes: Iterable[Path], packages: Iterable[Path]) -> tuple[Diagnostic, ...]:
-    """Return the finding about collision meshes that aren't there, before anything is asked.
+    """Return the finding about missing collision meshes, before any question is asked.
 
     Args:
         arm: the URDF and its chain.
@@ -172,17 +184,17 @@ def make(
     packages: Iterable[Path] = (),
     partial: bool = False,
 ) -> Result[NewRobot]:
-    """The files of the folder.
+    """Make the files of the folder.
 
     Args:
         arm: the URDF and its chain.
-        given: what is said; the rest goes by rules.
+        given: the values that are known; the others follow from rules.
         name: of the robot.
         title: one line about it.
-        said: whether base and tip were said.
+        said: True for base, and for tip, if the user chose it.
         meshes: folders that meshes may come from, besides the URDF's own package.
         packages: folders with ROS packages that `package://` may name.
-        partial: True to leave out collision meshes that aren't there; else they are an error.
+        partial: True to leave out missing collision meshes; otherwise they are an error.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
     made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)

@@ -1,4 +1,4 @@
-"""Joint positions to call HOME: near zero, away from limits and singularities."""
+"""Propose joint positions for HOME: near zero, away from limits and singularities."""
 
 from __future__ import annotations
 
@@ -12,26 +12,27 @@ from yarclang.robot.new.sketch import Given, Said, Sketch
 from yarclang.units import DEG, MM
 
 TRIES = 1024
-"""Joint positions that are looked at."""
+"""Number of joint positions that are tried."""
 
 ROUND = 5.0
-"""HOME has multiples of this [deg, mm] where the limits allow it."""
+"""HOME has multiples of this [deg, mm] if the limits allow it."""
 
 MOST = 128
-"""Positions that are proposed at most."""
+"""The largest number of positions that are proposed."""
 
 INNER = 0.8
-"""HOME stays in this share of each joint's range."""
+"""HOME stays within this share of each joint's range."""
 
 BENT = 0.6
-"""Of the singular values that are usual for the arm, HOME has at least this share."""
+"""HOME's smallest singular value is at least this share of the arm's usual ones."""
 
 
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
-    """Return what may be HOME, in deg and mm, the best first; one that is given is the only one.
+    """Return positions that could be HOME, in deg and mm, the best first; a given one is the only one.
 
-    All joints at zero where that is well within limits and not near a singularity, then some fixed
-    joint positions that are, those nearest to zero first, in round numbers. Which of them touch nothing, the caller finds out.
+    First comes all joints at zero, if that is well within limits and not near a singularity; then fixed joint
+    positions that are, those nearest to zero first, in round numbers. The caller finds out which of them
+    touch nothing.
     """
     if given.home is not None:
         return (Said(given.home, "given"),)
@@ -41,7 +42,7 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
     wanted = np.clip(np.zeros(chain.size), middle - half, middle + half)
     tries = np.vstack([wanted, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
     coarse = np.round(tries / units / ROUND) * ROUND * units
-    # round numbers where the range is wide enough for them
+    # use round numbers where the range is wide enough for them
     tries = np.where(np.abs(coarse - middle) <= half, coarse, tries)
     values = smallest_singular_values(chain, tries, np.eye(4))
     good = values >= BENT * np.quantile(values, 0.75)
@@ -58,11 +59,13 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
 
 
 STANDS = 0.9
-"""To stand in HOME takes at most this share of each effort, where some position allows it."""
+"""Largest share of each effort that holding HOME may take, if any position allows it."""
 
 
 def standing(robot: Robot, positions: Array) -> Array:
-    """Return the share of its effort (K, n) that each joint needs to stand in some positions (K, n) [rad or m]; 0 where masses or efforts aren't known."""
+    """Return the share (K, n) of its effort that each joint needs to hold positions (K, n) [rad or m]; 0 if
+    masses or efforts aren't known.
+    """
     dynamics = robot.dynamics
     if dynamics is None or not dynamics.wanted or (dynamics.mass <= 0.0).any():
         return np.zeros_like(positions)
@@ -71,7 +74,7 @@ def standing(robot: Robot, positions: Array) -> Array:
 
 
 def _limits(sketch: Sketch, units: Array) -> Limits:
-    """The position limits alone."""
+    """Return limits of which only the positions are meaningful."""
     ends = [joint.position.value if joint.position else (-np.inf, np.inf) for joint in sketch.joints]
     lower, upper = (np.array([end[side] for end in ends]) * units for side in (0, 1))
     ones = np.ones(len(ends))

@@ -1,7 +1,7 @@
-r"""Where the files of meshes are, and what is said of those that aren't anywhere.
+r"""Find the files of meshes, and report those that are missing.
 
-A name of another computer's (`C:\cad\link1.stl`, `file:///home/somebody/link1.stl`, `model://arm/link1.stl`) is looked for by its end in the folders that
-the user names for meshes: with as many folders as are alike.
+A name from another computer (`C:\cad\link1.stl`, `file:///home/somebody/link1.stl`, `model://arm/link1.stl`)
+is searched for by its end in the folders that the user names for meshes; the longest match of folders wins.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ _SHOWN = 80
 """Characters of a file's name in a message."""
 
 _DEEPEST = 32
-"""Folders at the end of a name that are looked for."""
+"""The largest number of folders at the end of a name that are compared."""
 
 
 @frozen
 class Missing:
-    """A collision mesh that isn't there: the link that needs it, its name, and the element that names it."""
+    """A collision mesh that is missing: the link that needs it, its name, and the element that names it."""
 
     link: str
     name: str
@@ -34,10 +34,10 @@ class Missing:
 
 
 class Lookup:
-    """Finds the files of meshes.
+    """A search for the files of meshes.
 
     Args:
-        urdf: its file.
+        urdf: the URDF's file.
         more: folders that the user names for meshes.
         packages: the ROS packages that `package://` may name.
     """
@@ -48,7 +48,7 @@ class Lookup:
         self._packages = packages
 
     def path(self, name: str) -> Path | None:
-        """Return what a mesh's name means, if there is something, and no empty file."""
+        """Return the file that a mesh's name refers to, or None if there is none or it is empty."""
         try:
             named = self._packages.path(name)
             path = named if named is not None and named.is_file() else mesh_path(name, self._folder)
@@ -66,7 +66,7 @@ class Lookup:
         return next((place for place in places if place.is_file()), None)
 
     def missing(self, urdf: Urdf) -> list[Missing]:
-        """Return the collision meshes of a sound tree that aren't there."""
+        """Return the collision meshes of a sound tree that are missing."""
         links = urdf.root.all("link") if urdf.root else ()
         meshes = [
             (link, shape)
@@ -82,7 +82,8 @@ class Lookup:
         return [one for one in named if self.path(one.name) is None]
 
     def report(self, urdf: Urdf, missing: Sequence[Missing]) -> None:
-        """Add the finding about collision meshes that aren't there: which, where they were looked for, and what helps.
+        """Add the finding about missing collision meshes: their names, where they were searched for, and the
+        remedy.
 
         Args:
             urdf: the finding goes to it.
@@ -97,7 +98,7 @@ class Lookup:
         urdf.say("Y1357", message, f"{self._looked(names)} {_REMEDY}", missing[0].element, "filename")
 
     def _looked(self, names: Iterable[str]) -> str:
-        """Return sentences that say where some names were looked for."""
+        """Return sentences that say where names were searched for."""
         said: dict[str, None] = {}
         below = listed([str(one) for one in self._packages.paths], 3)
         also = f" and below {below}" if below else ""
@@ -134,18 +135,18 @@ _REMEDY = (
 
 
 def shown_name(name: str) -> str:
-    """Return a file's name as a message has it."""
+    """Return a file's name as shown in messages."""
     plain = printable(name)
     return plain if len(plain) <= _SHOWN else f"...{plain[-_SHOWN:]}"
 
 
 def printable(text: str) -> str:
-    """Return a text without line ends and marks that turn the direction of writing."""
+    """Return a text without line ends and marks that change the writing direction."""
     return "".join(one if one.isprintable() else "?" for one in text)
 
 
 def _parts(name: str) -> list[str]:
-    """Return the folders and the file of a name, as far as they lead downwards."""
+    """Return the folders and the file of a name, without those that lead upwards."""
     url = urlparse(name)
     path = f"{url.netloc}/{unquote(url.path)}" if len(url.scheme) > 1 else name
     return [

@@ -1,6 +1,6 @@
-"""What URDFs of the world have and a robot's own URDF must not: put right in the text before it is read.
+"""Mend what URDFs from elsewhere contain and a robot's own URDF must not: in the text, before it is read.
 
-Only what says the same afterwards is changed, or what is a picture, and each change is said.
+Only changes that preserve the meaning are made, or that affect only pictures, and each change is reported.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ from yarclang.robot.urdf_xml import Element, UrdfText, parse_xml
 from yarclang.source import SourceFile
 
 PLACEHOLDER = 1.0
-"""Where all joints have the same effort, and none a greater one than this, nobody has looked one up [N m or N]."""
+"""If all joints have the same effort, and none a greater one than this, it is a placeholder [N m or N]."""
 
 LARGE = 1e9
-"""A limit without an end becomes this [rad, m, or per s]."""
+"""Value that replaces an infinite limit [rad, m, or per s]."""
 
 _ENDLESS = re.compile(r"[+-]?(?:inf(?:inity)?|\d(?:\.\d*)?e\+?[1-9]\d{1,2})", re.IGNORECASE | re.ASCII)
 _NUMBERS = re.compile(r"""\s(?:xyz|rpy|size|scale|rgba)\s*=\s*(?:"[^"<]*"|'[^'<]*')""")
@@ -32,14 +32,16 @@ _REFERENCES = {"parent": "link", "child": "link", "mimic": "joint"}
 
 @frozen
 class Mended:
-    """The text, and what was changed in it, one sentence each."""
+    """The text, and a sentence for each change in it."""
 
     source: SourceFile
     notes: tuple[str, ...]
 
 
 def mend(source: SourceFile) -> Mended:
-    """Return a URDF with plain names and shapes; one that is no XML comes back as it is, for its reader to say why."""
+    """Return a URDF with plain names and shapes; a text that isn't XML is returned unchanged, for its reader
+    to report.
+    """
     text, stray = source.text, 0
     if "<xacro:" in text:
         plain, stray = _STRAY.subn(lambda match: re.sub(r"[^\n]", " ", match[0]), text)
@@ -73,7 +75,9 @@ def mend(source: SourceFile) -> Mended:
 
 
 def _unwrapped(text: str) -> tuple[str, int]:
-    """Return a text with blanks for tabs and line ends in lists of numbers, as XML means them, and how many lists had some."""
+    """Return a text with blanks in place of tabs and line ends in lists of numbers, as XML defines them, and
+    the number of lists changed.
+    """
     count = 0
 
     def plain(match: re.Match[str]) -> str:
@@ -120,7 +124,9 @@ def _rename(edits: Edits, place: Element, attribute: str, new: dict[str, str]) -
 
 
 def _limits(edits: Edits, root: Element) -> None:
-    """Give limits that are endless, or larger than any number of a URDF, as large ones: both say that there is none."""
+    """Replace limits that are infinite, or larger than any number of a URDF, by large numbers: both mean that
+    there is no limit.
+    """
     count = 0
     for joint in root.all("joint"):
         for limit in joint.all("limit")[:1]:
@@ -133,7 +139,7 @@ def _limits(edits: Edits, root: Element) -> None:
 
 
 def _efforts(edits: Edits, root: Element) -> None:
-    """Give efforts that are placeholders as 0, which says that none is known."""
+    """Replace efforts that are placeholders by 0, which means that none is known."""
     limits = [
         limit
         for joint in root.all("joint")
@@ -155,6 +161,8 @@ def _efforts(edits: Edits, root: Element) -> None:
 
 
 def _printable(name: str) -> str:
-    """Return a name as a terminal may have it: without line ends and marks that turn the direction of writing."""
+    """Return a name that is safe on a terminal: without line ends and marks that change the writing
+    direction.
+    """
     plain = "".join(one if one.isprintable() else "?" for one in name)
     return plain if len(plain) <= 40 else f"{plain[:37]}..."

@@ -1,4 +1,6 @@
-"""Shapes and colours that URDFs of the world have and no reader takes: put right where nothing that collides gets smaller."""
+"""Mend shapes and colours that URDFs from elsewhere contain and no reader accepts, without making a collision
+shape smaller.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ from yarclang.robot.new.numbers import numbers
 from yarclang.robot.urdf_xml import Element
 
 THIN = 1e-3
-"""A side of length 0 of a shape that collides becomes this long [m]: never less than it was."""
+"""Length that replaces a side of 0 of a collision shape [m]: the shape never gets smaller."""
 
 _SIZES = {
     "box": ("size",),
@@ -18,7 +20,9 @@ _SIZES = {
 
 
 def mend_shapes(edits: Edits, root: Element) -> None:
-    """Take out pictures that show nothing; shapes that collide get a thickness, and capsules the version that has them."""
+    """Remove pictures that show nothing; give flat collision shapes a thickness, and a URDF with capsules the
+    version that has them.
+    """
     bodies = [body for link in root.all("link") for body in (*link.all("visual"), *link.all("collision"))]
     gone = thick = broken = capsules = 0
     for body in bodies:
@@ -57,7 +61,7 @@ def _shows_nothing(shape: Element | None) -> bool:
 
 
 def mend_materials(edits: Edits, root: Element) -> None:
-    """Take out materials that no reader takes: pictures have others then."""
+    """Remove materials that no reader accepts, and correct colours from 0 to 255; only pictures change."""
     gone = bright = 0
     known: set[str] = set()
     for material in root.all("material"):

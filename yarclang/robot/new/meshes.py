@@ -1,7 +1,9 @@
-"""Files that may be copied into a robot folder as meshes: those that are meshes, from the URDF's own package.
+"""Decide which files may be copied into a robot folder as meshes: those that are meshes, from the URDF's own
+package.
 
-A URDF from elsewhere may name any file of this computer, and the robot folder that is made of it may be given away. So a mesh is what its whole content shows it to be, and the bytes that were
-looked at are the bytes that are copied.
+A URDF from elsewhere may name any file of this computer, and the robot folder made from it may be given away.
+A file therefore counts as a mesh only if its whole content shows it, and the bytes that were checked are the
+bytes that are copied.
 """
 
 from __future__ import annotations
@@ -27,7 +29,7 @@ LARGEST_TOGETHER = 500_000_000
 """Largest sum of all mesh files of a robot [bytes]."""
 
 _BESIDE = {"urdf", "urdfs", "robot", "robots", "xacro", "model", "models"}
-"""Names of folders with URDFs that have their meshes in a folder beside."""
+"""Names of folders with URDFs whose meshes are in a folder beside them."""
 
 _NUMBER = rb"[-+0-9.#a-z()]+"
 _SPACE = rb"[ \t\r\f\v]"
@@ -63,7 +65,7 @@ def read_mesh(path: Path) -> bytes:
     kind = path.suffix.lower()
     if kind not in MESHES:
         raise NoMeshError(f"doesn't end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
-    if not path.is_file():  # to open a pipe would wait for a writer; to open some devices does something
+    if not path.is_file():  # opening a pipe would wait for a writer, and opening some devices has effects
         raise NoMeshError("is no ordinary file")
     handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
     with os.fdopen(handle, "rb") as file:
@@ -83,7 +85,7 @@ def read_mesh(path: Path) -> bytes:
 
 
 def _damage(kind: str, content: bytes) -> str:
-    """Return the end of a sentence that names how a file was cut off; empty if its content shows nothing of that."""
+    """Return the end of a sentence that says how a file is damaged; empty if its content doesn't show it."""
     if not content:
         return ": it is empty"
     if content.startswith(_LFS):
@@ -106,11 +108,11 @@ def _damage(kind: str, content: bytes) -> str:
 class Surroundings:
     """The folders that meshes may come from.
 
-    They are the URDF's folder; the one above, if the first is called urdf or alike; the ROS package of the URDF; ROS packages that `package://` names; and those
-    that the user names.
+    They are the URDF's folder; the one above, if the first is called urdf or similar; the ROS package of the
+    URDF; ROS packages that `package://` names; and those that the user names.
 
     Args:
-        urdf: its file. If that is a link, what it leads to has a package as well.
+        urdf: the URDF's file. If it is a symbolic link, the package of its target counts as well.
         more: folders that the user names.
         packages: ROS packages by the names in their package.xml.
     """
@@ -124,11 +126,11 @@ class Surroundings:
             self._roots |= {(package or beside).resolve(), here.resolve()}
 
     def has(self, name: str, path: Path) -> bool:
-        """Return True if a mesh is in one of the folders, wherever links lead.
+        """Return True if a mesh is in one of the folders after symbolic links are resolved.
 
         Args:
-            name: in the URDF.
-            path: that the name was found to mean.
+            name: the mesh's name in the URDF.
+            path: the file that the name was found to refer to.
         """
         there = path.resolve()
         if any(there.is_relative_to(root) for root in self._roots):
@@ -141,7 +143,7 @@ class Surroundings:
 
 
 def _package(name: str, path: Path) -> Path | None:
-    """Return the folder of the ROS package that a mesh's name begins with, if there is one."""
+    """Return the folder of the ROS package that a mesh's name begins with, or None."""
     package, url = package_of(name), urlparse(name)
     inside = Path(url.path.lstrip("/")).parts[0 if url.netloc else 1 :]
     if not inside or not package or ".." in (package, *inside):
@@ -151,14 +153,16 @@ def _package(name: str, path: Path) -> Path | None:
 
 
 def _is_stl(content: bytes) -> bool:
-    """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for one of text."""
+    """Return True for a binary STL (80 bytes, the number of triangles, 50 bytes for each) and for a text
+    STL.
+    """
     if is_binary(content):
         return True
     return content.startswith((b"solid ", b"solid\n", b"solid\r")) and _NO_STL_LINE.search(content) is None
 
 
 def _is_obj(content: bytes) -> bool:
-    """Return True for lines that all begin with a word of the format, points and faces among them."""
+    """Return True if all lines begin with a word of the OBJ format, and there are points and faces."""
     words: set[bytes] = set()
     continued = False
     for line in io.BytesIO(content):
@@ -176,7 +180,7 @@ def _refuse(*_: object) -> None:
 
 
 def _is_dae(content: bytes) -> bool:
-    """Return True for XML without a DOCTYPE whose root is COLLADA, with a mesh in it."""
+    """Return True for XML without a DOCTYPE whose root is COLLADA and contains a mesh."""
     tags: set[str] = set()
     roots: list[str] = []
 
@@ -196,7 +200,7 @@ def _is_dae(content: bytes) -> bool:
 
 
 def _is_ply(content: bytes) -> bool:
-    """Return True for a header of the format, and, where it says so, nothing but numbers after it."""
+    """Return True for a PLY header, followed only by numbers if the header declares ascii."""
     header = _PLY_HEADER.match(content, 0, _LONGEST_HEADER)
     if header is None or b"\nelement vertex " not in header[0]:
         return False

@@ -1,4 +1,4 @@
-"""ROS packages: which folder a `package://` name begins in."""
+"""Find ROS packages: the folder in which a `package://` name begins."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ PACKAGE = "package.xml"
 """The file that makes a folder a ROS package."""
 
 MOST_FOLDERS = 20_000
-"""Folders that are looked through for packages."""
+"""The largest number of folders that are searched for packages."""
 
 _NAME = re.compile(rb"<name>\s*([A-Za-z0-9_\-]+)\s*</name>")
 _LONGEST = 100_000
 
 
 class Packages:
-    """The packages around a URDF and below the folders that are said, by the names in their package.xml.
+    """The packages around a URDF and below given folders, by the names in their package.xml.
 
     Args:
-        urdf: its file; the packages that it lies in, and those beside these, count.
-        paths: folders with packages, the first one first.
+        urdf: the URDF's file; the package that contains it, and the folders beside that package, count.
+        paths: folders with packages, in the order of preference.
     """
 
     def __init__(self, urdf: Path, paths: Iterable[Path] = ()) -> None:
@@ -33,7 +33,7 @@ class Packages:
         self._found: dict[str, Path] | None = None
 
     def folder(self, name: str) -> Path | None:
-        """Return the folder of a package."""
+        """Return the folder of a package, or None."""
         if self._found is None:
             self._found = {}
             for folder in (*self._near(), *(one for path in self.paths for one in _below(path))):
@@ -42,7 +42,7 @@ class Packages:
         return self._found.get(name)
 
     def path(self, filename: str) -> Path | None:
-        """Return the file that a `package://` name means by package.xml; None if there is none."""
+        """Return the file that a `package://` name refers to by package.xml, or None if there is none."""
         name = package_of(filename)
         inside = PurePosixPath(unquote(urlparse(filename).path).lstrip("/"))
         if not urlparse(filename).netloc:
@@ -62,7 +62,7 @@ class Packages:
 
 
 def package_of(filename: str) -> str:
-    """Return the package that a `package://` name means, also of one with three slashes; empty for other names."""
+    """Return the package of a `package://` name, even with three slashes; empty for other names."""
     url = urlparse(filename)
     if url.scheme != "package":
         return ""
@@ -70,7 +70,7 @@ def package_of(filename: str) -> str:
 
 
 def package_name(folder: Path) -> str | None:
-    """Return the name in a folder's package.xml."""
+    """Return the name in a folder's package.xml, or None."""
     file = folder / PACKAGE
     try:
         if not file.is_file():
@@ -83,7 +83,9 @@ def package_name(folder: Path) -> str | None:
 
 
 def _below(top: Path) -> Iterator[Path]:
-    """All folders below one, none below a package, up to `MOST_FOLDERS`."""
+    """Yield all packages below a folder, none inside another package, after at most `MOST_FOLDERS`
+    folders.
+    """
     for count, (here, folders, files) in enumerate(os.walk(top)):
         if count >= MOST_FOLDERS:
             return

@@ -1,4 +1,5 @@
-"""What goes into a new robot.toml: from the URDF, from whoever makes it, or by a rule, which makes it a guess.
+"""Collect the values of a new robot.toml: from the URDF, from the user, or by a rule, which makes a value a
+guess.
 
 All numbers here are in the units of robot.toml: deg and mm, per s, s^2, s^3; counts; ms.
 """
@@ -16,22 +17,24 @@ from yarclang.robot.urdf import Joint, Urdf
 from yarclang.units import DEG, MM
 
 RISE = 0.25
-"""A joint reaches its velocity limit in this time [s], where nothing is known of its acceleration."""
+"""Time in which a joint reaches its velocity limit, if its acceleration isn't known [s]."""
 
 EASE = 0.12
-"""It reaches its acceleration limit in this time [s], where nothing is known of its jerk."""
+"""Time in which a joint reaches its acceleration limit, if its jerk isn't known [s]."""
 
 COUNTS = 10_000.0
-"""Guessed encoder counts of a deg or mm."""
+"""Guessed encoder counts per deg or mm."""
 
 SLOW = {"deg": 60.0, "mm": 100.0}
 """Guessed velocity limits [deg/s, mm/s]."""
 
 FASTEST = {"deg": 50.0 / DEG, "mm": 10.0 / MM}
-"""A velocity limit beyond this is no limit: files have such numbers where nothing is known [deg/s, mm/s]."""
+"""Velocity limit above which a value isn't a limit: files contain such numbers if none is known [deg/s,
+mm/s].
+"""
 
 WIDEST = {"deg": 100 * 360.0, "mm": 100_000.0}
-"""So is a position limit beyond this [deg, mm]."""
+"""Position limit beyond which a value isn't a limit [deg, mm]."""
 
 TRAVEL = {"deg": (-180.0, 180.0), "mm": (0.0, 100.0)}
 """Guessed position limits [deg, mm]."""
@@ -43,7 +46,7 @@ Origin = Literal["urdf", "given", "guess"]
 
 @frozen
 class Said:
-    """A value, where it comes from, and why it is a guess or which unit it has."""
+    """A value, its origin, and a note with its unit or the reason for a guess."""
 
     value: tuple[float, ...]
     origin: Origin
@@ -52,10 +55,10 @@ class Said:
 
 @frozen
 class Given:
-    """What whoever makes the robot says.
+    """The values that the user gives.
 
-    Tuples have one entry a joint, or one for all of them; None where nothing is said. `position` has the pairs of
-    limits of joints by their names, `tcp` is x y z [mm] roll pitch yaw [deg] seen from the flange.
+    Tuples have one entry for each joint, or one for all of them; None if nothing is given. `position` has the
+    pairs of limits of joints by their names, `tcp` is x y z [mm] roll pitch yaw [deg] relative to the flange.
     """
 
     position: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -70,7 +73,11 @@ class Given:
 
 @frozen
 class JointSketch:
-    """A joint's table; `position` is None for a continuous joint, `acceleration` and `jerk` are None where [ramps] gives them. `unit` is deg or mm."""
+    """The table of a joint.
+
+    `position` is None for a continuous joint; `acceleration` and `jerk` are None if [ramps] gives them.
+    `unit` is deg or mm.
+    """
 
     name: str
     kind: str
@@ -84,7 +91,7 @@ class JointSketch:
 
 @frozen
 class Sketch:
-    """All of a robot.toml but HOME, which the geometry decides."""
+    """All of a robot.toml except HOME, which depends on the geometry."""
 
     name: str
     title: str
@@ -103,14 +110,14 @@ class Sketch:
 def sketch(
     urdf: Urdf, chain: ArmChain, given: Given, names: tuple[str, str, str, str], said: tuple[bool, bool]
 ) -> Sketch:
-    """The values of a new robot.toml.
+    """Choose the values of a new robot.toml.
 
     Args:
         urdf: a sound tree.
         chain: the arm in it.
-        given: what is said; its tuples have one entry, or one a joint.
+        given: the values that the user gives; its tuples have one entry, or one for each joint.
         names: the robot's name, its title, the name of the URDF's copy, and the file that it is made from.
-        said: whether base and tip were said.
+        said: True for base, and for tip, if the user chose it.
     """
     size = len(chain.joints)
     joints = tuple(_joint(joint, at, size, given) for at, joint in enumerate(chain.joints))
@@ -141,7 +148,7 @@ def sketch(
 
 
 def unit_of(joint: Joint) -> str:
-    """`mm` for a sliding joint, `deg` for one that turns."""
+    """Return `mm` for a sliding joint, `deg` for one that turns."""
     return "mm" if joint.kind == "prismatic" else "deg"
 
 
@@ -184,7 +191,7 @@ def _tcp(urdf: Urdf, chain: ArmChain, given: Given) -> Said:
 
 
 def _place(urdf: Urdf, flange: str, link: str) -> tuple[float, ...]:
-    """Where a link is that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
+    """Return the place of a link that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
     import numpy as np
 
     from yarclang.robot.chain import joints_between
@@ -216,12 +223,12 @@ def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
 
 
 def _rounded_down(value: float) -> float:
-    """A limit on 1e-6, never wider than it is but for the last bits of a conversion."""
+    """Round a limit down to 1e-6, so that it never gets wider except in the last bits of a conversion."""
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
 
 
 def _rounded_up(value: float) -> float:
-    """The next number of four digits."""
+    """Round up to a number of four digits."""
     unit = 10.0 ** (math.floor(math.log10(value)) - 3)
     return float(f"{math.ceil(value / unit - 1e-9) * unit:.4g}")

@@ -1,4 +1,4 @@
-"""The text of a new robot.toml: every value with its unit and where it comes from, every guess with a mark."""
+"""Write the text of a new robot.toml: every value with its unit and origin, every guess with a mark."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from yarclang.robot.kinds import DEFAULT, kind_of
 from yarclang.robot.new.sketch import EASE, RISE, JointSketch, Said, Sketch
 
 MARK = "guess:"
-"""Begins the comment of a value that somebody has to check; whoever has, deletes the comment."""
+"""Begins the comment of a value that has to be checked; whoever checks it deletes the comment."""
 
 MARKED = re.compile(r"^(?!\s*#)(.*?)\s*#.*?\bguess:\s*(.*)$")
-"""A line with the mark behind a value: the value, and what was guessed."""
+"""Matches a line with the mark after a value: the value, and what was guessed."""
 
 _HEAD = """\
 # {name}, made by yarc robot new from {made_from}.
@@ -40,7 +40,12 @@ _TOOL = (
 
 
 def robot_toml(sketch: Sketch, home: Said) -> str:
-    """The whole file."""
+    """Return the whole file.
+
+    Args:
+        sketch: all values except HOME.
+        home: the joint position HOME.
+    """
     chain, size = sketch.chain, len(sketch.joints)
     ones = ["[" + ", ".join("1" if i == j else "0" for j in range(size)) + "]" for i in range(size)]
     lines = [_HEAD.format(name=sketch.name, made_from=_plain(sketch.made_from), mark=MARK)]
@@ -104,7 +109,9 @@ def _kind() -> Kind:
 
 
 def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
-    """The end of the file that lets pairs of bodies touch, each with the reason; nothing without pairs."""
+    """Return the end of the file that allows pairs of bodies to touch, each with the reason; empty without
+    pairs.
+    """
     if not pairs:
         return ""
     lines = [
@@ -121,7 +128,7 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
 
 
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
-    """The marks that are left in a robot.toml: line number, the value's line, what was guessed."""
+    """Return the marks that are left in a robot.toml: line number, the value's line, what was guessed."""
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
     return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
 
@@ -148,7 +155,7 @@ def _joint(joint: JointSketch) -> list[str]:
 
 
 def _ramps(joints: Sequence[JointSketch]) -> list[str]:
-    """Return the table of what joints have no limit of their own for."""
+    """Return the table [ramps] for joints that have no limits of their own; empty if all have them."""
     lines = []
     if any(joint.acceleration is None for joint in joints):
         lines.append(
@@ -165,14 +172,14 @@ def _ramps(joints: Sequence[JointSketch]) -> list[str]:
 
 
 def _tail(said: Said) -> str:
-    """The comment of a value that needs none but for its origin."""
+    """Return the comment of a value: the reason for a guess, or the URDF as origin, otherwise empty."""
     if said.origin == "guess":
         return f"  # {MARK} {said.note}"
     return f"  # {said.note}, from the URDF" if said.origin == "urdf" else ""
 
 
 def _mark(said: Said) -> str:
-    """What a comment says further of a guess."""
+    """Return the addition to a comment that marks a guess; empty for other values."""
     return f"; {MARK} {said.note}" if said.origin == "guess" else ""
 
 
@@ -202,10 +209,10 @@ def _number(value: float) -> str:
 
 
 def _text(value: str) -> str:
-    """A TOML string: JSON's escapes are TOML's, but for the control character DEL."""
+    """Return a TOML string: JSON's escapes are TOML's, except for the control character DEL."""
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _plain(value: str) -> str:
-    """A text that can stand in a comment."""
+    """Return a text that can be part of a comment."""
     return "".join(character if character.isprintable() else " " for character in value)

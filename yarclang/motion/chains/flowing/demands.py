@@ -1,4 +1,6 @@
-"""What limits, speeds and corners ask of a law along a way: known before anything is sampled in time."""
+"""Compute the demands of limits, speeds and corners on a law along a path, before anything is sampled in
+time.
+"""
 
 from __future__ import annotations
 
@@ -17,72 +19,87 @@ from yarclang.motion.zones import BELOW_CEILING, SlowZones
 from yarclang.robot.kinematics.inverse import follow
 
 _AT_ONCE = 2048
-"""Poses that are looked at together: of all of a long chain, what is in between would take more room than all that is kept."""
+"""Poses that are computed together: the intermediate arrays of a whole long chain would take more memory than
+all that is kept.
+"""
 _FEWEST = 3
 _LONGEST = 4e-3
-"""Nodes of the law: so many on each motion, and no farther apart than this [m]."""
+"""Nodes of the law: at least so many on each motion, and no farther apart than this [m]."""
 _CLOSE, _CLOSER = 1e-3, (0.0625, 0.0625, 0.125, 0.25, 0.5)
-"""Steps longer than this [m] beside a change of speed are divided into such shares: from one node to the next the square of a speed is linear."""
+"""Steps longer than `_CLOSE` [m] beside a change of speed are divided in these proportions, since the square
+of the speed is linear between nodes.
+"""
 
 _AT_LEAST = 1.02
-"""Segments that a motion takes."""
+"""Least duration of a motion [segments]."""
 _BESIDE = 1e-3
-"""The share of a motion over which its direction at an end is taken."""
+"""Share of a motion over which its direction at an end is measured."""
 _NOTHING = 1e-12
 WITHIN = 0.97
-"""The share of a ball that is used."""
+"""Share of a ball that is used."""
 SHARE_OF_TOLERANCE = 0.8
-"""The share of the tolerance that is used: the proof of it comes later."""
+"""Share of the tolerance that is used; the proof comes later."""
 _CUT = 0.4
-"""A corner is rounded by about this share of the standard deviation of a mean in time, times the change of velocity there."""
+"""A corner is rounded by approximately this factor times the standard deviation of the mean in time times the
+change of velocity.
+"""
 _FOR_CORNER = 0.6
-"""The share of the limits that a corner has where the law turns round, the rest is for that, ..."""
+"""Share of the limits that a corner gets where the law turns from slowing down to speeding up; the rest is
+for that turn.
+"""
 _NEARLY = 0.9
-"""... which it does where a corner is so much slower than what is around."""
+"""Ratio to the speed around a corner below which the law turns there."""
 _LOSS = 0.5
-"""The same of half the acceleration along the way and the variance."""
+"""Factor of half the acceleration along the path times the variance, in the rounding of a corner."""
 _REACH = 0.35
-"""About the share of a mean's width at which what is outside of a ball still leaves its path."""
+"""Approximate share of a mean's width over which the curve still leaves its path outside of a ball."""
 
 
 @frozen(eq=False)
 class Smoothing:
-    """Segments of `segment` [s], and means over `widths` of them, one after the other."""
+    """Smoothing in time: segments of `segment` [s], and two successive means over `widths` of them."""
 
     segment: float
     widths: tuple[int, int]
 
     @property
     def times(self) -> tuple[float, float]:
-        """How long the means last [s], the longer one first; none is shorter than a segment."""
+        """The durations of the means [s], the longer one first; none is shorter than a segment."""
         long, short = sorted((max(width, 1) * self.segment for width in self.widths), reverse=True)
         return long, short
 
     @property
     def deviation(self) -> float:
-        """The standard deviation [s] of both means together."""
+        """The standard deviation of both means together [s]."""
         return float(np.sqrt(sum(width**2 for width in self.widths) / 12.0)) * self.segment
 
     @property
     def reach(self) -> int:
-        """The segments on either side of an instant whose places count there, about."""
+        """The approximate number of segments on either side of an instant whose places affect it."""
         return (sum(self.widths) + 5) // 2
 
     @property
     def around(self) -> int:
-        """The segments on either side of a seam that are looked at from both: in them lies all that depends on what is at the seam."""
+        """The segments on either side of a seam that are examined from both sides: they contain everything
+        that depends on the seam.
+        """
         return 2 * (self.reach + 2)
 
     @property
     def kept(self) -> int:
-        """The segments on either side of a seam in which the speed is kept: what is looked at from beyond it is known there."""
+        """The segments on either side of a seam in which the speed is kept, so that everything examined from
+        the other side is known.
+        """
         return self.around + self.reach
 
 
 @frozen(eq=False)
 class Limits:
-    """The limits of k motions: joints (k, n) and motors (k, n), `counts` (n, n), the speeds asked for (k,) [m/s], infinite where there is none; tolerances
-    (k,) [m] and [rad], and the radii of the balls (k - 1,) [m], 0 where a corner may not be left; the slow zones of all.
+    """The limits of k motions.
+
+    Those of joints and motors are (k, n), `counts` is (n, n). `speed` (k,) [m/s] are the requested speeds,
+    infinite without one. `position` (k,) [m] and `angle` (k,) [rad] are tolerances, `radius` (k - 1,) [m] are
+    the radii of the balls, 0 if a corner may not be left. `zones` are the slow zones of all motions.
     """
 
     velocity: Array
@@ -130,13 +147,17 @@ class Limits:
 
 @frozen(eq=False)
 class Demands:
-    """What a way asks for at nodes `s` (N,) [m], of which those at corners are `corners` (k - 1,); `own` (N - 1,) is the motion behind each, `step` (N - 1,)
-    [m] how far the next one is.
+    """The demands of a path on a law, at N nodes.
 
-    Between nodes joints and motors allow the speeds `fastest` (N - 1,) [m/s], and joints the accelerations `push` [m/s^2] and the jerks `jolt` [m/s^3] along the way.
-    At inner nodes, where the joints' slopes bend, `bent` (N - 2,) [m/s] is the fastest. At a corner their slopes jump: means over the times T and t [s] make of that
-    accelerations, which allow `kinks[:, 0]` T [m/s], and jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1, 2) [m/s^2 and m/s^3]. The
-    direction of the frame jumps by `turn` (N - 2,), its turning by `spin` (N - 2,) [rad/m].
+    `s` (N,) [m] are the nodes; those at corners are `corners` (k - 1,). `own` (N - 1,) is the motion after
+    each node, `step` (N - 1,) [m] the distance to the next one.
+
+    Between nodes, joints and motors allow the speeds `fastest` (N - 1,) [m/s], and joints allow the
+    accelerations `push` [m/s^2] and the jerks `jolt` [m/s^3] along the path. At inner nodes, where the
+    joints' slopes bend, `bent` (N - 2,) [m/s] is the largest speed. At a corner the slopes jump. Means over
+    the times T and t [s] turn this jump into accelerations, which allow the speed `kinks[:, 0]` T [m/s], and
+    into jerks, which allow `kinks[:, 1]` T t; `kinks` is (k - 1, 2) [m/s^2 and m/s^3]. The direction of the
+    frame jumps by `turn` (N - 2,), its rate of turning by `spin` (N - 2,) [rad/m].
     """
 
     limits: Limits
@@ -154,7 +175,7 @@ class Demands:
 
     @staticmethod
     def of(way: Way, limits: Limits) -> Demands:
-        """Look along a way."""
+        """Compute the demands along a path."""
         lengths = way.lengths
         number = np.maximum(_FEWEST, np.ceil(lengths / _LONGEST)).astype(np.int64)
         first, units = _nodes_of(number, *_closer(lengths / number, limits))
@@ -162,7 +183,7 @@ class Demands:
         # dyadic fractions, whose sums are exact
         gone = np.concatenate(([0.0], np.cumsum(units)))
         inner = (gone[:-1] - gone[first[own]]) / number[own]
-        # not by places: what is found of a motion doesn't depend on how far behind it is
+        # relative to the motion, so that its results don't depend on how far along the chain it is
         step = lengths[own] / number[own] * units
         p, q = _looked_at(way, np.append(own, len(lengths) - 1), np.append(inner, 1.0))
         slope, ahead = np.diff(q, axis=0) / step[:, None], np.diff(p, axis=0) / step[:, None]
@@ -185,7 +206,7 @@ class Demands:
         )
 
     def part(self, first: int, last: int) -> Demands:
-        """Return what the motions from `first` up to `last` ask for."""
+        """Return the demands of the motions from `first` up to `last`."""
         edges = np.concatenate(([0], self.corners, [len(self.step)]))
         begin, end = int(edges[first]), int(edges[last])
         between, inner = slice(begin, end), slice(begin, end - 1)
@@ -196,7 +217,9 @@ class Demands:
         )  # fmt: skip
 
     def room(self) -> Array:
-        """Return how long the way at the inner nodes (N - 2,) [m] may be that is cut off there, with the tolerance of the stricter motion beside it."""
+        """Return the length of path that may be cut off at the inner nodes (N - 2,) [m], by the tolerance of
+        the stricter adjacent motion.
+        """
         limits, own = self.limits, self.own
         position = np.minimum(limits.position[own[1:]], limits.position[own[:-1]])
         angle = np.minimum(limits.angle[own[1:]], limits.angle[own[:-1]])
@@ -206,9 +229,11 @@ class Demands:
         return found
 
     def ceilings(self, smoothing: Smoothing) -> tuple[Array, Array, NDArray[np.bool_]]:
-        """Return how fast the nodes may be passed (N,) [m/s], how fast that may change between them (N - 1,) [m/s^2], and which corners use their balls (k - 1,)."""
+        """Return the ceilings of speed at the nodes (N,) [m/s], the largest accelerations between them (N -
+        1,) [m/s^2], and a mask of the corners that use their balls (k - 1,).
+        """
         limits, own, corners = self.limits, self.own, self.corners - 1
-        # each motion has a segment of its own
+        # each motion must have a segment of its own
         lengths = np.add.reduceat(self.step, np.concatenate(([0], self.corners)))
         between = np.minimum(
             self.fastest, np.minimum(limits.speed, lengths / (_AT_LEAST * smoothing.segment))[own]
@@ -219,16 +244,18 @@ class Demands:
         curvature = self.turn / (0.5 * (self.step[1:] + self.step[:-1]))
         pulled = 2.0 * limits.position[own[1:]] / smoothing.deviation**2
         inner = np.minimum(self.bent, np.sqrt(pulled / np.maximum(curvature, _NOTHING)))
-        # a mean in time makes of a jump of the velocity an acceleration, and of that a jerk
+        # a mean in time turns a jump of velocity into an acceleration, and a second one turns that into a
+        # jerk
         limited = np.minimum(self.kinks[:, 0] * long, self.kinks[:, 1] * long * short)
-        # a corner is rounded by less than the tolerance, or all that leaves its path is in the ball
+        # either a corner is rounded by less than the tolerance, or all that leaves the path is in the ball
         steepest = 0.9 * np.maximum(slope[corners], slope[corners + 1])
         s = smoothing.deviation
         on_path, gentle_path = _slow_enough(self.room()[corners], _CUT * s, 0.5 * _LOSS * s**2, steepest)
         time = _REACH * (sum(smoothing.widths) + 2) * smoothing.segment
         in_ball, gentle_ball = _slow_enough(WITHIN * limits.radius, time, 0.5 * time**2, steepest)
         rounds = (in_ball > on_path) & (on_path < np.minimum(limits.speed[1:], limited))
-        # where the law turns round, its acceleration changes by twice as much, and what the corner itself asks for comes on top
+        # where the law turns, its acceleration changes by twice as much, and the demand of the corner itself
+        # adds to that
         slows = limited < _NEARLY * np.minimum(limits.speed[1:], limits.speed[:-1])
         passed = np.minimum(
             np.where(slows, _FOR_CORNER * limited, limited), np.where(rounds, in_ball, on_path)
@@ -246,7 +273,9 @@ class Demands:
         return nodes, slope, rounds
 
     def _beside_slower(self, nodes: Array, smoothing: Smoothing) -> None:
-        """Lower the speeds of nodes (N,) next to a motion that asks for less: what counts in a mean there isn't faster."""
+        """Lower the speeds of nodes (N,) next to a slower motion, so that nothing in a mean there is
+        faster.
+        """
         speed, s = self.limits.speed, self.s
         for place in np.flatnonzero(~np.isclose(speed[1:], speed[:-1], 1e-9, 0.0)).tolist():
             slow, corner = float(speed[place : place + 2].min()), int(self.corners[place])
@@ -259,24 +288,27 @@ class Demands:
 
 
 def _slow_enough(room: Array, time: float, square: float, acceleration: Array) -> tuple[Array, Array]:
-    """Return how fast corners may be passed (K,) [m/s], and how fast that may change beside them (K,) [m/s^2].
+    """Return the ceilings of speed at corners (K,) [m/s], and of acceleration beside them (K,) [m/s^2].
 
-    What a mean does to a corner grows with the way that is gone in its time: where the speed changes much meanwhile, half of the room is left for that.
+    The effect of a mean on a corner grows with the distance covered in its time. If the speed changes much in
+    that time, half of the room is reserved for the change.
 
     Args:
-        room: how far that way may be (K,) [m].
-        time: it is so many times as long as the speed [s], ...
-        square: ... and so many times as long as the acceleration [s^2].
-        acceleration: (K,) the most [m/s^2].
+        room: the largest such distance (K,) [m].
+        time: its factor of the speed [s].
+        square: its factor of the acceleration [s^2].
+        acceleration: (K,) the largest acceleration [m/s^2].
     """
     gentle = np.minimum(acceleration, 0.5 * room / square)
     return (room - square * gentle) / time, gentle
 
 
 def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
-    """Return where nodes lie closer together, at the begins and at the ends of motions with steps (k,) [m].
+    """Return masks of the motions at whose beginnings, and at whose ends, nodes are closer together; steps
+    (k,) [m] are theirs.
 
-    That is where the speed asked for changes though the path goes straight on, and at the end of the chain next to that.
+    This is where the requested speed changes though the path goes straight on, and at the end of the chain
+    next to that.
     """
     changes = (limits.radius == 0.0) & ~np.isclose(limits.speed[1:], limits.speed[:-1], 1e-9, 0.0)
     changes &= np.isfinite(limits.speed[1:]) & np.isfinite(limits.speed[:-1])
@@ -287,8 +319,11 @@ def _closer(step: Array, limits: Limits) -> tuple[Marks, Marks]:
 
 
 def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Array]:
-    """Return the first node of each motion and the last one behind (k + 1,), and the steps from node to node (N - 1,), of which a motion has `number` (k,)
-    as long as 1: the first and the last are divided into shorter ones where nodes lie closer together.
+    """Return the first node of each motion and the last node of all (k + 1,), and the steps from node to node
+    (N - 1,).
+
+    A motion has `number` (k,) steps of length 1; the first and the last are divided into shorter ones if
+    nodes are closer together there.
     """
     extra = len(_CLOSER) - 1
     first = np.concatenate(([0], np.cumsum(number + extra * begins.astype(np.int64) + extra * ends)))
@@ -299,13 +334,18 @@ def _nodes_of(number: Numbers, begins: Marks, ends: Marks) -> tuple[Numbers, Arr
 
 
 def _places(step: Array) -> Array:
-    """Return where nodes are (N,) [m] that are steps (N - 1,) apart."""
+    """Return the places (N,) [m] of nodes with the given steps (N - 1,) in between."""
     return np.concatenate(([0.0], np.cumsum(step)))
 
 
 def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, Array]:
-    """Return the speeds [m/s], accelerations [m/s^2] and jerks [m/s^3] along the way, (M,) each, that joints and motors of motions `own` (M,) allow where the joints have
-    slopes (M, n) over the way [rad/m or 1].
+    """Return the speeds [m/s], accelerations [m/s^2] and jerks [m/s^3] along the path, (M,) each, that joints
+    and motors allow.
+
+    Args:
+        limits: of all motions.
+        own: (M,) the motion of each row.
+        slope: (M, n) derivatives of the joints with respect to the path [rad/m or 1].
     """
     parts = []
     for begin in range(0, len(own), _AT_ONCE):
@@ -325,7 +365,7 @@ def _between(limits: Limits, own: Numbers, slope: Array) -> tuple[Array, Array, 
 
 
 def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
-    """Return positions (N, 3) [m] and joints (N, n) at shares (N,) of the ways of motions (N,)."""
+    """Return positions (N, 3) [m] and joints (N, n) at shares (N,) of the paths of motions (N,)."""
     p, q = np.empty((len(own), 3)), np.empty((len(own), way.ends.shape[1]))
     for begin in range(0, len(own), _AT_ONCE):
         rows = slice(begin, begin + _AT_ONCE)
@@ -334,19 +374,20 @@ def _looked_at(way: Way, own: Numbers, share: Array) -> tuple[Array, Array]:
 
 
 def _poses_and_joints(way: Way, own: Numbers, share: Array) -> tuple[Array, Array, Array]:
-    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), as `_looked_at`, all at once."""
+    """Return positions (N, 3) [m], rotations (N, 3, 3) and joints (N, n), like `_looked_at`, all at once."""
     p, turns = way.poses(own, share)
     rotations = matrices(turns)
     return p, rotations, joints(way, p, rotations, way.seeds(own, share), way.paths[0])[0]
 
 
 def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
-    """Return how much the joints' slopes jump at corners (K, n), the directions of the frame (K,), and how it turns (K,) [rad/m].
+    """Return the jumps at corners: of the joints' slopes (K, n), of the frame's direction (K,), and of its
+    rate of turning (K,) [rad/m].
 
     Args:
         way: of all motions.
-        first: the first corner, behind the motion of the same number.
-        last: up to this corner.
+        first: the first corner, which follows the motion of the same number.
+        last: the corner after the last one.
     """
     before, behind = np.arange(first, last), np.arange(first + 1, last + 1)
     own = np.stack((before, before, behind, behind), axis=1).ravel()
@@ -360,7 +401,9 @@ def _jumps(way: Way, first: int, last: int) -> tuple[Array, Array, Array]:
 
 
 def joints(way: Way, p: Array, rotations: Array, seeds: Array, path: CartesianPath) -> tuple[Array, Array]:
-    """Return joint positions (N, n) that lead the moving frame to poses, and what they miss them by (N,) [m and rad together]."""
+    """Return joint positions (N, n) that lead the moving frame to poses, and their misses (N,) [m and rad
+    together].
+    """
     poses = np.zeros((len(p), 4, 4))
     poses[:, :3, :3], poses[:, :3, 3], poses[:, 3, 3] = rotations, p, 1.0
     q, position, angle = follow(path.chain, poses @ np.linalg.inv(way.flange_from_moving), seeds)
@@ -368,7 +411,7 @@ def joints(way: Way, p: Array, rotations: Array, seeds: Array, path: CartesianPa
 
 
 def _rates(rotations: Array, others: Array, steps: Array) -> Array:
-    """Return how rotations (N, 3, 3) turn to others (N, 3), over steps (N, 1), in {B}."""
+    """Return the rates (N, 3) in {B} at which rotations (N, 3, 3) turn to others, over steps (N, 1)."""
     turn = others @ rotations.transpose(0, 2, 1)
     vector = (turn - turn.transpose(0, 2, 1))[:, (2, 0, 1), (1, 2, 0)] / 2.0
     size = np.linalg.norm(vector, axis=1)

@@ -1,4 +1,4 @@
-"""A chain as one path: a law, its control points, and a slower law where they ask too much."""
+"""Make a chain as one path: a law, its control points, and a slower law where they demand too much."""
 
 from __future__ import annotations
 
@@ -27,25 +27,27 @@ _SEGMENTS = (0.02, 0.01, 0.005, 0.0025)
 _WIDTHS = ((4, 1), (6, 3), (3, 2), (8, 4), (2, 1))
 """Widths of both means that are tried [segments]."""
 _ENOUGH = 1.02
-"""A law that is slower by no more than this is as good: then longer segments, and shorter means, are."""
+"""Factor up to which slower laws count as equal; then longer segments and shorter means win."""
 _TOO_SLOW = 2e-4
-"""A corner that is passed at less than this [m/s] is better done with a stop."""
+"""A corner that is passed more slowly than this is better done with a stop [m/s]."""
 
 
 @frozen(eq=False)
 class Known:
-    """What was made before of windows of a chain: `keys` says what stands for each motion, with all that is asked of it."""
+    """Results of windows of chains from earlier plans; `keys` has a key for each motion, with all its
+    requirements.
+    """
 
     memory: Memory
     keys: Sequence[Hashable]
 
     def get(self, way: Way, window: Window, smoothing: Smoothing) -> Made | Failed | None:
-        """Return what was made of a window, or None."""
+        """Return the earlier result of a window, or None."""
         found: Made | Failed | None = self.memory.get(self._key(way, window, smoothing))
         return found
 
     def keep(self, way: Way, window: Window, smoothing: Smoothing, result: Made | Failed) -> None:
-        """Keep what was made of a window."""
+        """Keep the result of a window."""
         self.memory.keep(self._key(way, window, smoothing), result)
 
     def _key(self, way: Way, window: Window, smoothing: Smoothing) -> Hashable:
@@ -55,12 +57,12 @@ class Known:
 
 
 def flowing(links: Sequence[Link], grid: Grid, known: Known | None = None) -> list[Piece] | None:
-    """Return the pieces of a chain as one path; None where it can't be done so.
+    """Return the pieces of a chain as one path; None if it can't be done so.
 
     Args:
         links: the motions.
-        grid: the segment times that the controller takes.
-        known: what was made of windows of such chains before.
+        grid: the segment times that the controller accepts.
+        known: earlier results of windows of such chains, or None.
     """
     if not is_one_path(links):
         return None
@@ -85,7 +87,7 @@ def _flowing(links: Sequence[Link], grid: Grid, known: Known | None) -> list[Pie
 
 
 def _fastest_corners(demands: Demands, grid: Grid) -> Array:
-    """Return how fast the corners may be passed with the shortest segments (k - 1,) [m/s]."""
+    """Return the speeds at which the corners can be passed with the shortest segments (k - 1,) [m/s]."""
     shortest = min(_segments(grid))
     ceilings = [demands.ceilings(Smoothing(shortest, widths))[0][demands.corners] for widths in _WIDTHS]
     fastest: Array = np.max(ceilings, axis=0)
@@ -107,7 +109,7 @@ def _of_demands(demands: Demands, way: Way, grid: Grid, known: Known | None) -> 
 
 
 def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None) -> list[Made] | None:
-    """Return what is made of all windows of a chain; None where one can't be done even without seams."""
+    """Return the results of all windows of a chain; None if one can't be done even without seams."""
     cut, found, reach = windows(way, demands, smoothing), dict[Window, Made | Failed](), 1
     while True:
         _make(way, demands, smoothing, [window for window in cut if window not in found], found, known)
@@ -116,7 +118,7 @@ def _made(way: Way, demands: Demands, smoothing: Smoothing, known: Known | None)
         if any(isinstance(result, Failed) and not any(result.seams) for result in results):
             return None
         for place, (one, other) in enumerate(pairwise(results)):
-            # both have to see the same at their seam
+            # both must find the same overlap at their seam
             if isinstance(one, Made) and isinstance(other, Made) and one.halves[-1] != other.halves[0]:
                 failed[place] = True
         if not any(failed):
@@ -133,7 +135,7 @@ def _make(
     found: dict[Window, Made | Failed],
     known: Known | None,
 ) -> None:
-    """Make windows, on all cores, but those that were made before."""
+    """Make windows, on all cores, except those with earlier results."""
     if known is not None:
         for window in missing:
             before = known.get(way, window, smoothing)
@@ -148,7 +150,7 @@ def _make(
 
 
 def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
-    """The chain's curve, cut where its corners are passed."""
+    """Return the chain's curve, cut where its corners are passed."""
     control = np.concatenate([*(part.points[:-3] for part in parts[:-1]), parts[-1].points])
     control.setflags(write=False)
     pieces, begin = list[Piece](), 0
@@ -167,7 +169,9 @@ def _pieces(parts: Sequence[Made], segment: float) -> list[Piece]:
 
 
 def is_one_path(links: Sequence[Link]) -> bool:
-    """Return True if all motions of a chain lead one frame along paths of its own, and none has a duration or a law without a cruise."""
+    """Return True if all motions of a chain lead one frame along paths of its own, and none has a given
+    duration or a law without a cruise.
+    """
     first = links[0].path
     return all(
         isinstance(link.path, CartesianPath)
@@ -181,7 +185,9 @@ def is_one_path(links: Sequence[Link]) -> bool:
 
 
 def _likeliest(demands: Demands, grid: Grid) -> Iterator[Smoothing]:
-    """Yield ways to smooth a chain, the fastest first; of those that are as fast, that with the longest segments."""
+    """Yield smoothings of a chain, the fastest first; of equally fast ones, that with the longest
+    segments.
+    """
     found = []
     for order, segment in enumerate(_segments(grid)):
         for widths in _WIDTHS:

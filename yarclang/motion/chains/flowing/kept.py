@@ -1,4 +1,4 @@
-"""The speeds that motions of a chain keep: what the judge may hold them to."""
+"""Find the speeds that motions of a chain keep, to which the judge holds them."""
 
 from __future__ import annotations
 
@@ -17,28 +17,30 @@ _HOLDS = 0.9995
 _NEARLY = 0.99
 _ABOUT = 0.97
 _LESS = 0.01
-"""What is claimed of a share of a speed that was found: a speed that changes can't be proved so sharply as one that is kept."""
+"""Reduction of a claimed share of speed: a changing speed can't be proved as sharply as a constant one."""
 _EDGE = 1e-6
 _PARTS = np.array([0.25, 0.5, 0.75])
-"""Where between two times it is looked at once more."""
+"""Places between two times that are sampled in addition."""
 _STEADY = 2e-4
-"""A speed that changes by a smaller share from one time to the next doesn't change."""
+"""Share of change from one time to the next below which a speed counts as constant."""
 _ASIDE = 4
-"""So many half segments from a corner a speed is reached in any case."""
+"""Number of half segments from a corner within which a speed is reached in any case."""
 
 
 def least_speeds(
     way: Way, limits: Limits, points: Sampled, trial: Trial, segment: float, seams: tuple[bool, bool]
 ) -> Array:
-    """Return the shares of the speeds asked for (k,) that each motion keeps between its blends; of one that begins or ends at rest, or beside a slower one, once it is reached.
+    """Return the shares of the requested speeds (k,) that each motion keeps between its blends.
+
+    For a motion that begins or ends at rest, or beside a slower one, this applies once the speed is reached.
 
     Args:
         way: of k motions.
         limits: theirs.
         points: their control points.
-        trial: what was found of these.
+        trial: the results for these points.
         segment: the segment time [s].
-        seams: whether the first begins, and the last ends, at a seam.
+        seams: True if the first motion begins, and if the last ends, at a seam.
     """
     times = np.arange(2 * (len(points.points) - 3) + 1, dtype=np.float64) * (0.5 * segment)
     q, rate, _ = Curve(points.points, segment, points.places).sample(times)
@@ -48,7 +50,7 @@ def least_speeds(
     edges = np.where(
         halves > 0, knots, np.concatenate(([0.0], points.passing(way.begins[1:-1], segment), knots[-1:]))
     )
-    # a corner is passed a little before or after the law does
+    # the curve passes a corner slightly before or after the law does
     aside = np.where(halves > 0, halves - _EDGE, -1.0) * segment
     begin = np.searchsorted(times, edges[:-1] + aside[:-1])
     end = np.searchsorted(times, edges[1:] - aside[1:], side="right")
@@ -70,14 +72,16 @@ def least_speeds(
 
 
 def _least_between(values: Array, begin: Numbers, end: Numbers) -> Array:
-    """Return the least of values from places `begin` (K,) up to `end` (K,); infinite where there are none."""
+    """Return the least values from places `begin` (K,) up to `end` (K,); infinite for empty ranges."""
     pairs = np.stack((begin, end), axis=1).ravel()
     least = np.minimum.reduceat(np.append(values, np.inf), pairs)[::2]
     return np.where(end > begin, least, np.inf)
 
 
 def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Return True (2, K) for motions that begin, and that end, at rest, or where they flow without a blend out of a slower one, or into it."""
+    """Return True (2, K) for motions that begin, and that end, at rest, or flow without a blend out of a
+    slower one or into one.
+    """
     slower = limits.speed[:-1] < limits.speed[1:] * (1.0 - _EDGE)
     faster = limits.speed[1:] < limits.speed[:-1] * (1.0 - _EDGE)
     sharp = halves[1:-1] == 0
@@ -85,7 +89,9 @@ def _rests(limits: Limits, halves: Numbers, seams: tuple[bool, bool]) -> NDArray
 
 
 def _without_dips(speed: Array) -> Array:
-    """Return the speeds (N,), none larger than what is kept between two places where it is reached."""
+    """Return the speeds (N,), limited to the speed that is kept between any two places where it is
+    reached.
+    """
     around = np.minimum(np.maximum.accumulate(speed), np.maximum.accumulate(speed[::-1])[::-1])
     least, dips = np.inf, np.inf
     top = (1.0 - _STEADY) * speed.max(initial=0.0)
@@ -96,7 +102,9 @@ def _without_dips(speed: Array) -> Array:
 
 
 def _least_around(way: Way, points: Sampled, segment: float, times: Array, speed: Array) -> Array:
-    """Return the least speeds (N,) up to the next time: between two times it may be lower than at both, where it changes at all."""
+    """Return the least speeds (N,) up to the next time: if the speed changes, it may be lower between two
+    times than at both.
+    """
     found = speed.copy()
     found[:-1] = np.minimum(speed[:-1], speed[1:])
     change = np.abs(np.diff(speed)) > _STEADY * speed[1:]

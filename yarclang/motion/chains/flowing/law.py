@@ -1,4 +1,4 @@
-"""A speed over a way, and when each place is passed."""
+"""Define a law: speed over a path, and the time at which each place is passed."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ _STILL = 1e-12
 
 @frozen(eq=False)
 class Law:
-    """A law: at nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear between; `t` (N,) [s] is when they are passed."""
+    """A law: at nodes `s` (N,) [m] the speed is `v` (N,) [m/s], and its square is linear in between; `t` (N,)
+    [s] are the times of the nodes.
+    """
 
     s: Array
     v: Array
@@ -22,13 +24,15 @@ class Law:
     def fastest(s: Array, ceiling: Array, acceleration: Array, ends: tuple[float, float] = (0.0, 0.0)) -> Law:
         """Return the fastest law under a ceiling.
 
-        Squares of speeds grow by twice the acceleration over the way: what is reached from the one end, and what can be left to the other, are running minima.
+        The square of the speed changes by at most twice the acceleration times the distance. The speeds
+        reachable from one end, and those from which the other end can be reached, are therefore running
+        minima.
 
         Args:
             s: nodes (N,) [m].
             ceiling: (N,) [m/s].
-            acceleration: the most between the nodes (N - 1,) [m/s^2].
-            ends: the speeds at both ends [m/s], or less where these can't be.
+            acceleration: the largest between the nodes (N - 1,) [m/s^2].
+            ends: the speeds at both ends, or less if these aren't possible [m/s].
         """
         gained = np.concatenate(([0.0], np.cumsum(2.0 * acceleration * np.diff(s))))
         square = ceiling**2
@@ -42,11 +46,11 @@ class Law:
 
     @property
     def duration(self) -> float:
-        """How long the whole way takes [s]."""
+        """The duration of the whole path [s]."""
         return float(self.t[-1])
 
     def places(self, times: Array) -> Array:
-        """Return where the law is (N,) [m] at times [s]; before and after it, at its ends."""
+        """Return the places (N,) [m] at times [s]; before and after the law, its ends."""
         k = np.clip(np.searchsorted(self.t, times, side="right") - 1, 0, len(self.t) - 2)
         passed = np.clip(times - self.t[k], 0.0, self.t[k + 1] - self.t[k])
         width = self.s[k + 1] - self.s[k]
@@ -54,16 +58,18 @@ class Law:
         return self.s[k] + np.clip(self.v[k] * passed + 0.5 * slope * passed**2, 0.0, width)
 
     def speeds(self, times: Array) -> Array:
-        """Return how fast it is (N,) [m/s] at times [s]: linear between nodes."""
+        """Return the speeds (N,) [m/s] at times [s]: linear between nodes."""
         found: Array = np.interp(times, self.t, self.v)
         return found
 
 
 @frozen(eq=False)
 class Pace:
-    """A law that lasts whole segments where it ends at a seam: what is between the seams' surroundings is stretched by less than a segment.
+    """A law whose duration is a whole number of segments if it ends at a seam: outside of the seams'
+    surroundings it is stretched by less than a segment.
 
-    `seams` says which of its ends are seams, where it goes on as fast; at `times` (M,) [s] the law is where it is at `passed` (M,) [s] by itself.
+    `seams` is True for ends that are seams, at which the speed continues. At `times` (M,) [s] this law is
+    where `law` by itself is at `passed` (M,) [s].
     """
 
     law: Law
@@ -77,9 +83,9 @@ class Pace:
 
         Args:
             law: ends at rest, or at a seam.
-            seams: which ends are seams.
-            around: how long the law stays as it is at both ends [s].
-            segment: [s].
+            seams: True for ends that are seams.
+            around: how long the law stays unchanged at both ends [s].
+            segment: the segment time [s].
         """
         duration = law.duration
         whole = segment * np.ceil(duration / segment - 1e-6) if seams[1] else duration
@@ -90,17 +96,19 @@ class Pace:
 
     @property
     def duration(self) -> float:
-        """How long the way takes [s]."""
+        """The duration of the path [s]."""
         return float(self.times[-1])
 
     def by_law(self, times: Array) -> Array:
-        """Return the law's times [s] at times (N,) [s]; before and behind, the law goes on."""
+        """Return the law's own times [s] at times (N,) [s]; before and after it, time continues at the same
+        rate.
+        """
         found: Array = np.interp(times, self.times, self.passed)
         found += np.minimum(times, 0.0) + np.maximum(times - self.duration, 0.0)
         return found
 
     def places(self, times: Array) -> Array:
-        """Return where it is (N,) [m] at times [s]; beyond a seam it keeps its speed."""
+        """Return the places (N,) [m] at times [s]; beyond a seam the speed is kept."""
         passed, law = self.by_law(times), self.law
         found = law.places(passed)
         if self.seams[0]:

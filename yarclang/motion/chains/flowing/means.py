@@ -1,4 +1,4 @@
-"""From a law along a way to control points: poses at equal times, and their means."""
+"""Turn a law along a path into control points: poses at equal times, and their means."""
 
 from __future__ import annotations
 
@@ -18,23 +18,30 @@ _REACHED = 1e-8
 
 @frozen(eq=False)
 class Sampled:
-    """Control points (n + 3, d) of a chain, the shares of its way (n + 3,) [m] of which they are means, and when the knot 0 is, by the law [s]."""
+    """The control points (n + 3, d) of a chain.
+
+    `places` (n + 3,) [m] are the corresponding means of places on the path, `begin` is the law's time of knot
+    0 [s].
+    """
 
     points: Array
     places: Array
     begin: float
 
     def passing(self, places: Array, segment: float) -> Array:
-        """Return when places (K,) [m] are passed, from knot 0 on [s]: the mean is late where the law speeds up, and early where it slows down."""
+        """Return the times from knot 0 on at which places (K,) [m] are passed [s].
+
+        The mean is late where the law speeds up, and early where it slows down.
+        """
         passed = knot_values(self.places)
         found: Array = segment * np.interp(places, passed, np.arange(len(passed), dtype=np.float64))
         return found
 
 
 def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
-    """Return the control points of a law along a way, or None where the arm can't get to a mean of its poses.
+    """Return the control points of a law along a path, or None if the arm can't reach a mean of its poses.
 
-    Beyond a seam they go on for `smoothing.around` segments.
+    Beyond a seam they continue for `smoothing.around` segments.
     """
     h, (one, other) = smoothing.segment, smoothing.widths
     support = one + other - 2
@@ -46,7 +53,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
         if pace.seams[1]
         else int(np.ceil(pace.duration / h - 1e-9)) + 1 + pad + cut - support
     )
-    # a mean over an even number lies in the middle between two; one more on either side is needed to sharpen
+    # a mean over an even number lies between two samples; sharpening needs one more on either side
     times = np.arange(first - cut - 1, last - cut + support + 1, dtype=np.float64) * h
     times += 0.5 * h if support % 2 else 0.0
     places = pace.places(times)
@@ -60,7 +67,7 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
     if miss.max() > _REACHED:
         return None
     q, s = _sharpened(q), _sharpened(mean_places)[:, 0]
-    # three equal points at an end: there it rests
+    # the curve rests at an end: three equal control points
     if not pace.seams[0]:
         lead = int(np.argmax(np.abs(q - way.ends[0]).max(axis=1) > _STANDS))
         q, s = (
@@ -72,12 +79,14 @@ def sampled(way: Way, pace: Pace, smoothing: Smoothing) -> Sampled | None:
         tail = len(q) - int(np.argmax((np.abs(q - way.ends[-1]).max(axis=1) > _STANDS)[::-1]))
         q = np.concatenate((q[:tail], np.tile(way.ends[-1], (3, 1))))
         s = np.concatenate((s[:tail], np.full(3, way.begins[-1])))
-    # knot 0 belongs to the second point
+    # knot 0 belongs to the second control point
     return Sampled(q, s, (first + 1) * h)
 
 
 def _sharpened(values: Array) -> Array:
-    """Return control values (N - 2, d) of a spline that goes nearly through values (N, d): it takes a sixth of the second differences away."""
+    """Return control values (N - 2, d) of a spline that nearly passes through values (N, d), by subtracting a
+    sixth of the second differences.
+    """
     found: Array = values[1:-1] - (values[2:] - 2.0 * values[1:-1] + values[:-2]) / 6.0
     return found
 

@@ -1,4 +1,6 @@
-"""Where a long chain is cut into windows: at corners that all windows pass at the same speed, so that each can be made by itself."""
+"""Cut a long chain into windows, at corners that all windows pass at the same speed, so that each can be made
+by itself.
+"""
 
 from __future__ import annotations
 
@@ -12,22 +14,24 @@ from yarclang.motion.chains.flowing.way import Marks, Numbers, Way
 from yarclang.motion.chains.flowing.window import Window
 
 SHORTEST = 128
-"""A window has so many motions at least, and less than twice as many where a seam is found, ..."""
+"""Least number of motions of a window; it has less than twice as many if a seam is found."""
 _LONGER = 8
-"""... and lasts so many times as long as the speed is kept at a seam."""
+"""Least duration of a window, as a multiple of the time for which the speed is kept at a seam."""
 _SLOWEST = 1e-3
-"""At a seam the chain isn't slower [m/s], ..."""
+"""Least speed at a seam [m/s]."""
 _EVEN = 0.7
-"""... nor much slower than around it; ..."""
+"""Least ratio of a seam's speed to the largest around it."""
 _SLOWER = 0.93
-"""... where the speed changes around it, it is a little slower than it could be."""
+"""Factor by which a seam's speed is reduced if the speed around it changes."""
 _FLAT = 1e-9
 _ODD = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], dtype=np.uint64)
 
 
 @frozen(eq=False)
 class _Corners:
-    """Corners (k - 1,): whether each may be a seam, the better the larger (0: not), at which speed [m/s], and when it is passed [s]."""
+    """Corners (k - 1,) as possible seams: `good` is larger for better ones, 0 if impossible; `speed` [m/s]
+    and `time` [s] are those of passing it.
+    """
 
     good: Array
     speed: Array
@@ -37,7 +41,8 @@ class _Corners:
 def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
     """Cut a chain into windows.
 
-    Seams are chosen by what is around them: a motion that is changed moves only the seams near to it.
+    The choice of seams depends only on their surroundings, so that a change of a motion moves only the
+    nearest seams.
     """
     count = len(way.paths)
     if count < 2 * SHORTEST:
@@ -57,7 +62,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
             break
         best = own.start + int(np.argmax(corners.good[own]))
         if corners.good[best] == 0.0:
-            # no good one is near: then the window gets longer
+            # no good one is near: extend the window
             later = np.flatnonzero(corners.good[own.stop : count - SHORTEST - 1])
             if not len(later):
                 break
@@ -70,7 +75,7 @@ def windows(way: Way, demands: Demands, smoothing: Smoothing) -> list[Window]:
 
 
 def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
-    """Return windows of which those that failed are one with `reach` of their neighbours on either side."""
+    """Return windows in which each that failed is merged with `reach` of its neighbours on either side."""
     together = np.zeros(len(cut) - 1, dtype=np.bool_)
     for place in np.flatnonzero(failed).tolist():
         together[max(0, place - reach) : place + reach] = True
@@ -85,7 +90,7 @@ def merged(cut: list[Window], failed: list[bool], reach: int) -> list[Window]:
 
 
 def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, rounds: Marks) -> _Corners:
-    """Return which corners may be seams."""
+    """Rate the corners as seams."""
     at = demands.corners
     time = law.t[at]
     around = (smoothing.kept + smoothing.reach) * smoothing.segment
@@ -100,20 +105,20 @@ def _looked_at(way: Way, demands: Demands, law: Law, smoothing: Smoothing, round
 
 
 def _extremes(values: Array, begin: Numbers, end: Numbers) -> tuple[Array, Array]:
-    """Return the least and the largest of values from places `begin` (K,) up to `end` (K,)."""
+    """Return the least and the largest values from places `begin` (K,) up to `end` (K,)."""
     pairs = np.stack((begin, end), axis=1).ravel()
     return np.minimum.reduceat(values, pairs)[::2], np.maximum.reduceat(values, pairs)[::2]
 
 
 def _rounded(values: Array, digits: int) -> Array:
-    """Return values with so many digits that count."""
+    """Return values rounded to a number of significant digits."""
     size = 10.0 ** (digits - 1 - np.floor(np.log10(np.maximum(values, _FLAT))))
     found: Array = np.round(values * size) / size
     return found
 
 
 def _scattered(points: Array) -> Array:
-    """Return a number from 0 to 1 for each point (K, 3), by chance but always the same."""
+    """Return a pseudorandom number from 0 to 1 for each point (K, 3), always the same for the same point."""
     bits = np.ascontiguousarray(points).view(np.uint64)
     mixed = (bits * _ODD).sum(axis=1, dtype=np.uint64)
     mixed ^= mixed >> np.uint64(29)

@@ -1,4 +1,6 @@
-"""What control points of a chain ask of the limits, and how far they leave its paths: as shares of what is allowed, at times."""
+"""Check how much control points of a chain demand of the limits, and how far they leave its paths: as shares
+of the allowed amounts, at times.
+"""
 
 from __future__ import annotations
 
@@ -16,47 +18,55 @@ from yarclang.robot.kinematics.fk import poses_and_jacobians, tool_poses
 
 _NOTHING = 1e-12
 _AHEAD = 5e-4
-"""Half of the share of a way over which its direction is taken."""
+"""Half of the share of a path over which its direction is measured."""
 _FOR_TURNS = 1.5
 _LITTLE = 1e-3
 _SHARPER = 0.35
-"""By how much more, for each unit of the change of direction, a path is left where a corner is cut off: there it is followed to its end at one instant, which can't be proved so sharply."""
+"""Increase of the miss for each unit of the change of direction where a corner is cut off: the path is
+followed to its end at one instant, which can't be proved as sharply.
+"""
 _FASTER = 1.0004
-"""The share of a speed that is asked for by which it may be exceeded; that it may be a little more is left to the proof."""
+"""Share of a requested speed up to which it may be exceeded; the rest of the allowance is left to the
+proof.
+"""
 _STEEP, _BETWEEN = 2e-4, 2.0
-"""A speed is looked at more closely where it changes by this share from one half segment to the next, and so many times the change make it too fast: in between it is faster by less."""
+"""A speed is sampled more densely if it changes by the first share from one half segment to the next, and the
+second factor times the change would make it too fast.
+"""
 _PARTS = np.array([0.0, 0.25, 0.5, 0.75])
-"""Where in a half segment it is looked at more closely."""
+"""Places in a half segment that are sampled in addition."""
 _NEARBY = 1.5
-"""A place so many segments from a corner may belong to the motion beside."""
+"""Distance from a corner, in segments, within which a place may belong to the adjacent motion."""
 
 
 @frozen(eq=False)
 class Excess:
-    """Shares of what is allowed (N,) that are above 1, at times (N,) [s]."""
+    """Shares of allowed amounts (N,) above 1, at times (N,) [s]."""
 
     times: Array
     shares: Array
 
     @staticmethod
     def of(times: Array, shares: Array) -> Excess:
-        """Return those above 1."""
+        """Return the shares above 1."""
         over = shares > 1.0
         return Excess(times[over], shares[over])
 
     def and_of(self, other: Excess) -> Excess:
-        """Return these and others."""
+        """Return these excesses and others."""
         return Excess(np.concatenate((self.times, other.times)), np.concatenate((self.shares, other.shares)))
 
     def between(self, begin: float, end: float) -> Excess:
-        """Return those from one time up to another [s]."""
+        """Return the excesses from one time up to another [s]."""
         own = (self.times >= begin) & (self.times <= end)
         return Excess(self.times[own], self.shares[own])
 
 
 @frozen(eq=False)
 class Trial:
-    """What was found of control points: the knots at which motions end (k + 1,), half the width of the overlap at each corner (k - 1,), and what is too much."""
+    """The result for control points: the knots at which motions end (k + 1,), half the width of the overlap
+    at each corner (k - 1,), and the excesses.
+    """
 
     ends: Numbers
     halves: Numbers
@@ -66,7 +76,7 @@ class Trial:
 
     @property
     def is_good(self) -> bool:
-        """Whether nothing is too much."""
+        """True if there is no excess."""
         return not (len(self.limits.times) or len(self.way.times) or len(self.zones.times))
 
 
@@ -79,16 +89,16 @@ def tried(
     own: slice,
     time: tuple[float, float],
 ) -> Trial | None:
-    """Look at control points; None where a motion would have no segment.
+    """Check control points; None if a motion would have no segment.
 
     Args:
         way: of the chain.
         demands: its limits and corners.
         sampled: the control points.
         segment: the segment time [s].
-        rounds: the corners that use their balls (k - 1,).
+        rounds: mask of the corners that use their balls (k - 1,).
         own: the motions that count, of k.
-        time: from when up to when it counts what is too much [s].
+        time: the interval in which excesses count [s].
     """
     passed = sampled.begin + sampled.passing(way.begins[1:-1], segment)
     inner = np.round((passed - sampled.begin) / segment).astype(np.int64)
@@ -115,14 +125,16 @@ class _Look:
     sharper: Array
 
     def limits_broken(self) -> Excess:
-        """What differences of control points ask of the limits: they bound the derivatives."""
+        """Return the excesses of differences of control points over the limits: the differences bound the
+        derivatives.
+        """
         points, h, limits = self.sampled.points, self.segment, self.limits
         times, shares = [], []
         for order, name in ((1, "velocity"), (1, "motor_velocity"), (2, "acceleration"), (3, "jerk")):
             change = np.diff(points, order, axis=0)
             if name == "motor_velocity":
                 change = change @ limits.counts.T
-            # in the middle of the points it is made of
+            # at the middle of the control points that it involves
             at = self.sampled.begin + h * (np.arange(len(change), dtype=np.float64) + 0.5 * order - 1.0)
             own = self._own(at)
             times.append(at)
@@ -130,18 +142,18 @@ class _Look:
         return Excess.of(np.concatenate(times), np.concatenate(shares))
 
     def zones_broken(self) -> Excess:
-        """Where something is too fast in its zone."""
+        """Return the excesses of speeds in zones."""
         if self.limits.zones is None:
             return Excess(np.zeros(0), np.zeros(0))
         segments, factors = self.limits.zones.too_fast(self.sampled.points, self.segment)
         return Excess(self.sampled.begin + self.segment * (segments + 0.5), factors)
 
     def _own(self, times: Array) -> Numbers:
-        """The motions (N,) at times."""
+        """Return the motions (N,) at times."""
         return np.searchsorted(self.passed, times, side="right")
 
     def poses(self) -> Array:
-        """Where the frame is (N, 4, 4), two a segment: at knots and between."""
+        """Return the poses of the frame (N, 4, 4), two in each segment: at knots and in between."""
         points, way = self.sampled.points, self.way
         curve = np.empty((2 * len(points) - 5, points.shape[1]))
         curve[0::2], curve[1::2] = knot_values(points), middle_values(points)
@@ -149,14 +161,16 @@ class _Look:
         return found
 
     def too_fast(self, poses: Array) -> Excess:
-        """Where the frame is faster than it is told, by poses (N, 4, 4) of `poses`: control points that are sharpened overshoot a little."""
+        """Return the excesses of the frame's speed, from its `poses` (N, 4, 4): sharpened control points
+        overshoot slightly.
+        """
         h, path, points = self.segment, self.way.paths[0], self.sampled.points
         speeds = np.linalg.norm(np.diff(poses[:, :3, 3], axis=0), axis=1) / (0.5 * h)
         at = 0.5 * h * np.arange(len(speeds), dtype=np.float64)
-        # in a blend the faster one counts
+        # in a blend the faster motion counts
         one, other = (self.limits.speed[self._own(self.sampled.begin + at + aside * h)] for aside in (-1, 2))
         allowed = _FASTER * np.maximum(one, other)
-        # where it changes, it may be faster for a moment
+        # if the speed changes, it may be higher for a moment
         change = np.abs(np.diff(speeds, prepend=speeds[0], append=speeds[-1]))
         steepest = np.maximum(change[1:], change[:-1])
         (rows,) = np.nonzero((steepest > _STEEP * speeds) & (speeds + _BETWEEN * steepest > allowed))
@@ -167,7 +181,9 @@ class _Look:
         return Excess.of(self.sampled.begin + at + 0.25 * h, speeds / allowed)
 
     def way_left(self, poses: Array) -> tuple[Numbers, Excess]:
-        """How far overlaps reach to either side of the corners, and where the paths are left beyond what is allowed, by poses (N, 4, 4) of `poses`."""
+        """Return how far overlaps reach on either side of the corners, and the excesses of distance from the
+        paths, from `poses` (N, 4, 4).
+        """
         way, limits, h = self.way, self.limits, self.segment
         at = np.arange(len(poses)) / 2.0
         times = self.sampled.begin + h * at
@@ -178,7 +194,7 @@ class _Look:
         halves = np.zeros(len(self.passed), dtype=np.int64)
         if not len(halves):
             return halves, Excess.of(times, off)
-        # at a ball the knots say where one motion ends
+        # at a ball the knots decide where one motion ends
         rows = np.flatnonzero(self.rounds[corner] & (off > _LITTLE))
         off[rows] = self._off_by_knots(poses[rows], gone[rows], at[rows])
         rows = rows[off[rows] > 1.0]
@@ -186,7 +202,7 @@ class _Look:
         halves = np.where(self.rounds, np.maximum(halves, 1), 0)
         sizes = np.diff(self.ends)
         halves = np.minimum(halves, np.minimum(sizes[:-1], sizes[1:]) // 2)
-        # where a blend ends both count
+        # at the end of a blend both conditions apply
         in_ball, on_path = far <= halves[corner], far >= halves[corner]
         in_ball &= halves[corner] > 0
         centres = way.positions(np.arange(1, len(halves) + 1), np.zeros(len(halves)))
@@ -194,7 +210,7 @@ class _Look:
         away = np.linalg.norm(poses[:, :3, 3] - centres[corner], axis=1)
         share = np.where(in_ball, away / radii[corner], 0.0)
         share = np.where(on_path, np.maximum(share, off), share)
-        # a blend may end as near to another corner
+        # the end of a blend may be nearer to another corner
         (rounded,) = np.nonzero(halves)
         for knots in (self.ends[1:-1] - halves, self.ends[1:-1] + halves):
             rows = 2 * knots[rounded]
@@ -204,14 +220,20 @@ class _Look:
         return halves, Excess.of(np.concatenate((times, self.passed)), np.concatenate((share, missed)))
 
     def _nearest(self, at: Array) -> tuple[Numbers, Array]:
-        """The corner (N,) that is nearest to knots `at` (N,), and how many segments it is away."""
+        """Return the corner (N,) nearest to knots `at` (N,), and its distance in segments."""
         own = np.clip(np.searchsorted(self.ends, at, side="right") - 1, 0, len(self.ends) - 2)
         before = at - self.ends[own] <= self.ends[own + 1] - at
         corner = np.clip(np.where(before, own - 1, own), 0, max(len(self.passed) - 1, 0))
         return corner, np.abs(at - self.ends[corner + 1])
 
     def _off(self, poses: Array, gone: Array) -> Array:
-        """How far poses (N, 4, 4) at places `gone` (N,), two a segment, are from the path of their motion, or, next to a corner, of that beside: shares (N,) of the tolerance."""
+        """Return the distances of poses from the path of their motion, or, next to a corner, from that of the
+        adjacent one, as shares (N,) of the tolerance.
+
+        Args:
+            poses: (N, 4, 4), two in each segment.
+            gone: (N,) their places on the chain [m].
+        """
         way = self.way
         own, share = way.located(gone)
         off = self._beside(poses, own, share)
@@ -226,7 +248,9 @@ class _Look:
         return off
 
     def _off_by_knots(self, poses: Array, gone: Array, at: Array) -> Array:
-        """How far poses (N, 4, 4) at knots `at` (N,) are from the path of the motion that the knots belong to; between two, from the farther one."""
+        """Return the distances of poses (N, 4, 4) at knots `at` (N,) from the path of the motion to which the
+        knots belong; between two motions, the larger distance.
+        """
         off, count = np.zeros(len(at)), len(self.way.paths)
         for side in ("left", "right"):
             own = np.clip(np.searchsorted(self.ends, at, side=side) - 1, 0, count - 1)
@@ -236,9 +260,11 @@ class _Look:
         return off
 
     def _beside(self, poses: Array, own: Numbers, share: Array) -> Array:
-        """How far poses (N, 4, 4) are from the paths of motions `own` (N,), as shares of the tolerance; `share` (N,) is about where."""
+        """Return the distances of poses (N, 4, 4) from the paths of motions `own` (N,), as shares of the
+        tolerance; `share` (N,) is the approximate place.
+        """
         way, p = self.way, poses[:, :3, 3]
-        # on a line the first step gets there
+        # Newton's method for the nearest place; on a line one step suffices
         for _ in range(1 if way.is_straight else 2):
             ahead = self._ahead(own, share)
             along = np.einsum("ni,ni->n", p - way.positions(own, share), ahead) / np.maximum(
@@ -253,7 +279,9 @@ class _Look:
         return found
 
     def _ahead(self, own: Numbers, share: Array) -> Array:
-        """Return where motions `own` (N,) go at shares (N,) of their ways, as velocities (N, 3) [m] over the share."""
+        """Return the derivatives (N, 3) [m] of the positions of motions `own` (N,) with respect to the share
+        of their paths, at shares (N,).
+        """
         if self.way.is_straight:
             return self.way.shift[own]
         middle, way = np.clip(share, _AHEAD, 1.0 - _AHEAD), self.way
@@ -263,7 +291,9 @@ class _Look:
         return ahead
 
     def _missed(self) -> Array:
-        """How far corners are missed, as shares (k - 1,) of the tolerance; early or late doesn't count."""
+        """Return the misses of corners, as shares (k - 1,) of the tolerance; being early or late doesn't
+        count.
+        """
         way, h, limits = self.way, self.segment, self.limits
         points, count = self.sampled.points, len(self.passed)
         q, rate, _ = Curve(points, h, points[:, 0]).sample(self.passed - self.sampled.begin)
@@ -277,7 +307,7 @@ class _Look:
         turned = poses[:, :3, :3] + late[:, :, None] * np.cross(spin[:, :, None], poses[:, :3, :3], axis=1)
         distance = np.linalg.norm(miss - late * velocity, axis=1)
         turned_by = angle_between(matrices(turns), turned) / np.minimum(limits.angle[1:], limits.angle[:-1])
-        # where the direction changes as well, another instant is the nearest for the turn
+        # where the direction changes as well, the orientation is nearest at another instant
         turned_by *= self.sharper**_FOR_TURNS
         found: Array = self.sharper * np.maximum(
             distance / np.minimum(limits.position[1:], limits.position[:-1]), turned_by

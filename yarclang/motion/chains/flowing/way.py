@@ -1,4 +1,4 @@
-"""The ways of many motions of one moving frame, one after the other, as one way."""
+"""Join the paths of many motions of one moving frame to one path."""
 
 from __future__ import annotations
 
@@ -19,18 +19,20 @@ Numbers = NDArray[np.int64]
 Marks = NDArray[np.bool_]
 
 RADIAN = 0.1
-"""A radian of a pure turn is as much way as so many metres."""
+"""Length that counts for a radian of a pure turn [m]."""
 
 _SHORT = 0.05
-"""Joints that move by less on a motion [rad or m] are nearly straight there: good seeds."""
+"""Joint motion below which joints are nearly linear on a motion [rad or m], and therefore good seeds."""
 
 
 @frozen(eq=False)
 class Way:
-    """The ways of k motions.
+    """The paths of k motions.
 
-    `lengths` (k,) [m] are how long they are, `begins` (k + 1,) [m] the places where they begin, and the end. Lines and arcs are whole arrays: from `start` (k, 3), by `shift` (k, 3) on a line, or
-    about `centre` (k, 3) by `sweep` (k,) on an arc with the axes `along` and `side` (k, 3) [m]; both turn by `angle` (k,) about `axis` (k, 3), from `turn` (k, 4).
+    `lengths` (k,) [m] are their lengths, `begins` (k + 1,) [m] the places where they begin, and the end.
+    Lines and arcs are stored as whole arrays: from `start` (k, 3) by `shift` (k, 3) for a line, or about
+    `centre` (k, 3) by `sweep` (k,) for an arc with the axes `along` and `side` (k, 3) [m]. Both turn by
+    `angle` (k,) about `axis` (k, 3), from `turn` (k, 4).
     """
 
     paths: tuple[CartesianPath, ...]
@@ -50,7 +52,7 @@ class Way:
 
     @staticmethod
     def of(paths: Sequence[CartesianPath]) -> Way:
-        """Return the way of motions, each of which begins where the one before ends."""
+        """Return the path of motions each of which begins where the one before ends."""
         count = len(paths)
         extents = [extent_of(path.frame) for path in paths]
         lengths = [size * RADIAN if turns else size for size, turns in extents]
@@ -81,7 +83,9 @@ class Way:
         )  # fmt: skip
 
     def part(self, first: int, last: int) -> Way:
-        """Return the ways of the motions from `first` up to `last`: what is found of them doesn't depend on where they stand."""
+        """Return the paths of the motions from `first` up to `last`, with the same results wherever they are
+        in a chain.
+        """
         own = slice(first, last)
         return Way(
             self.paths[own], *_begun(self.lengths[own]), self.start[own], self.shift[own], self.sweep[own], self.along[own], self.side[own],
@@ -90,17 +94,19 @@ class Way:
 
     @property
     def flange_from_moving(self) -> Array:
-        """Where the moving frame sits on the flange (4, 4)."""
+        """The place of the moving frame on the flange (4, 4)."""
         return self.paths[0].flange_from_moving
 
     def located(self, places: Array) -> tuple[Numbers, Array]:
-        """Return the motions (N,) at places (N,) [m], and the shares (N,) of their ways."""
+        """Return the motions (N,) at places (N,) [m], and the shares (N,) of their paths."""
         own = np.clip(np.searchsorted(self.begins, places, side="right") - 1, 0, len(self.paths) - 1)
         begin = self.begins[own]
         return own, np.clip((places - begin) / (self.begins[own + 1] - begin), 0.0, 1.0)
 
     def poses(self, own: Numbers, share: Array) -> tuple[Array, Array]:
-        """Return positions (N, 3) [m] and quaternions (N, 4), with either sign, of the moving frame on motions `own` (N,) at shares (N,) of their ways."""
+        """Return positions (N, 3) [m] and quaternions (N, 4), with either sign, of the moving frame on
+        motions `own` (N,) at shares (N,) of their paths.
+        """
         p = self._plain_positions(own, share)
         half = (share * self.angle[own] / 2.0)[:, None]
         turns = product(np.concatenate((np.cos(half), np.sin(half) * self.axis[own]), axis=1), self.turn[own])
@@ -112,7 +118,7 @@ class Way:
         return p, turns
 
     def positions(self, own: Numbers, share: Array) -> Array:
-        """Return the positions (N, 3) [m] alone, as of `poses`."""
+        """Return only the positions (N, 3) [m] that `poses` returns."""
         p = self._plain_positions(own, share)
         for rows in self._rows(own, ~self.is_plain):
             frame = self.paths[own[rows[0]]].frame
@@ -126,7 +132,7 @@ class Way:
         return bool(self.is_plain.all()) and not self.sweep.any()
 
     def _plain_positions(self, own: Numbers, share: Array) -> Array:
-        """Return positions (N, 3) [m] on lines and arcs; of other motions, anything."""
+        """Return positions (N, 3) [m] on lines and arcs; for other motions they mean nothing."""
         p: Array = self.start[own] + share[:, None] * self.shift[own]
         if self.sweep.any():
             turned = (share * self.sweep[own])[:, None]
@@ -134,7 +140,7 @@ class Way:
         return p
 
     def seeds(self, own: Numbers, share: Array) -> Array:
-        """Return joint positions (N, n) [rad or m] near those along the way."""
+        """Return joint positions (N, n) [rad or m] near those along the path."""
         q = self.ends[own] + share[:, None] * (self.ends[own + 1] - self.ends[own])
         for rows in self._rows(own, self.is_bent):
             q[rows] = self.paths[own[rows[0]]].followed.at(share[rows])
@@ -142,7 +148,7 @@ class Way:
 
     @staticmethod
     def _rows(own: Numbers, wanted: NDArray[np.bool_]) -> Iterator[Numbers]:
-        """Yield the rows of each motion that is wanted, together."""
+        """Yield the rows of each wanted motion together."""
         (rows,) = np.nonzero(wanted[own])
         if len(rows):
             order = np.argsort(own[rows], kind="stable")
@@ -150,6 +156,6 @@ class Way:
 
 
 def _begun(lengths: Sequence[float] | Array) -> tuple[Array, Array]:
-    """Return lengths (k,), and where each begins (k + 1,), the first at 0."""
+    """Return lengths (k,), and the beginnings and the end (k + 1,), from 0 on."""
     own = np.array(lengths, dtype=np.float64)
     return own, np.concatenate(([0.0], np.cumsum(own)))

@@ -1,4 +1,6 @@
-"""The motions between two seams: a law, its control points, and a slower law where they ask too much."""
+"""Make the motions between two seams: a law, its control points, and a slower law where they demand too
+much.
+"""
 
 from __future__ import annotations
 
@@ -16,28 +18,29 @@ from yarclang.progress import go_on
 
 _ROUNDS = 16
 _SLOWER = 0.7
-"""The exponent with which an excess slows a law down, ..."""
+"""The exponent with which an excess slows a law down, in the first round."""
 _MORE = 0.3
-"""... and that by which it grows each time, ..."""
+"""Increase of that exponent in each round."""
 _LEAST = 0.5
-"""... by no more than this at once, ..."""
+"""Least factor of a single slow-down."""
 _BEYOND = 0.99
-"""... and a little more than it asks for."""
+"""Additional factor, so that a law is slowed down slightly more than demanded."""
 _SLOWEST = 2e-5
-"""A law that gets as slow as this on the way [m/s] is no good."""
+"""A law that gets as slow as this on the way is given up [m/s]."""
 _MOST = 0.5
-"""A corner with such a share of all turns near to a place is what is wrong there."""
+"""A corner with this share of all turns near a place is blamed for an excess there."""
 _SAME = 1e-9
 _NOTHING = 1e-15
 _LITTLE = 1e-7
-"""Places that are nearer than this [m] are one."""
+"""Places nearer than this count as equal [m]."""
 
 
 @frozen
 class Window:
-    """The motions from `first` up to `last` of a chain, and the speeds [m/s] at which they begin and end: 0 at rest, else at a seam.
+    """The motions from `first` up to `last` of a chain, and their speeds at the ends: 0 at rest, otherwise at
+    a seam [m/s].
 
-    What is made of them depends on them and on a few around them alone.
+    The result depends only on these motions and a few around them.
     """
 
     first: int
@@ -46,11 +49,13 @@ class Window:
 
     @property
     def seams(self) -> tuple[bool, bool]:
-        """Which ends are seams."""
+        """True for the ends that are seams."""
         return self.speeds[0] > 0.0, self.speeds[1] > 0.0
 
     def around(self, way: Way, smoothing: Smoothing) -> tuple[int, int]:
-        """Return the motions, from the first up to the last, that have to be known: what is looked at from both sides of a seam lies in them."""
+        """Return the motions, from the first up to the last, that have to be known: they contain everything
+        that is examined from both sides of a seam.
+        """
         begins, time = way.begins, (smoothing.around + smoothing.reach) * smoothing.segment
         back, ahead = (speed * time * (1.0 + _SAME) + _LITTLE for speed in self.speeds)
         begin, end = begins[self.first] - back, begins[self.last] + ahead
@@ -64,8 +69,12 @@ class Window:
 
 @frozen(eq=False)
 class Made:
-    """What was made of a window: control points (n + 3, d), of each of its k motions the shares of its way over its blends and itself, the knots at which they end
-    (k + 1,), half the widths of the overlaps at all corners with the seams (k + 1,), and the shares of the speeds asked for that are kept (k,).
+    """The result of a window of k motions.
+
+    `points` (n + 3, d) are the control points. `shares` has, for each motion, the shares of its path over
+    itself and its blends. `ends` (k + 1,) are the knots at which motions end, `halves` (k + 1,) half the
+    widths of the overlaps at all corners and seams. `least` (k,) are the shares of the requested speeds that
+    are kept.
     """
 
     points: Array
@@ -77,7 +86,7 @@ class Made:
 
 @frozen(eq=False)
 class Failed:
-    """Nothing was made of a window; `seams` says that it might be without the seams at its ends."""
+    """A window without a result; `seams` is True for ends at which it might succeed without a seam."""
 
     seams: tuple[bool, bool]
 
@@ -100,7 +109,7 @@ def made(way: Way, demands: Demands, window: Window, smoothing: Smoothing) -> Ma
 
 @frozen(eq=False)
 class _Maker:
-    """`own` are the motions of the window among those of the way, `speeds` those at its ends."""
+    """Maker of one window: `own` are its motions among those of the way, `speeds` those at its ends."""
 
     way: Way
     demands: Demands
@@ -117,7 +126,7 @@ class _Maker:
         return Failed(self.seams)
 
     def made(self) -> Made | Failed:
-        """Return what was made."""
+        """Return the result."""
         demands, smoothing = self.demands, self.smoothing
         ceiling, slope, rounds = demands.ceilings(smoothing)
         edges = np.concatenate(([0], demands.corners, [len(demands.step)]))
@@ -144,7 +153,8 @@ class _Maker:
                 return Failed((False, False))
             if trial.is_good:
                 return self._whole(points, trial)
-            # what is slowed down here comes later there, with other knots: the more rounds, the more is left
+            # a law that is slowed down here passes later places at other knots: the more rounds, the stronger
+            # the correction
             steeper = _SLOWER + _MORE * turn
             corner, elsewhere = self._blamed(pace, trial.way, nodes, steeper)
             softer = np.minimum(
@@ -158,13 +168,15 @@ class _Maker:
         return self.failed
 
     def _kept(self, s: Array, ceiling: Array) -> Marks | None:
-        """Return the nodes (N,) at which the speed is that of a seam, and let `ceiling` say so; None where it can't be."""
+        """Return a mask of the nodes (N,) at which the speed is that of a seam, and set `ceiling` there; None
+        if that isn't possible.
+        """
         kept = np.zeros(len(s), dtype=np.bool_)
         for speed, away in zip(self.speeds, (s - s[0], s[-1] - s), strict=True):
             if speed == 0.0:
                 continue
             near = away <= speed * self.smoothing.kept * self.smoothing.segment
-            # between two nodes the speed changes
+            # between two nodes the speed would change
             near[1:] |= near[:-1].copy()
             near[:-1] |= near[1:].copy()
             if (kept & near).any() or (ceiling[near] < speed * (1.0 - _SAME)).any():
@@ -174,12 +186,12 @@ class _Maker:
         return kept
 
     def _time(self, pace: Pace) -> tuple[float, float]:
-        """From when up to when [s] it counts what is too much."""
+        """Return the interval in which excesses count [s]."""
         h = self.smoothing.segment
         return -h if self.seams[0] else -np.inf, pace.duration + h if self.seams[1] else np.inf
 
     def _whole(self, points: Sampled, trial: Trial) -> Made | Failed:
-        """Return what was made, without what was looked at around it."""
+        """Return the result without the surroundings that were examined."""
         own, h, beyond = self.own, self.smoothing.segment, self.smoothing.around
         begin, end = (beyond if seam else 0 for seam in self.seams)
         ends = trial.ends[own.start : own.stop + 1] - begin
@@ -197,7 +209,7 @@ class _Maker:
         return Made(points.points[begin : begin + count + 3], tuple(shares), ends, halves, least)
 
     def _allowed(self, pace: Pace, excess: Excess) -> Array:
-        """Return the speeds (N,) that nodes may have beside places that are passed too fast: by how much is known there."""
+        """Return ceilings of speed (N,) for nodes beside places that are too fast, by the known factors."""
         law, times = pace.law, pace.by_law(excess.times)
         allowed = np.full(len(law.s), np.inf)
         begin, end = _nodes(law, times, self.smoothing.segment)
@@ -207,7 +219,9 @@ class _Maker:
         return allowed
 
     def _blamed(self, pace: Pace, excess: Excess, nodes: slice, steeper: float) -> tuple[Array, Excess]:
-        """Return factors (N,) for the ceilings of corners that are the reason for most of an excess, and the excess that has other reasons."""
+        """Return factors (N,) for the ceilings of corners that cause most of an excess, and the excess with
+        other causes.
+        """
         law, demands = pace.law, self.demands
         factors = np.ones(len(law.s))
         own = demands.corners[(demands.corners > nodes.start) & (demands.corners < nodes.stop - 1)]
@@ -218,7 +232,7 @@ class _Maker:
         passed = law.t[own - nodes.start]
         begin, end = np.searchsorted(passed, times - reach), np.searchsorted(passed, times + reach)
         total = np.concatenate(([0.0], np.cumsum(weight)))
-        # the worst corner near to each time
+        # the worst corner near each time
         order = np.argsort(np.argsort(weight))
         pairs = np.stack((begin, end), axis=1).ravel()
         worst = np.argsort(weight)[np.maximum.reduceat(np.append(order, 0), pairs)[::2]]
@@ -228,20 +242,24 @@ class _Maker:
         return factors, Excess(excess.times[~blamed], excess.shares[~blamed])
 
     def _slower(self, pace: Pace, excess: Excess, steeper: float) -> Array:
-        """Return factors (N,) for the ceilings of the nodes: less than 1 where something was too much while they counted."""
+        """Return factors (N,) for the ceilings of nodes: less than 1 if there was an excess while they
+        counted.
+        """
         factors = np.ones(len(pace.law.s))
         if not len(excess.times):
             return factors
         reach = (self.smoothing.reach + 1) * self.smoothing.segment
         begin, end = _nodes(pace.law, pace.by_law(excess.times), reach)
         slower = _BEYOND * np.maximum(excess.shares**-steeper, _LEAST)
-        # the largest excess last: it counts
+        # the largest excess last, so that it wins
         for at in np.argsort(-slower).tolist():
             factors[begin[at] : end[at]] = slower[at]
         return factors
 
 
 def _nodes(law: Law, times: Array, reach: float) -> tuple[Numbers, Numbers]:
-    """Return the nodes from the first (N,) up to the last (N,) that a law passes within `reach` [s] of times (N,) of its own."""
+    """Return the first nodes (N,) and the ends (N,) of the ranges that a law passes within `reach` [s] of its
+    own times (N,).
+    """
     begin = np.maximum(np.searchsorted(law.t, times - reach) - 1, 0)
     return begin, np.minimum(np.searchsorted(law.t, times + reach, side="right") + 1, len(law.s))

@@ -73,8 +73,8 @@ class Barrier:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The position of a leg in the program: `begun` is True if earlier legs were started, and the title names
-    the barrier at its end (empty: the program's end).
+    """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
+    is the title of the barrier at its end (empty: the program's end).
     """
 
     begun: bool

@@ -1,7 +1,9 @@
-"""The controller's own home search (HM) of one motor, watched from here and from inside the controller. No I/O.
+"""The controller's own home search (HM) of one motor, watched from this computer and from inside the
+controller. No I/O.
 
-Nothing of it is proved. The search goes on in the controller whatever becomes of this computer, and no hold stops it: a PLC of its own does, when it has heard
-nothing for as long as the watchdog of a run waits. It is tried before each search.
+Nothing of a search is proved. It continues in the controller even if this computer fails, and no hold stops
+it. So a PLC stops the search when it has heard nothing for the watchdog time of a run. The PLC is tested
+before each search.
 """
 
 from __future__ import annotations
@@ -24,16 +26,16 @@ from yarclang.runtime.scripts import HomeSearch
 from yarclang.runtime.state import Event
 
 LONGEST = 300.0
-"""The longest search [s]."""
+"""Longest search [s]."""
 
 _UNBOUNDED = 120.0
-"""The longest search of a joint without limits [s]."""
+"""Longest search of a joint without limits [s]."""
 
 _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5
 _EACH = 0.02
 _BEGINS = 0.1
-"""From then on a motor that doesn't search has ended its search [s]."""
+"""Time after which a motor that isn't searching has ended its search [s]."""
 
 _RESTS = 5.0
 
@@ -88,11 +90,11 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
 
 
 def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Let a motor search its home, until it is found or somebody wants the end.
+    """Let a motor search its home, until the home is found or someone orders the end.
 
     Raises:
-        Trouble: it isn't begun, or it has ended without the home; the motor rests then.
-        Lost: the connection is of no use any more; the controller's PLC ends the search.
+        Trouble: the search isn't started, or has ended without the home; the motor is at rest then.
+        Lost: the connection is no longer usable; the controller's PLC ends the search.
     """
     yield from check_rest(operation, robot)
     found = {one.motor: one for one in (yield from searches(operation, robot))}
@@ -101,7 +103,7 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     search = found[motor]
     if search.refused:
         raise Trouble(search.refused, "", "Y1612")
-    # an abort, the last resort, closes the loops of all motors
+    # An abort, the last resort, closes the loops of all motors.
     if opened := [str(number) for number, one in found.items() if not one.closed]:
         raise Trouble(f"motor {', '.join(opened)} is open-loop", "enable all motors first", "Y1612")
     yield from _check_free(operation)
@@ -126,7 +128,9 @@ def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the place of that PLC is free, or has one that was left there when this computer failed."""
+    """Check that the number of that PLC is free, or is used by a PLC that a failed computer has
+    left there.
+    """
     try:
         listing = yield from operation.ask(f"LIST PLC {HOMING_PLC}")
     except Refused:
@@ -138,7 +142,9 @@ def _check_free(operation: Operation) -> Script[None]:
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Load that PLC, and try it: it must act when the timer has run down. The motor rests, so that nothing is stopped."""
+    """Load that PLC and test it: it must act when the timer has run down. The motor is at rest, so nothing is
+    stopped.
+    """
     for line in (
         f"{HOMING}=0",
         f"OPEN PLC {HOMING_PLC} CLEAR",
@@ -210,7 +216,9 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
 
 
 def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Stop the search, and wait for rest. A fault may have opened the loop: J/ or an abort would close it again."""
+    """Stop the search, and wait for rest. If a fault has opened the loop, J/ or an abort would close it
+    again.
+    """
     status = (yield from motor_statuses(operation, robot))[robot.controller.motors.index(motor)]
     if status.has("open loop"):
         operation.searches = False
@@ -228,6 +236,6 @@ def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def end_search(operation: Operation) -> Script[None]:
-    """End a search on a new connection: its PLC has done so, unless the connection was there again at once."""
+    """End a search on a new connection: its PLC has ended it, unless the connection was back at once."""
     yield from operation.abort()
     operation.searches = False

@@ -76,7 +76,7 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
     )
     jerk = np.where(moves, ways * np.where(moves, rates.jerk / ways, np.inf).min(), rates.jerk)
     # In units of one jerk step (jerk h): an acceleration of x that falls by one per step changes the velocity
-    # by x n - n (n - 1) / 2 in n steps. `aim` is the x with which n steps make exactly the change that is left.
+    # by x n - n (n - 1) / 2 in n steps. `aim` is the x with which n steps make exactly the remaining change.
     gain = way / (jerk * h * h)
     n = np.maximum(np.ceil((np.sqrt(1.0 + 8.0 * gain) - 1.0) / 2.0 - 1e-9), 1.0)
     aim = np.minimum((gain / n + (n - 1.0) / 2.0) * jerk * h, acceleration)

@@ -134,8 +134,8 @@ class Judge:
         # A segment has four control points; those at the start may be off.
         off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
         beside = off * self._beside
-        # A point's velocity is J(q) w. In the first segments, the error of w adds at most beside / h to it, and
-        # the error of q in J(q) at most beside times the sum of |w|.
+        # A point's velocity is J(q) w. In the first segments, the error of w adds at most beside / h to it,
+        # and the error of q in J(q) at most beside times the sum of |w|.
         faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
         return (
             self._limits(cubics, off[:, None] * self.slack)

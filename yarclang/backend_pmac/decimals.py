@@ -38,12 +38,14 @@ def decimals_for(robot: Robot, segment: float, tolerance: Tolerance, speed: floa
     counts = np.abs(counts_per_joint(robot) * units).sum(axis=1).max()
     acceleration = (limits.acceleration / units).min() * HEADROOM["acceleration"]
     jerk = (limits.jerk / units).min() * HEADROOM["jerk"]
+    # A joint that is off by e moves the flange by at most e times the radius of its reach.
     reach = reach_radii(robot.chain, limits, np.eye(4)) * units
     path = min(
         2.0 * _PATH_SHARE * tolerance.position / reach.sum(),
         2.0 * _PATH_SHARE * tolerance.angle / units.sum(),
     )
     kept = _SPEED_SHARE * speed * segment / reach.sum()
+    # `step` is the largest allowed 10^-d; each bound solves one of the docstring's conditions for it.
     step = min(
         path, kept, _COUNT_SHARE / (0.5 * counts), acceleration * segment**2 / 2.0, jerk * segment**3 / 4.0
     )

@@ -320,9 +320,12 @@ def _start_slack(robot: Robot, segment: float) -> Array:
     Within it, no joint is off by more than adds a small share of the joint's acceleration limit in the first
     segment.
     """
+    # A joint that begins off by d gets up to d / h^2 more acceleration in the first segment of h.
     joints = START_SHARE * robot.limits.acceleration * segment**2
     matrix = counts_per_joint(robot)
     slack = np.abs(matrix) @ joints
+    # With coupled motors, deviations add up: joint i is off by at most sum_k |(C^-1)_ik| slack_k. All slacks
+    # are scaled alike until no joint exceeds its own share.
     share = (joints / (np.abs(np.linalg.inv(matrix)) @ slack)).min()
     allowed: Array = slack * share
     return allowed

@@ -168,6 +168,7 @@ class Judge:
         past = (np.maximum(upper - limits.upper, limits.lower - lower) - off).max(axis=0) / robot.axis_units
         if (past > POSITION_UNITS).any():
             return f"{names[int(np.argmax(past))]} would go past its limit"
+        # If control points are off by d, differences over h are off by at most d / h, d / h^2 and 2 d / h^3.
         shares = {
             "velocity": (cubics.velocity_peaks() + off / h) / limits.velocity,
             "acceleration": (cubics.acceleration_peaks() + off / h**2) / limits.acceleration,
@@ -223,6 +224,7 @@ class Judge:
             upto = sum_w**2 + sum_a
             bend = bend + self._reach[m] * (upto - before)
             before = upto
+        # From the middle of a piece to its ends, |p'| grows by at most `half` times the largest |p''|.
         bounds: Array = speed.reshape(count, pieces).max(axis=1) + half * bend
         return bounds
 

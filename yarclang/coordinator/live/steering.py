@@ -103,6 +103,7 @@ class Steering:
 
     def _within(self, wanted: Array, q: Array, why: str) -> Steered:
         """Slow all joints down together until each joint and the tool keep their limits."""
+        # The factors by which joints and tool would exceed their limits; the larger one counts.
         share = float((np.abs(wanted) / self._rates.velocity).max(initial=0.0))
         tool = float(np.linalg.norm((self._jacobian(q) @ (wanted / self._slide))[:3])) * self._length
         share = max(share, tool / (_KEPT * self._speed))

@@ -85,6 +85,7 @@ class Course:
         first = max(int(np.searchsorted(self._lines, executed[0])) - _AROUND, 0)
         last = int(np.searchsorted(self._lines, executed[1])) + _AROUND
         points = self._points[first:last]
+        # A spline's distance from its points' connecting lines is at most a sixth of their second difference.
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
         errors = np.abs(np.array((found.following, found.following - self._following)))
         allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
@@ -93,9 +94,11 @@ class Course:
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack
+        # In units of the tolerance, the nearest point can be found for all motors together.
         place = found.commanded / allowed
         off = np.abs(place - _nearest(points / allowed, place))
-        # If all motors are within the tolerance at one instant, the nearest point is at most as far.
+        # If at some point of the path all n motors are within their tolerance, which is 1 in these units,
+        # then its squared distance is at most n, and the nearest point's is no larger.
         if (off**2).sum() <= len(off):
             return 0.0, 0
         row = int(np.argmax(off))

@@ -84,6 +84,7 @@ class Feed:
         if now <= self._asked_then and self.sent == self._sent_then:
             return self._ahead
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
+        # Moves before the first line that was ahead then, plus those that may have been taken since.
         behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
         if behind > len(self._moves):
             return 0

@@ -122,6 +122,7 @@ def fixed_event(request: Request, data: bytes) -> Event:
     """Parse a reply of that size."""
     match request:
         case Write(lines):
+            # Low byte first: the line's number in bytes 0 and 1, the error in byte 2, the flag in byte 3.
             line, error, flag = struct.unpack("<HBB", data)
             if data == bytes(4):
                 return Written(request)

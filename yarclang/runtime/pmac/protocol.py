@@ -188,6 +188,8 @@ class Connection:
         """Parse text up to ACK, or up to CR after BEL. A full packet without an end has a continuation."""
         if self._first_piece and not self._piece and len(data) <= pmac.MOST_REPLY and _WHOLE.fullmatch(data):
             return self._finish(Answer(request, tuple(data[:-2].decode("ascii").split("\r"))), b"")
+        # All other replies: several packets, errors, NUL, or violations. `at` is the next byte to look at, and
+        # `_piece` counts the bytes of the current packet.
         at = 0
         while at < len(data):
             part = data[at : at + pmac.MOST_REPLY - self._piece]
@@ -203,6 +205,7 @@ class Connection:
                 continue
             self._in += part[:end]
             rest, byte = data[at + end + 1 :], part[end]
+            # BEL begins an error, whose number ends with CR.
             if byte == pmac.BEL and not self._bell:
                 self._in.append(byte)
                 self._bell, at, self._piece = True, at + end + 1, self._piece + end + 1

@@ -1,4 +1,6 @@
-"""The controller's settings for a robot: axis definitions, feedback, limits, and the guard of the rotary buffer."""
+"""The settings that a controller needs for a robot: axis definitions, feedback, limits, and the guard of the
+rotary buffer.
+"""
 
 from __future__ import annotations
 

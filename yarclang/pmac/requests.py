@@ -1,8 +1,9 @@
 """Packets of the controller's Ethernet protocol: codes and sizes.
 
-TCP port 1025. A packet is a header of 8 bytes (direction, code, wValue, wIndex, wLength; words with the high byte
-first) and, if it goes down to the controller, wLength bytes of data. Sources: Turbo PMAC User Manual 416-419, UMAC Turbo
-CPU/Communications Board manual 33-37, and the public clients pmacAsynIPPort and pgpmac.
+The controller listens on TCP port 1025. A packet is a header of 8 bytes (direction, code, wValue, wIndex,
+wLength; words with the high byte first), followed by wLength bytes of data if the packet goes down to the
+controller. Sources: Turbo PMAC User Manual 416-419, UMAC Turbo CPU/Communications Board manual 33-37, and the
+public clients pmacAsynIPPort and pgpmac.
 """
 
 from __future__ import annotations

@@ -188,7 +188,7 @@ class Connection:
         """Parse text up to ACK, or up to CR after BEL. A full packet without an end has a continuation."""
         if self._first_piece and not self._piece and len(data) <= pmac.MOST_REPLY and _WHOLE.fullmatch(data):
             return self._finish(Answer(request, tuple(data[:-2].decode("ascii").split("\r"))), b"")
-        # All other replies: several packets, errors, NUL, or violations. `at` is the next byte to look at, and
+        # All other replies: several packets, errors, NUL, or violations. `at` is the next byte to look at;
         # `_piece` counts the bytes of the current packet.
         at = 0
         while at < len(data):

@@ -17,7 +17,13 @@ _LONGEST_TEXT = 80
 
 
 def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, ...]:
-    """Return the lines of a barrier; the robot is at rest there."""
+    """Return the lines of a barrier; the robot is at rest there.
+
+    Args:
+        barrier: the barrier.
+        target: kind of the text, a rotary buffer or a program buffer.
+        system: number of the coordinate system.
+    """
     if target == "rotary":
         return ("STOP",)
     match barrier.kind:

@@ -57,7 +57,13 @@ from yarclang.ways import Turn, Ways
 
 
 def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
-    """Build the controller program of a plan, with enough decimals for the tolerance of its path."""
+    """Build the controller program of a plan.
+
+    Args:
+        plan: the plan.
+        target: kind of the text, a rotary buffer or a program buffer.
+        tolerance: tolerance of the path, which determines the number of decimals.
+    """
     robot = plan.robot
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)

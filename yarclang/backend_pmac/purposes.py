@@ -22,6 +22,12 @@ def purposes(
     """Yield the purpose of every line after the header; see `yarclang.emitted.purposes.moves_alone`.
 
     An assignment between moves belongs to a SET, and a dwell to a WAIT, by form and order.
+
+    Args:
+        lines: lines of the text.
+        begin: number of lines in the header.
+        commands: commands of the text's map.
+        barriers: the command's step of each line with a barrier.
     """
     by_step = {one.step: one for one in commands}
     moving = [one for one in commands if one.first is not None]

@@ -73,6 +73,12 @@ def streamed_only(program: Program) -> Diagnostic | None:
 def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory) -> Result[Written]:
     """Lower a plan and print it.
 
+    Args:
+        plan: the plan.
+        target: kind of the text, a rotary buffer or a program buffer.
+        tolerance: tolerance of the path.
+        memory: cache for the lines of moves.
+
     Returns:
         None, with findings, if the program sets an output in motion that the controller can set at rest only.
     """

@@ -51,11 +51,20 @@ class CarriedOut:
 
 
 def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> list[int]:
-    """Return the numbers of the steps from `begin` to `end` on the branches that were taken, up to the first
-    WHEN whose branch isn't known. Of a loop, only the last pass counts.
+    """Return the steps that were passed on the branches that were taken, up to the first WHEN whose branch
+    isn't known.
 
     A WHEN is included if it was passed, an ELSE if a branch ended at it, and the end of a WHEN or a loop if
-    the robot reached it.
+    the robot reached it. Of a loop, only the last pass counts.
+
+    Args:
+        steps: all steps of the program.
+        begin: number of the first step.
+        end: number after the last step.
+        ways: for each WHEN that was passed, in order, True if its first branch was taken.
+
+    Returns:
+        The numbers of the steps.
     """
     left, found = list(ways), list[int]()
     passing, depth = True, 0

@@ -168,7 +168,14 @@ class KeptParts:
                 self._known[file] = replace(known, present=present, stands=q)
 
     def set(self, cell: Cell | None, variable: str, value: float, q: Array) -> None:
-        """Record that an output was set while the robot stood at `q` (n,) [rad or m]."""
+        """Record that an output was set.
+
+        Args:
+            cell: the cell; None: there is none.
+            variable: variable of the output.
+            value: its value.
+            q: where the robot stood (n,) [rad or m].
+        """
         if cell is None or not cell.parts:
             return
         known = self.known(cell) or Known(cell, Present(first_parts(cell)))

@@ -240,7 +240,15 @@ class Planner:
     def offered(
         self, number: int, text: str, start: Array, made: Result[Compiled], revision: int
     ) -> Result[Offer]:
-        """Return the offer of a program without text, such as a way back."""
+        """Return the offer of a program without text, such as a way back.
+
+        Args:
+            number: number of the offer.
+            text: text of the offer, for people.
+            start: (n,) where the robot stands [rad or m].
+            made: the compiled program.
+            revision: revision of the session's lines for which it was planned.
+        """
         if made.value is None or has_errors(made.diagnostics):
             return Result(None, made.diagnostics)
         parts = Parts((), ())

@@ -204,9 +204,13 @@ class Way:
 
 
 def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | None = None) -> Way:
-    """Return the way from where the robot stands (n,) [rad or m] to the start of a program.
+    """Return the way from the robot to the start of a program.
 
-    The cell is the one `around` the robot (None: as the program has it at its start).
+    Args:
+        robot: the robot.
+        loaded: the program.
+        joints: (n,) where the robot stands [rad or m].
+        around: the cell around the robot; None: as the program has it at its start.
     """
     job = loaded.rest
     text = off_the_start(job, joints)

@@ -67,7 +67,13 @@ class Scenes:
         self._switched.clear()
 
     def output_set(self, variable: str, value: float, q: Array | None) -> None:
-        """Record that the current action has set an output while the robot was at `q` (n,) [rad or m]."""
+        """Record that the current action has set an output.
+
+        Args:
+            variable: variable of the output.
+            value: its value.
+            q: where the robot was (n,) [rad or m]; None: unknown.
+        """
         if q is not None and self._engine.under_way and len(self._switched) < _MOST_SWITCHED:
             self._switched.append((variable, value, q))
 

@@ -117,7 +117,14 @@ class CellLoader:
 def cell_loader(
     folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
 ) -> CellLoader:
-    """Return a loader for the cells of a program in `folder`."""
+    """Return a loader for the cells of a program.
+
+    Args:
+        folder: folder of the program.
+        robot: robot for the cells' joint values.
+        texts: open files, as for modules.
+        memory: cache of what was read.
+    """
     return CellLoader(folder, robot, texts, memory)
 
 

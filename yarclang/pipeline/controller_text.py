@@ -269,7 +269,13 @@ def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
 
 
 def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot]:
-    """Load the robot with a name, which must agree with the header; without a name, the header's."""
+    """Load the robot of a controller text.
+
+    Args:
+        header: header of the text.
+        text: the text.
+        name: name or path of the robot, which must agree with the header; None: the header's.
+    """
     folder = Path(text.name).parent
     found = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
     if name is not None:

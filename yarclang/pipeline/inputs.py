@@ -77,7 +77,13 @@ def open_program(path: str, options: Options) -> Result[Opened]:
 
 
 def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Opened]:
-    """Parse a program that belongs to a folder, and find its robot."""
+    """Parse a program, and find its robot.
+
+    Args:
+        source: the program.
+        folder: folder of the program, in which modules, cells and yarc.toml are looked for.
+        options: the user's options.
+    """
     if source.text.startswith("; yarcc "):
         message = "this is controller text that yarcc has written, not a program"
         return Result(

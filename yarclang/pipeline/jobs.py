@@ -173,7 +173,15 @@ class _Making:
         begin: float,
         end: float,
     ) -> Job:
-        """Return the job of some numbered lines; `start` (n,) [axis units], from `begin` to `end` [s]."""
+        """Return the job of some lines.
+
+        Args:
+            loaded: lines with their numbers.
+            runs: sequences of moves in these lines.
+            start: (n,) where the robot stands before them [axis units].
+            begin: program time at which the lines begin [s].
+            end: program time at which they end [s].
+        """
         robot = self.common.robot
         times, following = np.empty(len(loaded)), end
         for row in range(len(loaded) - 1, -1, -1):

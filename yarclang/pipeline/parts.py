@@ -131,13 +131,21 @@ def part(
     since: tuple[int, int, Cell] | None = None,
     step: int | None = None,
 ) -> Result[Compiled]:
-    """Return motions `first` to `last` (exclusive; None: to the end) of a plan, as a program of their own.
+    """Return a part of a plan as a program of its own.
 
     Steps between two motions belong to the first of them. Steps before the first motion, such as a WAIT,
-    belong to it, or to none (`with_lead`). If `step` is given, the part begins with this step, at which the
-    robot stands where the first motion begins. `since` has a motion, a step, and the cell with its parts
-    before that step, at which the robot stands where that motion begins (None: the parts follow from the
-    beginning of the plan).
+    belong to it, or to none (`with_lead`).
+
+    Args:
+        plan: the plan.
+        request: settings for compiling the part.
+        first: number of the first motion.
+        last: number after the last motion; None: to the end of the plan.
+        with_lead: True if the steps before the first motion belong to the part.
+        since: a motion, a step, and the cell with its parts before that step, at which the robot stands where
+            that motion begins; None: the parts follow from the beginning of the plan.
+        step: the step with which the part begins, at which the robot stands where the first motion begins;
+            None: as `with_lead` says.
 
     Returns:
         A finding instead, if a part would cut motions that flow into each other, or a WHEN.
@@ -389,7 +397,13 @@ def can_begin_at(plan: MotionPlan, place: str) -> bool:
 
 
 def stands_for(plan: MotionPlan, first: int, step: int) -> float:
-    """Return how long the robot stands by DWELLs between a step and motion `first` [s]."""
+    """Return how long the robot stands by DWELLs before a motion [s].
+
+    Args:
+        plan: the plan.
+        first: number of the motion.
+        step: step from which on DWELLs count.
+    """
     between = plan.program.steps[step : plan.motions[first].step]
     return sum(one.duration for one in between if isinstance(one, Dwell))
 

@@ -67,8 +67,13 @@ def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None
 
 
 def can_go_on(plan: MotionPlan, number: int, here: Array) -> bool:
-    """Return True if a robot at `here` (n,) [rad or m] can reach the start of a motion without hitting parts,
-    as the program has them there. Without parts, this isn't checked.
+    """Return True if a robot can reach the start of a motion without hitting parts. Without parts, this isn't
+    checked.
+
+    Args:
+        plan: the program; the parts are as it has them at the motion.
+        number: number of the motion.
+        here: (n,) where the robot stands [rad or m].
     """
     if not plan.motions:
         return True

@@ -203,8 +203,12 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
 
 
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
-    """Verify a controller text against the program, by the judge's own reading of both. The plan only gives
-    claims, which are checked.
+    """Verify a controller text against the program, by the judge's own reading of both.
+
+    Args:
+        text: the controller text.
+        planned: plan of the program; it only gives claims, which are checked.
+        request: tolerance and other settings of the compilation.
     """
     tolerance = request.tolerance or request.robot.tolerance
     return certify(text, planned.program, request.robot, tolerance, claims_of(planned), request.memory)

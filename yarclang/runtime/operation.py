@@ -143,7 +143,13 @@ class Operation:
             self.notices.append(Changed(self.now, self.state, why, code, remedy, asks))
 
     def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
-        """Send a remark."""
+        """Send a remark.
+
+        Args:
+            text: the remark.
+            warning: True if someone should react.
+            begins_pass: True if a loop repeats.
+        """
         self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def want(self, wanted: Wanted | None) -> None:

@@ -104,7 +104,13 @@ class Drive:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["base", "tool"] = "base",
     ) -> None:
-        """Move the tool along and turn it about axes of {B} or its own [m/s, rad/s]; else as `want`."""
+        """Move the tool; else as `want`.
+
+        Args:
+            linear: velocity of the tool's origin [m/s].
+            angular: angular velocity [rad/s].
+            axes: the axes of both: those of {B}, or the tool's own.
+        """
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
@@ -129,6 +135,11 @@ class Drive:
 
 def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
     """Return a target with one joint's velocity.
+
+    Args:
+        robot: the robot.
+        name: name of the joint.
+        speed: its velocity [rad/s or m/s].
 
     Raises:
         Trouble: there is no such joint.

@@ -99,7 +99,13 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
 
 
 def to_rest(state: State, rates: Rates, h: float) -> tuple[State, ...]:
-    """Return the states up to one at rest, as soon as the limits allow."""
+    """Compute the states up to one at rest, as soon as the limits allow.
+
+    Args:
+        state: last state.
+        rates: limits.
+        h: segment time [s].
+    """
     nothing = np.zeros_like(state.c)
     states: list[State] = []
     while not state.rests:

@@ -88,8 +88,12 @@ class Steering:
         self._slide = np.where(robot.chain.is_prismatic, self._length, 1.0)
 
     def velocity(self, target: Target | None, state: State, ahead: float = 0.0) -> Steered:
-        """Compute the joint velocities for a target, given a robot's state `ahead` [s] before they take
-        effect; zero without a target.
+        """Compute the joint velocities for a target; zero without a target.
+
+        Args:
+            target: the target; None: rest.
+            state: the robot's state.
+            ahead: delay until the velocities take effect [s]; a twist is evaluated where the robot is then.
         """
         match target:
             case None:

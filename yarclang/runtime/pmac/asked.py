@@ -28,7 +28,16 @@ _UNSTEADY = 1.0
 
 
 def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
-    """Read the inputs of a value, each once, and groups until they are stable."""
+    """Read the inputs of a value, each once, and groups until they are stable.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        value: the value whose inputs are read.
+
+    Returns:
+        The numbers, by the variables of the inputs and the names of groups.
+    """
     found: dict[str, float] = {}
     for one in inputs_of(value):
         if is_group(one.variable):
@@ -85,6 +94,11 @@ def known_of(condition: Value, held: Held) -> str:
 
 def value_of(barrier: Barrier, value: Value, held: Held) -> float:
     """Compute a value from the values that were read last.
+
+    Args:
+        barrier: the barrier that the value belongs to.
+        value: the value.
+        held: registers and inputs of the run.
 
     Raises:
         Trouble: there is no such number.

@@ -17,7 +17,14 @@ from yarclang.runtime.signals import OutputSet
 
 
 def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Assign the value to a register or an output, or end the run if the value is out of range."""
+    """Assign the value to a register or an output, or end the run if the value is out of range.
+
+    Args:
+        operation: the run.
+        job: the program with its registers.
+        barrier: the `set` to carry out.
+        held: registers and inputs of the run.
+    """
     assert barrier.decided is not None  # as above
     if barrier.output:
         yield from _set_output(operation, barrier, barrier.decided, held)
@@ -41,6 +48,11 @@ def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
     """Keep the value of a KEPT register.
 
     The robot stands until the value is on the disk: the assignment has not happened before.
+
+    Args:
+        barrier: the `set` that is carried out.
+        register: the register.
+        value: its new value.
     """
     if not register.kept:
         return

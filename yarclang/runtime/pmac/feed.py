@@ -118,8 +118,12 @@ class Feed:
         return self.executed, self.executed + AHEAD + taken
 
     def heard(self, ahead: int, asked: float, now: float) -> None:
-        """Record the controller's answer: `ahead` lines ahead, asked at `asked` [s] and answered at `now`
-        [s].
+        """Record the controller's answer to `PR`.
+
+        Args:
+            ahead: lines ahead.
+            asked: when it was asked [s].
+            now: when it was answered [s].
         """
         self._ahead, self._sent_then = ahead, self.sent
         self._asked_then, self._then = asked, now

@@ -114,8 +114,12 @@ def groups_of(motors: Sequence[int]) -> tuple[int, ...]:
 
 
 def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
-    """Return the numbers of ^P or ^F for those of the motors that are in the group beginning with motor
-    `group`.
+    """Return the numbers of a report, by the motors' numbers.
+
+    Args:
+        text: the report of ^P or ^F.
+        group: first motor of the reported group.
+        motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
         ReportError: the text isn't eight numbers (on a controller with fewer motors: as many as there are).
@@ -127,8 +131,12 @@ def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
 
 
 def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, MotorStatus]:
-    """Return the status words of ^B for those of the motors that are in the group beginning with motor
-    `group`.
+    """Return the status words of a report, by the motors' numbers.
+
+    Args:
+        text: the report of ^B.
+        group: first motor of the reported group.
+        motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
         ReportError: they aren't 12 hexadecimal digits each.

@@ -31,6 +31,12 @@ def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tupl
     """Take values from outside from now on.
 
     A remark is sent once, however often someone answers before something has moved.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        held: registers of the run.
+        needed: registers that a message must have.
     """
     operation.asked_for += 1
     place = title(barrier)
@@ -49,7 +55,14 @@ def is_given(operation: Operation) -> bool:
 
 
 def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> None:
-    """Put values into their registers."""
+    """Put values into their registers.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        held: registers of the run.
+        order: the values.
+    """
     held.registers.update(order.values)
     operation.remark(f"{title(barrier)}: {order.client} gives {values_text(order.values)}")
 

@@ -92,6 +92,11 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
 def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     """Let a motor search its home, until the home is found or someone orders the end.
 
+    Args:
+        operation: the run.
+        robot: the robot.
+        motor: number of the motor.
+
     Raises:
         Trouble: the search isn't started, or has ended without the home; the motor is at rest then.
         Lost: the connection is no longer usable; the controller's PLC ends the search.

@@ -42,6 +42,11 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
     """Inspect the controller: its kind, its settings, the motors, running programs, and the guard.
 
     Nothing moves. The guard is tested only if all motors are closed-loop and at rest, and no program runs.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        items: settings to compare.
     """
     operation.slowest = 0.0
     with contextlib.suppress(Refused):

@@ -96,6 +96,11 @@ def _greet(operation: Operation) -> Script[None]:
 def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
     """Inspect the controller before anything moves. If all is well, a fault is cleared.
 
+    Args:
+        operation: the run.
+        robot: the robot.
+        items: settings to compare.
+
     Raises:
         Trouble: it can't be inspected.
     """
@@ -354,6 +359,11 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
     """Hold (or abort) whatever the coordinate system does, and end it at rest. Used without a job of ours.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        abort: True: abort, without regard to the path; False: hold.
 
     Returns:
         Where the robot stands (n,) [rad or m]; None if the controller was reset, so that the position isn't

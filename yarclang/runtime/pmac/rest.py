@@ -70,8 +70,13 @@ def come_to_rest(
 ) -> Script[tuple[MotorStatus, ...]]:
     """Wait until no motor has a desired velocity, seen twice, and no hold can still be in progress.
 
+    Args:
+        operation: the run.
+        robot: the robot.
+        longest: how long to wait [s].
+
     Raises:
-        Trouble: a motor still moves after `longest` [s].
+        Trouble: a motor still moves after `longest`.
     """
     since = operation.now
     seen = 0
@@ -133,7 +138,12 @@ def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
 def away_from_start(
     operation: Operation, job: Job, remedy: str = "give --approach for a slow, certified motion to the start"
 ) -> Script[None]:
-    """Check that the robot stands at the start of a job; `remedy` tells people what to do if it doesn't.
+    """Check that the robot stands at the start of a job.
+
+    Args:
+        operation: the run.
+        job: the job.
+        remedy: what people should do if it doesn't.
 
     Raises:
         Trouble: a joint is further from the start than the first segment allows.

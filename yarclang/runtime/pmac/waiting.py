@@ -57,6 +57,12 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
     At each step, all inputs are read, each once. Registers of the condition that other programs fill are
     cleared first, and values for them are taken until the end.
 
+    Args:
+        operation: the run.
+        barrier: the WAIT, with its time.
+        condition: the condition.
+        held: registers and inputs of the run.
+
     Returns:
         False if the time is over.
     """
@@ -116,7 +122,14 @@ def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: floa
 
 
 def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Wait until someone continues, with an answer if there is a question; outputs are safe meanwhile."""
+    """Wait until someone continues, with an answer if there is a question; outputs are safe meanwhile.
+
+    Args:
+        operation: the run.
+        job: the program with its outputs and registers.
+        barrier: the HOLD.
+        held: registers of the run.
+    """
     outputs = Outputs(job)
     yield from outputs.remember(operation)
     yield from outputs.secure(operation)

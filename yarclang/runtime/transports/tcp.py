@@ -50,8 +50,13 @@ class Wire(asyncio.Protocol):
 async def connect(host: str, port: int, timeout: float) -> Wire:
     """Make a connection.
 
+    Args:
+        host: name or address of the controller.
+        port: port of the controller.
+        timeout: longest time for connecting [s].
+
     Raises:
-        OSError: it can't be made, or not within `timeout` [s].
+        OSError: it can't be made, or not within `timeout`.
     """
     loop = asyncio.get_running_loop()
     try:

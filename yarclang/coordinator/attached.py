@@ -191,7 +191,7 @@ class There:
 
     @property
     def is_gone(self) -> bool:
-        """True if the connection has ended."""
+        """Return True if the connection has ended."""
         return self._hearing.done() or self._writer.is_closing()
 
     async def ask(self, order: Order[R]) -> R:

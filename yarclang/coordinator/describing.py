@@ -182,8 +182,12 @@ def program_described(number: int, loaded: Loaded) -> replies.ProgramDescribed:
 
 
 def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
-    """Return the way between a robot and a program's start as a message; without a motion, `end` is that
-    start (n,) [rad or m].
+    """Return the way between a robot and a program's start as a message.
+
+    Args:
+        way: the way.
+        robot: the robot.
+        start: (n,) start of the program [rad or m], used as `end` if there is no motion.
     """
     job = way.job
     return replies.Way(

@@ -62,7 +62,15 @@ def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
 def run_described(
     ended: Ended, resting: Resting | None, loaded: Loaded, undertaking: Undertaking, state: State
 ) -> replies.Ended:
-    """Return the outcome of a program; `placed` gives the first two arguments."""
+    """Return the outcome of a program.
+
+    Args:
+        ended: outcome, as returned by `placed`.
+        resting: where on its path the robot rests, as returned by `placed`.
+        loaded: the program.
+        undertaking: its execution.
+        state: state of the robot.
+    """
     robot = loaded.program.robot
     is_motion = ended.command in {command.title for command in loaded.program.commands}
     return ended_described(ended, robot, state).model_copy(

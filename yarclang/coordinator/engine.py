@@ -455,7 +455,7 @@ class Engine:
             return
 
     async def _rescue(self) -> str:
-        """After a bug of ours, bring the robot to rest and end what runs, without trusting the session's
+        """Bring the robot to rest after a bug of ours, and end what runs, without trusting the session's
         state.
 
         Returns:

@@ -31,7 +31,13 @@ _BRIDGE = "[10%]"
 
 
 def stands_there(robot: Robot, here: Array, there: Array) -> bool:
-    """Return True if two joint positions (n,) [rad or m] agree to a count."""
+    """Return True if two joint positions agree to a count.
+
+    Args:
+        robot: the robot.
+        here: (n,) one position [rad or m].
+        there: (n,) the other position [rad or m].
+    """
     return bool((np.abs(to_counts(robot, here) - to_counts(robot, there)) <= _COUNT).all())
 
 

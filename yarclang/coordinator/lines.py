@@ -57,8 +57,11 @@ def parts_of(module: Module) -> Parts:
 def numbered(module: Module, before: int, first: int) -> Module:
     """Return the module with an index for every command.
 
-    After the first `before` lines, indices begin at `first`; commands of SUBs within these lines are numbered
-    from the beginning.
+    Args:
+        module: the module.
+        before: number of lines before the new text; commands of SUBs within these lines are numbered from the
+            beginning.
+        first: first index after these lines.
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []

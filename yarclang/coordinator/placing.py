@@ -18,10 +18,10 @@ _CODE = "Y1601"
 
 
 def as_filed(known: Known, name: str | None) -> Known:
-    """Return the places when a part lies where its file has it.
+    """Return where the parts are when one of them lies where its file has it.
 
     Args:
-        known: places before.
+        known: where the parts were before.
         name: name of the part, or of all parts of a kind; None: all parts.
 
     Raises:
@@ -36,7 +36,11 @@ def as_filed(known: Known, name: str | None) -> Known:
 
 
 def gone(known: Known, name: str) -> Known:
-    """Return the places when a part is no longer in the cell.
+    """Return where the parts are when one of them is no longer in the cell.
+
+    Args:
+        known: where the parts were before.
+        name: name of the part.
 
     Raises:
         Trouble: there is no part with this name.

@@ -47,7 +47,7 @@ class Session(Part):
             self._coordinator.give(self._name, "")
 
     def leave(self) -> None:
-        """Leave. If this client owned the robot, the robot comes to rest on its path."""
+        """Leave the coordinator. If this client owned the robot, the robot comes to rest on its path."""
         self._coordinator.detach(self._name)
 
     def events(self, capacity: int = CAPACITY) -> Subscription:

@@ -133,7 +133,7 @@ def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the number of that PLC is free, or is used by a PLC that a failed computer has
+    """Check that the number of the PLC that stops a search is free, or used by one that a failed computer has
     left there.
     """
     try:
@@ -147,8 +147,8 @@ def _check_free(operation: Operation) -> Script[None]:
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Load that PLC and test it: it must act when the timer has run down. The motor is at rest, so nothing is
-    stopped.
+    """Load the PLC that stops a search, and test it: it must act when the timer has run down. The motor is at
+    rest, so nothing is stopped.
     """
     for line in (
         f"{HOMING}=0",

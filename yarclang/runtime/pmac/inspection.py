@@ -27,7 +27,7 @@ _GUARD_TIME = 0.5
 _TRIAL = 0.06
 """Time to which the watchdog is set for its test [s]."""
 _EARLIEST = 0.9
-"""Share of that time during which the PLC must not hold."""
+"""Share of `_TRIAL` during which the PLC must not hold."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
 """Relative tolerance of the counts per unit: over a whole turn it is less than a count."""

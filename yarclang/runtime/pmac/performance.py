@@ -184,7 +184,7 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
 
 
 def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """An input has ended the motion: come to rest on the path, and discard the remaining lines."""
+    """Come to rest on the path after an input has ended the motion, and discard the remaining lines."""
     try:
         joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
     except Trouble as trouble:

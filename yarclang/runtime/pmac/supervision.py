@@ -53,7 +53,7 @@ _HOLD_SLEW = 95
 _TIME_BASE = 93
 """Isx93: source of the coordinate system's time base."""
 _STANDS_STILL = 0.045
-"""Time after which an unchanged heartbeat counts as stopped [s], or this many of its own beats:"""
+"""Time after which an unchanged heartbeat counts as stopped [s], if `_BEATS` of its beats don't take longer."""
 _BEATS = 8.0
 _BEHIND = 3.0
 """Number of beats of the guard that PLC 0 may miss before it counts as stopped: PLC 0 is scanned
@@ -101,7 +101,11 @@ def patience_for(slowest: float, hold_time: float) -> float:
 
 
 def needed(slowest: float) -> float:
-    """Return the silence that the link itself may cause [s], if its slowest reply took `slowest` [s]."""
+    """Return the silence that a link itself may cause [s].
+
+    Args:
+        slowest: slowest reply of the link [s].
+    """
     return _LEAST_REPLIES * slowest + _ONE_MORE
 
 

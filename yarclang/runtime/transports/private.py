@@ -46,7 +46,7 @@ class Peer:
 
     @property
     def is_trusted(self) -> bool:
-        """Return True for our own user and for root, who may do everything anyway."""
+        """Return True if the process belongs to our own user or to root, who may do everything anyway."""
         return self.uid in (os.getuid(), 0)
 
 

@@ -55,6 +55,7 @@ def _wait(barrier: Barrier, system: int) -> list[str]:
     missing = f"{barrier.variable}!={_value(barrier)}"
     if barrier.timeout is None:
         return [f"WHILE({missing})WAIT"]
+    # A servo cycle takes I10 / 8388608 ms (TSRM 43). At the timeout the program stops; R restarts the wait.
     timer = system_variable(system, 11)
     return [
         f"{WAITING}=1",

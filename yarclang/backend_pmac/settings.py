@@ -222,6 +222,7 @@ def _feedback(robot: Robot) -> Iterator[str]:
     """
     actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
+    # joint = sum of share * (counts - offset) / gear over the motors; shares of rounding only are left out.
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
         least = 1e-12 * np.abs(row).max()
@@ -257,5 +258,6 @@ def _guard(robot: Robot) -> Iterator[str]:
     """
     system = turbo_pmac(robot).coordinate_system
     yield f"{HEARTBEAT}={HEARTBEAT}+1"
+    # The flag goes from 1 to 2 with the hold, so that each arming commands it only once.
     for flag, condition in ((ARMED, f"{ROTARY_FULL}=0"), (WATCHED, f"{watchdog(system)}<0")):
         yield from (f"IF({flag}=1)", f"IF({condition})", f"{flag}=2", f'CMD"&{system}H"', "ENDIF", "ENDIF")

@@ -183,6 +183,7 @@ class _Making:
             end: program time at which they end [s].
         """
         robot = self.common.robot
+        # From the last line to the first: a line that takes no time has the time of the next one that does.
         times, following = np.empty(len(loaded)), end
         for row in range(len(loaded) - 1, -1, -1):
             following = self.begins.get(loaded[row][0], following)

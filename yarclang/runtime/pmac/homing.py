@@ -159,6 +159,7 @@ def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     ):
         yield from operation.ask(line)
     yield from operation.ask(f"{wound_up(turbo_pmac(robot), _TRIAL)} {HOMING}=1")
+    # The PLC must set the flag to 2, but not before the timer can have run down.
     since, flag = operation.now, 1.0
     while flag == 1.0 and operation.now - since < _BITES:
         yield Wait(operation.now + _EACH)
@@ -188,6 +189,7 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
     wound = wound_up(turbo_pmac(robot), operation.silence)
     if is_ended(operation):
         raise Trouble("it was let go before it began; nothing moved", "", "")
+    # From here on, the PLC watches this computer: HM must follow within the time of the timer.
     yield from operation.ask(f"{wound} {HOMING}=1")
     if is_ended(operation):
         raise Trouble("it was let go before it began; nothing moved", "", "")

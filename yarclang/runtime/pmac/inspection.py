@@ -269,6 +269,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     (full,) = yield from operation.numbers(ROTARY_FULL, 1)
     if full:
         yield from operation.ask(f"&{system}DELETE ROT")
+    # The rotary is empty, so the PLC must hold at its next scan, and set the flag to 2.
     yield from operation.ask(f"{ARMED}=1")
     since = operation.now
     value = 1.0

@@ -53,7 +53,7 @@ _HOLD_SLEW = 95
 _TIME_BASE = 93
 """Isx93: source of the coordinate system's time base."""
 _STANDS_STILL = 0.045
-"""Time after which an unchanged heartbeat counts as stopped [s], if `_BEATS` of its beats don't take longer."""
+"""Time after which an unchanged heartbeat counts as stopped [s], unless `_BEATS` beats take longer."""
 _BEATS = 8.0
 _BEHIND = 3.0
 """Number of beats of the guard that PLC 0 may miss before it counts as stopped: PLC 0 is scanned
@@ -250,6 +250,7 @@ class Supervision:
     def slews(self, percent: float) -> None:
         """Record that the time base goes from `percent` to the override from now on."""
         operation, wanted = self.operation, 100.0 * self.operation.override
+        # While an earlier change is in progress, the time base may still be anywhere in its range, too.
         ends = (percent, wanted, *(self._slews if operation.now < self._slews_until else ()))
         self._expected, self._slews = wanted, (min(ends), max(ends))
         way = (max(ends) - min(ends)) / 100.0

@@ -29,10 +29,14 @@ class Watermarks:
 
 
 def watermarks(robot: Robot, segment: float) -> Watermarks:
-    """Compute the marks for segments of `segment` [s].
+    """Compute the marks of the rotary buffer.
 
     A hold consumes half the hold time of the program, so this much must lie ahead. A line takes one word per
     axis; two more per line allow for statements between the lines.
+
+    Args:
+        robot: the robot.
+        segment: segment time [s].
     """
     controller = turbo_pmac(robot)
     low = math.ceil((controller.hold_time / 2.0 + _RESERVE) / segment)

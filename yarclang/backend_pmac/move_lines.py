@@ -52,7 +52,13 @@ _MOST = 4e9
 
 
 def _lines(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
-    """Return the move lines of `values` (k, axes)."""
+    """Return move lines, formatted with whole-array operations.
+
+    Args:
+        axes: the letter of each axis.
+        decimals: maximum number of decimals.
+        values: (k, axes) points [axis units].
+    """
     size = np.abs(values)
     scale = 10.0**decimals
     if not (size.size and 0 < decimals <= 9 and size.max() * scale < _MOST):

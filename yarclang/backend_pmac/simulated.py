@@ -19,7 +19,14 @@ from yarclang.simulator.network.server import SimulatorServer
 
 @contextmanager
 def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None) -> Iterator[Simulated]:
-    """Yield the simulator; it runs until the context ends."""
+    """Yield the simulator; it runs until the context ends.
+
+    Args:
+        robot: the robot.
+        stands: (n,) where the robot stands at first [rad or m].
+        rate: seconds of the simulator per second.
+        cell: machines around the robot; None: there are none.
+    """
     machine = commissioned(robot, settings_text(robot))
     stand(machine, robot, stands)
     if cell is not None:

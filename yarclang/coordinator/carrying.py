@@ -46,7 +46,11 @@ class Carrying:
         self._beside = beside
 
     async def way_to_start(self, loaded: Loaded, here: Array) -> Way:
-        """Return the motion from where the robot stands (n,) [rad or m] to the start of a program.
+        """Return the motion to the start of a program.
+
+        Args:
+            loaded: the program.
+            here: (n,) where the robot stands [rad or m].
 
         Raises:
             Trouble: the parts aren't where they were when the program was proved.

@@ -33,7 +33,12 @@ _SHOWN = 129
 
 
 def joints_by_name(robot: Robot, joints: Array) -> Joints:
-    """Return joint positions (n,) [rad or m] by their names, in deg or mm."""
+    """Return joint positions by their names, in deg or mm.
+
+    Args:
+        robot: the robot.
+        joints: (n,) the positions [rad or m].
+    """
     return {
         name: round(float(value), 6)
         for name, value in zip(robot.joint_names, joints / robot.axis_units, strict=True)
@@ -46,7 +51,14 @@ def joints_of(robot: Robot, joints: Joints) -> Array:
 
 
 def finished(time: float, name: str, ended: Ended, robot: Robot) -> Finished:
-    """Return the event that an action has ended."""
+    """Return the event that an action has ended.
+
+    Args:
+        time: time of the event [s].
+        name: name of the action.
+        ended: its outcome.
+        robot: the robot.
+    """
     return Finished(
         time_s=time,
         name=name,

@@ -91,8 +91,11 @@ class KeptParts:
         return self._known.get(file_of(file))
 
     def now(self, cell: Cell, start: Array) -> Cell | None:
-        """Return a cell with its current parts, for a program that starts at joint positions (n,) [rad or m];
-        None if only its file is known.
+        """Return a cell with its current parts; None if only its file is known.
+
+        Args:
+            cell: the cell.
+            start: (n,) where the program starts [rad or m].
         """
         known = self.known(cell)
         if known is None:
@@ -103,6 +106,10 @@ class KeptParts:
     def now_for_lines(self, cell: Cell, start: Array) -> Cell:
         """Return a cell with its current parts for lines of a session: further lines may follow, and close or
         open grippers.
+
+        Args:
+            cell: the cell.
+            start: (n,) where the lines start [rad or m].
 
         Raises:
             Trouble: the places of parts are unknown.
@@ -226,6 +233,14 @@ class KeptParts:
     ) -> Present:
         """Apply the steps that were carried out; of those that may have been, as many as agree with the
         outputs.
+
+        Args:
+            handling: grippers and parts of the cell, and the steps that use them.
+            what: the part of the plan that was performed.
+            done: steps that were carried out, and those that may have been.
+            start: (n,) where the robot stood before [rad or m].
+            q: (n,) where it stands now [rad or m]; None: unknown.
+            outputs: current values of outputs, by their variables.
         """
         cell, steps = handling.cell, handling.steps
         ends = {step - what.begin: at for step, at in ends_of(what.plan).items()}

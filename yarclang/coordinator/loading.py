@@ -180,7 +180,12 @@ def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
 
 
 def open_here(source: Source, stands: Array) -> Result[Opened]:
-    """Read a program that will run from where the robot stands (n,) [rad or m] unless it has a START."""
+    """Read a program that will run from where the robot stands unless it has a START.
+
+    Args:
+        source: the program.
+        stands: (n,) where the robot stands [rad or m].
+    """
     if source.text is None:
         opened = open_program(source.file, source.options)
     else:

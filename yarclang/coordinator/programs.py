@@ -229,8 +229,15 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
-    """Return the way to the start along the path on which a run was stopped beside a part; None if the robot
-    doesn't stand on it.
+    """Return the way to the start along the path on which a run was stopped beside a part.
+
+    Args:
+        loaded: the program.
+        joints: (n,) where the robot stands [rad or m].
+        around: the cell around the robot; None: as the program has it.
+
+    Returns:
+        None if the robot doesn't stand on such a path.
     """
     if loaded.plan is None or not loaded.begins_within or not loaded.spans:
         return None

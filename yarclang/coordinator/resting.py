@@ -92,8 +92,15 @@ def motion_before(plan: MotionPlan, place: str) -> str:
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
-    """Compute the distance between a plan at times (M,) and joints (n,) [rad or m], as that of the worst
-    joint [deg or mm].
+    """Compute the distance between a plan and a position, as that of the worst joint [deg or mm].
+
+    Args:
+        plan: the plan.
+        times: (M,) times of the plan [s].
+        joints: (n,) the position [rad or m].
+
+    Returns:
+        The distance at each time (M,).
     """
     distances: Array = (np.abs(plan.sample(times)[0] - joints) / plan.robot.axis_units).max(axis=1)
     return distances

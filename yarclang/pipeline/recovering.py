@@ -152,6 +152,12 @@ def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Part
 def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
     """Yield the places at which the program may begin, nearest first, by the time that the slowest joint
     needs.
+
+    Args:
+        plan: plan of the program.
+        start: its start.
+        here: (n,) where the robot stands [rad or m].
+        robot: the robot.
     """
     if not plan.motions:
         return
@@ -191,6 +197,13 @@ def _way(
 ) -> Result[Compiled]:
     """Return a motion to a place: along the path if the robot was stopped on it beside a part, else straight,
     else around obstacles.
+
+    Args:
+        robot: the robot.
+        place: the place.
+        here: (n,) where the robot stands [rad or m].
+        plan: plan of the program; None: unknown.
+        cell: the cell with its parts; None: there is none.
     """
     if plan is not None and plan.motions and place.index:
         now = cell.present.parts if cell is not None and cell.present is not None else None

@@ -114,7 +114,13 @@ def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, req
 
 
 def _length(plan: MotionPlan, number: int, here: Array) -> float:
-    """Return how far the frame of a line has moved [m]; 0 for a joint motion."""
+    """Return how far the frame of a line has moved [m]; 0 for a joint motion.
+
+    Args:
+        plan: the program.
+        number: number of the motion.
+        here: (n,) where the robot stands [rad or m].
+    """
     motion = plan.motions[number]
     step = plan.program.steps[motion.step]
     if not isinstance(step, LineMove):

@@ -37,8 +37,11 @@ class JobCommand:
 
 
 def clock_at(commands: Sequence[JobCommand], time: float) -> float:
-    """Return the latest known time [s] at which a program reaches `time`, which counts the branches of a WHEN
-    in sequence.
+    """Return the latest known time at which a program reaches one of its times [s].
+
+    Args:
+        commands: the motions of the program.
+        time: program time, which counts the branches of a WHEN in sequence [s].
     """
     command = next((one for one in commands if time <= one.ends), commands[-1] if commands else None)
     return time if command is None else time + command.clock - command.begins

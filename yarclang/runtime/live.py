@@ -23,7 +23,12 @@ class Source(Protocol):
         """Return where the lines so far end (n,) [rad or m]."""
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """Return `count` or a few more lines after those returned before; fewer only if the text ends."""
+        """Return further lines.
+
+        Args:
+            now: the host's clock [s].
+            count: number of lines wanted; there may be a few more, and fewer only if the text ends.
+        """
 
     def expired(self, now: float) -> bool:
         """Return True if no one has ordered anything for too long."""

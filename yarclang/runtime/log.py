@@ -152,7 +152,12 @@ class RunLog:
         self._put(Begun(job))
 
     def ordered(self, time: float, order: Order) -> None:
-        """Log a person's order, at a time of the notices' clock [s]."""
+        """Log a person's order.
+
+        Args:
+            time: time of the order on the notices' clock [s].
+            order: the order.
+        """
         self._put(Ordered(time, order))
 
     @property

@@ -35,8 +35,15 @@ class Exchange(Protocol):
         """Return when `check` is due [s]; None if nothing is in flight."""
 
     def send(self, request: Any, now: float, timeout: float) -> bytes:
-        """Begin a request that may wait for `timeout` [s] for each part of its answer; return all bytes to
-        send now.
+        """Begin a request.
+
+        Args:
+            request: the request.
+            now: the time [s].
+            timeout: longest wait for each part of its answer [s].
+
+        Returns:
+            All bytes to send now.
         """
 
     def outgoing(self) -> bytes:

@@ -9,7 +9,12 @@ from yarclang.runtime.job import Job
 
 
 def off_the_start(job: Job, joints: Array) -> str:
-    """Return how far each joint is from a job's start, in words; empty if all are near enough."""
+    """Return how far each joint is from a job's start, in words; empty if all are near enough.
+
+    Args:
+        job: the job.
+        joints: (n,) where the robot stands [rad or m].
+    """
     robot = job.robot
     off = joints - job.start
     if (np.abs(off) <= job.slack).all():
@@ -25,7 +30,12 @@ def off_the_start(job: Job, joints: Array) -> str:
 
 
 def described(robot: Robot, joints: Array) -> str:
-    """Return joint positions for people: `J1 10.000 deg, ...`."""
+    """Return joint positions for people: `J1 10.000 deg, ...`.
+
+    Args:
+        robot: the robot.
+        joints: (n,) the positions [rad or m].
+    """
     return ", ".join(
         f"{name} {value / unit:.3f} {unit_name}"
         for name, value, unit, unit_name in zip(

@@ -38,7 +38,11 @@ class Signals(Part):
         )
 
     async def set(self, name: str, value: float | str) -> Result[float]:
-        """Set an output that the session declares, at once: to a number, `ON` or `OFF`.
+        """Set an output that the session declares, at once.
+
+        Args:
+            name: name of the output.
+            value: a number, `ON` or `OFF`.
 
         Returns:
             The value then reported by the controller.
@@ -72,8 +76,11 @@ class Signals(Part):
         return Result(told)
 
     def set_input(self, name: str, value: float | str) -> Result[float]:
-        """Set an input of a simulated robot, also while a program runs: an input of the session or of a
-        program that was run, or a variable of the controller.
+        """Set an input of a simulated robot, also while a program runs.
+
+        Args:
+            name: an input of the session or of a program that was run, or a variable of the controller.
+            value: a number, `ON` or `OFF`.
 
         Raises:
             NotOwner: another client owns the robot and doesn't share it.

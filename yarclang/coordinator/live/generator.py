@@ -36,7 +36,12 @@ _USED = {"velocity": 0.98, "acceleration": 0.9, "jerk": 0.85}
 
 
 def rates_of(robot: Robot, share: float = 1.0) -> Rates:
-    """Return the rates for moving a robot; `share` is the share of its largest velocities."""
+    """Return the rates for moving a robot.
+
+    Args:
+        robot: the robot.
+        share: share of its largest velocities.
+    """
     limits = robot.limits
     # A motor that drives several joints may be slower than the joints' own limits.
     gear = np.abs(robot.actuation.coupling * robot.actuation.gear[:, None]) / robot.axis_units

@@ -25,7 +25,12 @@ class Room:
     reach: Array
 
     def has(self, lower: Array, upper: Array) -> bool:
-        """Return True if all joint positions from `lower` to `upper` (n,) are in the box."""
+        """Return True if a box of joint positions is in the room.
+
+        Args:
+            lower: (n,) least positions of the box [rad or m].
+            upper: (n,) largest positions of the box [rad or m].
+        """
         inside = (lower >= self.middle - self.reach) & (upper <= self.middle + self.reach)
         return bool(inside.all())
 

@@ -50,7 +50,11 @@ class Reader:
         self._rate = np.zeros(robot.size)
 
     def read(self, want: wants.Want, now: float) -> Target | None:
-        """Return the target of a message at a time [s]; None: rest.
+        """Return the target of a message; None: rest.
+
+        Args:
+            want: the message.
+            now: when it came [s].
 
         Raises:
             Trouble: the robot can't do that, and why.

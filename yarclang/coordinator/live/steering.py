@@ -106,7 +106,13 @@ class Steering:
                 return self._of_twist(target, state.c + ahead * state.v)
 
     def _within(self, wanted: Array, q: Array, why: str) -> Steered:
-        """Slow all joints down together until each joint and the tool keep their limits."""
+        """Slow all joints down together until each joint and the tool keep their limits.
+
+        Args:
+            wanted: (n,) joint velocities [rad/s or m/s].
+            q: (n,) joint positions [rad or m].
+            why: reason if the velocities already differ from the target.
+        """
         # The factors by which joints and tool would exceed their limits; the larger one counts.
         share = float((np.abs(wanted) / self._rates.velocity).max(initial=0.0))
         tool = float(np.linalg.norm((self._jacobian(q) @ (wanted / self._slide))[:3])) * self._length

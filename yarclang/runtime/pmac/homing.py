@@ -51,7 +51,14 @@ def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...
 
 
 def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
-    """Return what a search at Ixx23 = `rate` [counts/ms] would do."""
+    """Return what a search would do.
+
+    Args:
+        robot: the robot.
+        row: row of the motor in the robot's order.
+        rate: Ixx23, the speed of the search [counts/ms].
+        closed: True if the motor's loop is closed.
+    """
     motor, actuation = robot.controller.motors[row], robot.actuation
     coupling = actuation.coupling
     moved = np.abs(np.linalg.inv(coupling)[:, row]) > 1e-9

@@ -137,8 +137,12 @@ class Operation(operation.Operation):
     # stops: they don't give way
 
     def hold(self, system: int, within: float) -> Script[None]:
-        """Send H to a coordinate system: its time base goes to 0 on the path, `within` [s]. If H isn't taken,
-        hold all.
+        """Send H to a coordinate system, which brings its time base to 0 on the path. If H isn't taken, hold
+        all.
+
+        Args:
+            system: number of the coordinate system.
+            within: duration of the hold [s].
         """
         event = yield Ask(f"&{system}H")
         match event:

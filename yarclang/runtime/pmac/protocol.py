@@ -142,8 +142,11 @@ class Connection:
         return data
 
     def receive(self, data: bytes, now: float) -> tuple[Event, ...]:
-        """Process bytes received at the time `now` [s], however they are split. Send `outgoing()`
-        afterwards.
+        """Process received bytes. Send `outgoing()` afterwards.
+
+        Args:
+            data: the bytes, however they are split.
+            now: when they came [s].
         """
         if self._lost or not data:
             return ()

@@ -113,7 +113,14 @@ def awaited(barrier: Barrier, condition: Value) -> str:
 
 
 def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:
-    """Report that a WAIT is over."""
+    """Report that a WAIT is over.
+
+    Args:
+        operation: the run.
+        barrier: the WAIT.
+        value: value of the input.
+        waited: duration of the wait [s].
+    """
     place = barrier.label or f"line {barrier.source_line}"
     met = value == barrier.value
     operation.notices.append(

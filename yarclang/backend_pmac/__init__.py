@@ -1,1 +1,4 @@
-"""Plan to Turbo PMAC text. It only writes: what reads the text back is certify, which shares no code with this."""
+"""Printing a plan as text for the Turbo PMAC.
+
+This package only writes. The text is read back by certify, which shares no code with it.
+"""

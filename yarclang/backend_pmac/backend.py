@@ -1,4 +1,6 @@
-"""The Turbo PMAC: all that the neutral rooms ask of it. Each part is imported when it is asked for."""
+"""The Turbo PMAC backend: everything that the neutral packages ask of it. Each part is imported
+on first use.
+"""
 
 from __future__ import annotations
 

@@ -1,8 +1,10 @@
-"""Barriers as controller text: where a program waits for an input or the operator, and where its ways part and meet.
+"""Barriers as controller text: places where a program waits for an input or the operator, or where its
+branches part and meet.
 
-In a rotary buffer, which knows no branches, a STOP ends the execution; whoever feeds the buffer looks, decides what
-comes next, and sends R. In a program buffer the controller does all that by itself (spline-recipe 9). A
-STOP there can be run on by R, hence the loops: nobody gets past a condition that doesn't hold.
+A rotary buffer knows no branches. There a STOP ends the execution; the program that feeds the buffer
+evaluates the barrier, decides what comes next, and sends R. In a program buffer, the controller evaluates the
+barrier itself (spline-recipe 9). An R would continue after a STOP there; the loops make sure that no one
+passes a condition that does not hold.
 """
 
 from __future__ import annotations
@@ -11,11 +13,17 @@ from yarclang.pmac.program import Barrier, Target
 from yarclang.pmac.variables import WAITING, system_variable
 
 _LONGEST_TEXT = 80
-"""Characters of a text that is sent."""
+"""Maximum length of a text that is sent [characters]."""
 
 
 def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, ...]:
-    """The lines of a barrier, at rest."""
+    """Return the lines of a barrier; the robot is at rest there.
+
+    Args:
+        barrier: the barrier.
+        target: kind of the text, a rotary buffer or a program buffer.
+        system: number of the coordinate system.
+    """
     if target == "rotary":
         return ("STOP",)
     match barrier.kind:
@@ -40,10 +48,14 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
 
 
 def _wait(barrier: Barrier, system: int) -> list[str]:
-    """Isx11 counts down by itself, one a servo cycle (TSRM 177)."""
+    """Return the lines that wait for an input.
+
+    Isx11 counts down by itself, once per servo cycle (TSRM 177).
+    """
     missing = f"{barrier.variable}!={_value(barrier)}"
     if barrier.timeout is None:
         return [f"WHILE({missing})WAIT"]
+    # A servo cycle takes I10 / 8388608 ms (TSRM 43). At the timeout the program stops; R restarts the wait.
     timer = system_variable(system, 11)
     return [
         f"{WAITING}=1",
@@ -69,6 +81,6 @@ def _number(value: float) -> str:
 
 
 def printable(text: str) -> str:
-    """A text in ASCII, on one line, without quotes."""
+    """Return a text in ASCII, on one line, without quotes."""
     kept = "".join(one if one.isprintable() and one.isascii() and one != '"' else "?" for one in text)
     return " ".join(kept.split())[:_LONGEST_TEXT]

@@ -1,4 +1,4 @@
-"""Values that are computed while a program is carried out, as the map of a text has them: in one canonical form."""
+"""Canonical form of values that are computed while a program runs, as used in the map of a text."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from yarclang.decisions import SIGNS, UNARY_SIGNS, Before, Between, Constant, In
 
 
 def canonical(value: Value) -> str:
-    """Return the text of a value: every operation inside another one stands in brackets."""
+    """Return the canonical text of a value: every nested operation is in brackets."""
     match value:
         case Constant(number=number):
             return f"{number:.9f}".rstrip("0").rstrip(".")

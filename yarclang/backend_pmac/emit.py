@@ -1,4 +1,4 @@
-"""Controller program to text."""
+"""Printing a controller program as text."""
 
 from __future__ import annotations
 
@@ -21,8 +21,9 @@ from yarclang.progress import each
 class Emitted:
     """The text of a program without its header.
 
-    `opening` is everything up to the first move of the motion, `body` the rest. `places` has the first and the last
-    move line of each step, `barriers` the line of each barrier, counted from the first line of the body.
+    `opening` is everything up to the first move of the motion, `body` the rest. `places` maps each step to
+    its first and last move line, and `barriers` lists the line of each barrier, both counted from the first
+    line of the body.
     """
 
     commands: tuple[Command, ...]
@@ -35,9 +36,13 @@ class Emitted:
     searches: tuple[Searched, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
-        """The whole text: header lines and the map of commands, barriers, registers, watches and searches as comments, then what the controller reads."""
+        """Return the whole text.
+
+        The header lines come first, then the map of commands, barriers, registers, watches and searches as
+        comments, then the lines that the controller reads.
+        """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
-        # what ends where it begins has no lines, and nothing ends it
+        # A searched motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
         maps += len(searches)
         before = len(header) + maps + len(self.opening)
@@ -65,7 +70,7 @@ class Emitted:
 
 
 def _told(barrier: Barrier) -> str:
-    """What the map says of a barrier: kind, step, what is waited for, how long, and its name or text."""
+    """Return a barrier's entry in the map: kind, step, condition, timeout, and name or text."""
     waited = f"{barrier.variable}={_number(barrier.value)}" if barrier.variable else "-"
     condition = barrier.condition or waited
     timeout = "-" if barrier.timeout is None else f"{barrier.timeout:.9g}"
@@ -73,7 +78,14 @@ def _told(barrier: Barrier) -> str:
 
 
 def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
-    """The text of a program. It loads a buffer and moves nothing: whoever runs it sends R. `memory` keeps the lines of moves."""
+    """Print a program as text.
+
+    The text loads a buffer and moves nothing: the robot starts to move when R is sent.
+
+    Args:
+        program: the program.
+        memory: cache for the lines of moves.
+    """
     moves = _moves(program, memory)
     pieces: list[str] = []
     places: dict[int, tuple[int, int]] = {}
@@ -119,12 +131,12 @@ def _words(program: PmacProgram, item: SegmentTime | Assignment | Rest | Stand |
 
 
 def segment_time(milliseconds: float) -> str:
-    """A segment time in ms, exactly: a step of 1/4096 ms has at most 12 decimals."""
+    """Print a segment time in ms exactly: a multiple of 1/4096 ms has at most 12 decimals."""
     return f"{milliseconds:.12f}".rstrip("0").rstrip(".")
 
 
 def _number(value: float) -> str:
-    """Without an exponent, as short as it goes."""
+    """Print a number without an exponent, as short as possible."""
     return f"{value:.9f}".rstrip("0").rstrip(".")
 
 
@@ -151,7 +163,7 @@ def _point(program: PmacProgram, point: NDArray[np.float64]) -> str:
 
 
 def _opening(program: PmacProgram) -> Iterator[str]:
-    """Everything up to the first move of the motion."""
+    """Yield all lines before the first move of the motion."""
     yield "CLOSE ALL"
     yield "END GATHER"
     yield "DELETE GATHER"
@@ -165,7 +177,7 @@ def _opening(program: PmacProgram) -> Iterator[str]:
 
 
 def _safe_outputs(program: PmacProgram) -> Iterator[str]:
-    """A PLC that gives the outputs their safe values when the guard has held the motion."""
+    """Yield the PLC that sets the outputs to their safe values after the guard has held the motion."""
     if not program.safe_outputs:
         return
     yield f"OPEN PLC {OUTPUTS_PLC} CLEAR"
@@ -178,7 +190,9 @@ def _safe_outputs(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_rotary(program: PmacProgram) -> Iterator[str]:
-    """The paper's Listing 3, and a slow RAPID move to the start, where it is wanted."""
+    """Yield the opening of a rotary program (Listing 3 of the paper), with a slow RAPID move to the start if
+    the program has one.
+    """
     yield "".join(f"#{motor}J/" for motor in program.motors)
     yield "DELETE ROT"
     yield f"I16={program.low_lines}"
@@ -197,8 +211,9 @@ def _open_rotary(program: PmacProgram) -> Iterator[str]:
 
 
 def _open_prog(program: PmacProgram) -> Iterator[str]:
-    """A program buffer that goes no further before every motor stands at the start: after each STOP all
-    motors are looked at again.
+    """Yield the opening of a program buffer that continues only once every motor is at the start.
+
+    After each STOP, all motors are checked again.
     """
     yield "OPEN PROG 1 CLEAR"
     yield f"{ASTRAY}=1"

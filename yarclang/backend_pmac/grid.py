@@ -1,4 +1,4 @@
-"""The segment times that may be used: what the robot says, and what was asked for."""
+"""The segment times that may be used, from the robot's description and the user's request."""
 
 from __future__ import annotations
 
@@ -13,11 +13,15 @@ from yarclang.units import MS
 
 
 def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
-    """The segment times for a robot, none longer than `tm` [ms] where that is given.
+    """Return the segment times for a robot.
+
+    Args:
+        robot: the robot.
+        tm: longest segment time allowed [ms]; None: no limit of its own.
 
     Returns:
-        None and a finding where the controller would round or clip `tm`, or can't calculate such
-        segments in time.
+        None and a finding if the controller would round or clip `tm`, or can't calculate such segments in
+        time.
     """
     smallest, largest = robot.controller.smallest_segment, robot.controller.largest_segment
     if tm is None:
@@ -56,7 +60,7 @@ def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
 
 
 def _neat_above(milliseconds: float) -> float:
-    """The next multiple of half a millisecond: every controller keeps it exactly."""
+    """Return the next multiple of half a millisecond: every controller stores it exactly."""
     return float(-(-milliseconds // 0.5)) * 0.5
 
 

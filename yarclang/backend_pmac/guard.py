@@ -1,4 +1,6 @@
-"""The rotary's guard: how many lines must lie ahead, and where a program arms and disarms it."""
+"""The guard of the rotary buffer: how many lines must lie ahead, and where a program arms and disarms the
+guard.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +11,17 @@ from yarclang.pmac.controller import turbo_pmac
 from yarclang.robot.model import Robot
 
 _RESERVE = 0.1
-"""What the guard's own PLC may be late [s]."""
+"""Maximum delay of the guard's own PLC [s]."""
 
 _SECONDS_AHEAD = 1.0
-"""The rotary holds at least so much of a program."""
+"""Minimum duration of the program that the rotary buffer holds [s]."""
 
 
 @frozen
 class Watermarks:
-    """`low` and `full` are I16 and I17 in program lines, `words` the size of the rotary buffer."""
+    """Marks of the rotary buffer: `low` and `full` are I16 and I17 in program lines, `words` is the size of
+    the buffer.
+    """
 
     low: int
     full: int
@@ -25,9 +29,14 @@ class Watermarks:
 
 
 def watermarks(robot: Robot, segment: float) -> Watermarks:
-    """For segments of `segment` [s]: a hold takes half the hold time of the program, and that much must be ahead.
+    """Compute the marks of the rotary buffer.
 
-    A line costs one word an axis; two more are reckoned for what stands between the lines.
+    A hold consumes half the hold time of the program, so this much must lie ahead. A line takes one word per
+    axis; two more per line allow for statements between the lines.
+
+    Args:
+        robot: the robot.
+        segment: segment time [s].
     """
     controller = turbo_pmac(robot)
     low = math.ceil((controller.hold_time / 2.0 + _RESERVE) / segment)

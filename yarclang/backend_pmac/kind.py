@@ -1,4 +1,4 @@
-"""The Turbo PMAC, as far as a robot.toml tells of it."""
+"""The Turbo PMAC section of a robot.toml."""
 
 from __future__ import annotations
 
@@ -18,11 +18,13 @@ if TYPE_CHECKING:
 
 AXES = "XYZABCUVW"
 COUPLED = (frozenset("XYZ"), frozenset("UVW"))
-"""The controller adds axes up in a motor's definition only inside one of these groups (TSRM 269)."""
+"""Groups of axes that may be combined: the controller adds axes in a motor's definition only within one of
+these groups (TSRM 269).
+"""
 FIRST_GUARD = 8100
-"""P8100 and above are the guard's, which the backend writes."""
+"""P-variables from this number on belong to the guard, which the backend writes."""
 LONGEST_TM = 4096.0
-"""[ms], beyond it the controller clips the time of a spline segment (TSRM 476)."""
+"""Longest segment time [ms]. The controller clips a longer time of a spline segment (TSRM 476)."""
 
 
 def _table() -> type[ControllerTable]:
@@ -77,7 +79,7 @@ def _check(file: TomlFile, table: Any, size: int) -> None:
 
 
 def _check_letters(file: TomlFile, key: str, names: Sequence[str], size: int) -> None:
-    """The axes, or the feedback variables: each one legal, and there once."""
+    """Check the axes or the feedback variables: each must be legal and must occur once."""
     from yarclang.robot.drive_checks import check_twice
     from yarclang.toml.file import right_length
 

@@ -1,4 +1,6 @@
-"""How live motions are written for a Turbo PMAC: what stands in front of their lines (the rotary, its guard, the segment time), and the lines."""
+"""Text of live motions for a Turbo PMAC: the opening (rotary buffer, guard, segment time) and the
+move lines.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,7 @@ from yarclang.runtime.pmac.loading import Loading, capacity_of
 from yarclang.units import MS
 
 _LEAD = 12
-"""Lines ahead beyond I16: what the host may be late by."""
+"""Lines ahead beyond I16: they allow for a late host."""
 
 
 def _decimals(robot: Robot, segment: float) -> int:

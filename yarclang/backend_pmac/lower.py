@@ -1,4 +1,6 @@
-"""Plan to controller program: sequences of SPLINE1 moves, with the controller's own end pieces counted in."""
+"""Lowering a plan to a controller program: sequences of SPLINE1 moves, including the controller's own end
+pieces.
+"""
 
 from __future__ import annotations
 
@@ -55,12 +57,18 @@ from yarclang.ways import Turn, Ways
 
 
 def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram:
-    """Make the controller program of a plan, printed finely enough for the tolerance of its path."""
+    """Build the controller program of a plan.
+
+    Args:
+        plan: the plan.
+        target: kind of the text, a rotary buffer or a program buffer.
+        tolerance: tolerance of the path, which determines the number of decimals.
+    """
     robot = plan.robot
     segments = [motion.curve.segment for motion in plan.motions]
     shortest = min(segments, default=robot.controller.largest_segment)
     marks = watermarks(robot, shortest)
-    # the shorter the segments, and the less a segment moves at a speed that is kept, the more decimals
+    # Shorter segments, and less travel per segment at a speed to be kept, need more decimals.
     steps = [(_kept_speed(plan, motion), motion.curve.segment) for motion in plan.motions]
     slowest = min(steps, key=lambda one: one[0] * one[1], default=None)
     needed = [] if slowest is None else [(np.inf, shortest), slowest]
@@ -69,7 +77,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
     if target == "rotary":
         body = _guarded(body, marks)
     first = segments[0] if segments else shortest
-    # the start as it is printed is the start of the motion
+    # The motion starts at the printed start, which is rounded.
     start = _printed(plan.program.start / robot.axis_units, decimals)
     unit = 32 * turbo_pmac(robot).ixx08
     return PmacProgram(
@@ -99,7 +107,10 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
 
 
 def _kept_speed(plan: MotionPlan, motion: PlannedMotion) -> float:
-    """The speed that a motion keeps, or its ceiling or that of the slowest zone that it may have to keep [m/s]; infinite where there is none."""
+    """Return the flange speed that a motion must keep [m/s]; infinite if there is none.
+
+    Speed ceilings of the motion, and of the slowest zone that it may pass through, count as well.
+    """
     step, cell = plan.program.steps[motion.step], plan.program.cell
     speed = step.timing.speed if isinstance(step, Motion) else None
     slow = min((zone.speed for zone in cell.zones if zone.speed), default=np.inf) if cell else np.inf
@@ -131,18 +142,19 @@ def _commands(plan: MotionPlan) -> Iterator[Command]:
 
 
 def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
-    """What the program does behind its opening, which leaves the robot at the start, in SPLINE1.
+    """Yield the program after its opening, which leaves the robot at the start, in SPLINE1.
 
-    A sequence ends with the program, at a dwell, or where the segment time changes: there the controller adds the end
-    piece, and a start piece to the next sequence, and the last two of the three equal points of a stop
-    aren't written. Inside a sequence they are. Behind a motion that flows into the next one, outputs are set in step with the line
-    whose segment begins in the middle of the overlap: the first of the next motion.
+    A sequence ends with the program, at a dwell, or where the segment time changes. There the controller adds
+    the end piece, and a start piece to the next sequence, so the last two of the three equal points of a stop
+    are not written. Inside a sequence they are written. After a motion that flows into the next one, outputs
+    are set in step with the line whose segment begins in the middle of the overlap: the first line of the
+    next motion.
     """
     steps, units = plan.program.steps, plan.robot.axis_units
     motions = {motion.step: motion for motion in plan.motions}
     lines = _lines(plan, decimals)
     written: float | None = None
-    rests = True  # nothing was moved since the last dwell
+    rests = True  # nothing has moved since the last dwell
     flows = False  # the last motion flows into the next one
     stands = plan.program.start
     ways = Ways(stands)
@@ -197,7 +209,9 @@ def _body(plan: MotionPlan, decimals: int) -> Iterator[Item]:
 
 
 def _lines(plan: MotionPlan, decimals: int) -> dict[int, Array]:
-    """The move lines of each motion that stops inside a sequence, by its step: rounded all together."""
+    """Return the move lines of each motion that stops inside a sequence, by its step. All of them are rounded
+    in one call.
+    """
     points = [motion.curve.points[3:] for motion in plan.motions]
     if not points:
         return {}
@@ -255,13 +269,16 @@ def _barrier(number: int, step: WaitInput | WaitUntil | Hold | Say | Assign | Tu
 
 
 def _printed(values: Array, decimals: int) -> Array:
-    """As printed; a negative zero becomes a positive one."""
+    """Round values as printed, and turn a negative zero into a positive one."""
     printed: Array = np.round(values, decimals) + 0.0
     return printed
 
 
 def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
-    """The body with each stretch between two barriers guarded for itself: at a barrier the buffer runs dry by intention."""
+    """Return the body with the guard armed and disarmed in each stretch between two barriers.
+
+    At a barrier the buffer runs empty on purpose, so no guard may be armed there.
+    """
     guarded: list[Item] = []
     stretch: list[Item] = []
     for item in body:
@@ -273,8 +290,10 @@ def _guarded(body: tuple[Item, ...], marks: Watermarks) -> tuple[Item, ...]:
 
 
 def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
-    """A stretch with the guard armed before the first move, and disarmed while the last lines, fewer than would
-    count as low, are still ahead. A stretch that fits between the marks needs no guard: it is loaded as a whole.
+    """Return a stretch with the guard armed before its first move and disarmed near its end.
+
+    The guard is disarmed while the last lines, fewer than would count as low, are still ahead. A stretch that
+    fits between the marks needs no guard: it is loaded as a whole.
     """
     lines = sum(len(item.values) for item in body if isinstance(item, Moves))
     before_disarming = lines - (marks.low + 2)
@@ -302,12 +321,17 @@ def _guarded_stretch(body: list[Item], marks: Watermarks) -> list[Item]:
 
 
 def _start_slack(robot: Robot, segment: float) -> Array:
-    """How far each motor may be from the start [counts], so that no joint is off by more than what
-    adds a small share of its acceleration limit in the first segment.
+    """Compute the allowed deviation of each motor from the start [counts].
+
+    Within it, no joint is off by more than adds a small share of the joint's acceleration limit in the first
+    segment.
     """
+    # A joint that begins off by d gets up to d / h^2 more acceleration in the first segment of h.
     joints = START_SHARE * robot.limits.acceleration * segment**2
     matrix = counts_per_joint(robot)
     slack = np.abs(matrix) @ joints
+    # With coupled motors, deviations add up: joint i is off by at most sum_k |(C^-1)_ik| slack_k. All slacks
+    # are scaled alike until no joint exceeds its own share.
     share = (joints / (np.abs(np.linalg.inv(matrix)) @ slack)).min()
     allowed: Array = slack * share
     return allowed

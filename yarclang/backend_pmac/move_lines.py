@@ -1,4 +1,4 @@
-"""Move lines as text: all numbers of many commands at once, digit by digit."""
+"""Move lines as text, formatted with whole-array operations: all numbers of many commands at once."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _ROWS_AT_ONCE = 4096
-# the zeros first, then the point: half the time of one expression for both
+# Two expressions, zeros first and then the point, take half the time of one for both.
 _ZEROS = re.compile(r"0+(?=[A-Z\n])")
 _POINT = re.compile(r"\.(?=[A-Z\n])")
 
@@ -35,7 +35,7 @@ def move_lines(axes: Sequence[str], decimals: int, commands: Sequence[NDArray[np
 
 
 def _split(text: bytes, commands: Sequence[NDArray[np.float64]]) -> Iterator[str]:
-    """Yield the part of a text that belongs to each command: as many lines as it has values."""
+    """Split a text at commands: yield as many lines as each command has points."""
     ends = np.flatnonzero(np.frombuffer(text, np.uint8) == _LINE_FEED) + 1
     begin, lines = 0, 0
     for values in commands:
@@ -48,22 +48,30 @@ def _split(text: bytes, commands: Sequence[NDArray[np.float64]]) -> Iterator[str
 _LINE_FEED, _MINUS, _POINT_BYTE, _ZERO = b"\n-.0"
 
 _MOST = 4e9
-"""Beyond this, a number in units of its last decimal isn't taken apart here."""
+"""Numbers beyond this, in units of the last decimal, are not formatted by the fast path."""
 
 
 def _lines(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
-    """Return the move lines of `values` (k, axes)."""
+    """Return move lines, formatted with whole-array operations.
+
+    Args:
+        axes: the letter of each axis.
+        decimals: maximum number of decimals.
+        values: (k, axes) points [axis units].
+    """
     size = np.abs(values)
     scale = 10.0**decimals
     if not (size.size and 0 < decimals <= 9 and size.max() * scale < _MOST):
         return _printed(axes, decimals, values)
-    # the value is the float nearest to a number of so many decimals, which times `scale` is that integer but for rounding
+    # The value is the float nearest to a number with `decimals` decimals, so value times `scale` is an
+    # integer up to rounding.
     whole = np.rint(size * scale)
     if not np.array_equal(whole / scale, size):
         return _printed(axes, decimals, values)
     left = whole.astype(np.uint32)
     digits = decimals + len(str(int(whole.max()) // 10**decimals))
-    # each number has an axis, a sign, digits with a point among them, and the end of a line; what isn't written is left out then
+    # Each number gets an axis letter, a sign, digits with a point, and a line end. Unwanted characters are
+    # masked out afterwards.
     text = np.empty((*values.shape, digits + 4), np.uint8)
     kept = np.empty(text.shape, np.bool_)
     text[:, :, 0], kept[:, :, 0] = [ord(axis) for axis in axes], True
@@ -88,13 +96,13 @@ def _lines(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> b
 
 
 def _last_digit(numbers: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArray[np.uint8]]:
-    """Return integers without their last digit, and that."""
+    """Return integers without their last digit, and that digit."""
     rest = numbers // np.uint32(10)
     return rest, (numbers - rest * np.uint32(10)).astype(np.uint8)
 
 
 def _printed(axes: Sequence[str], decimals: int, values: NDArray[np.float64]) -> bytes:
-    """Return the same for all numbers, in one formatting."""
+    """Return the move lines by formatting each number; slower, but without a limit on their size."""
     row = "".join(f"{axis}%.{decimals}f" for axis in axes) + "\n"
     text = (row * len(values)) % tuple(values.ravel().tolist())
     return _POINT.sub("", _ZEROS.sub("", text)).encode("ascii")

@@ -1,4 +1,4 @@
-"""What each line of a text for a PMAC is for. Nothing is proved here."""
+"""The purpose of each line of a text for a PMAC. Nothing is proved here."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _SPLINE = "SPLINE1"
 _TIME = "the segment time of the moves that follow"
 _GUARDS = ("it disarms the guard: fewer lines than it wants are left", "it arms the guard")
 _AT_REST = "DWELL0"
-"""Before an output is set, or before a barrier; a dwell of the program has a time."""
+"""The line that precedes an output or a barrier; a dwell of the program has a time."""
 
 
 def purposes(
@@ -21,7 +21,13 @@ def purposes(
 ) -> Iterator[Stretch]:
     """Yield the purpose of every line after the header; see `yarclang.emitted.purposes.moves_alone`.
 
-    An assignment between the moves is a SET's, a dwell a WAIT's, by its form and order.
+    An assignment between moves belongs to a SET, and a dwell to a WAIT, by form and order.
+
+    Args:
+        lines: lines of the text.
+        begin: number of lines in the header.
+        commands: commands of the text's map.
+        barriers: the command's step of each line with a barrier.
     """
     by_step = {one.step: one for one in commands}
     moving = [one for one in commands if one.first is not None]

@@ -1,4 +1,4 @@
-"""What of a text for a Turbo PMAC is streamed."""
+"""The part of a text for a Turbo PMAC that can be streamed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.runtime.pmac.loading import Loading, capacity_of
 
 
 def sendable(content: ControllerText, robot: Robot) -> Sendable | Diagnostic:
-    """Return the lines that go into the rotary; of a program buffer a finding."""
+    """Return the lines that go into the rotary buffer, or a finding if the text is for a program buffer."""
     own = own_of(content)
     if own.marks is None or content.start.printed is None:
         message = "this text is for a program buffer, which isn't streamed"

@@ -1,4 +1,6 @@
-"""The controller's settings for a robot: axis definitions, feedback, limits, and the guard of the rotary buffer."""
+"""The settings that a controller needs for a robot: axis definitions, feedback, limits, and the guard of the
+rotary buffer.
+"""
 
 from __future__ import annotations
 
@@ -32,19 +34,21 @@ from yarclang.units import MS
 
 _NEVER = 0
 _MOST_DECIMALS = 20
-"""What is smaller moves no motor."""
+"""Largest number of decimals of a coefficient. Anything smaller moves no motor."""
 _CLEARANCE = 0.01
-"""The least distance from a motor's reach to its software limit [counts]: a move whose target is beyond the limit is aborted, and the controller
-rounds the targets that it computes."""
+"""Minimum distance from a motor's reach to its software limit [counts].
+
+The controller aborts a move whose target is beyond the limit, and it rounds the targets that it computes.
+"""
 
 
 def settings_text(robot: Robot) -> str:
-    """Print what a controller has to be told once about a robot, as text to download."""
+    """Print the settings that a controller needs for a robot, as text to download."""
     return settings_of(robot).text
 
 
 def settings_of(robot: Robot) -> ControllerSettings:
-    """Collect what a controller has to be told once about a robot."""
+    """Collect the settings that a controller needs for a robot."""
     return ControllerSettings(
         robot=robot.name,
         title=_printable(robot.title),
@@ -61,12 +65,12 @@ def settings_of(robot: Robot) -> ControllerSettings:
 
 
 def _printable(title: str) -> str:
-    """Keep a title on its line, in ASCII: behind a line end it would be a command."""
+    """Return a title in ASCII on one line: text after a line end would be executed as a command."""
     return "".join(one if one.isascii() and one.isprintable() else "?" for one in title)
 
 
 def _axis_definitions(robot: Robot) -> Iterator[AxisDefinition]:
-    """The paper's Listing 1: each motor as a sum of axes."""
+    """Yield each motor's position as a sum of axes (Listing 1 of the paper)."""
     actuation, controller = robot.actuation, turbo_pmac(robot)
     for motor, gear, row, offset in zip(
         controller.motors, actuation.gear, actuation.coupling, actuation.offset, strict=True
@@ -91,12 +95,12 @@ def _number(value: float) -> str:
 
 
 def _decimals(value: float, digits: int) -> int:
-    """Return the decimals that show so many significant digits of a value other than 0."""
+    """Return the number of decimals that show `digits` significant digits of a value other than 0."""
     return digits - 1 - math.floor(math.log10(abs(value)))
 
 
 def _digits(value: float, digits: int) -> str:
-    """Print at most so many significant digits; the controller knows no exponent."""
+    """Print a value with at most `digits` significant digits; the controller does not accept an exponent."""
     text = f"{value:.{digits}g}"
     return text if "e" not in text else f"{value:.{max(0, _decimals(value, digits))}f}"
 
@@ -109,7 +113,9 @@ def _registers(robot: Robot) -> Iterator[MDefinition]:
 
 
 def _motor_settings(robot: Robot) -> Iterator[IVariable]:
-    """I-variables of the motors. The controller's own default of Ixx15 would take 6 s to abort a motion."""
+    """Yield the I-variables of the motors. With the controller's own default of Ixx15, aborting a motion
+    would take 6 s.
+    """
     controller, limits = turbo_pmac(robot), robot.limits
     stop = _motor_rate(robot, limits.stop_acceleration) * MS**2
     ramp = _motor_rate(robot, limits.acceleration) * MS**2
@@ -138,17 +144,25 @@ def _motor_settings(robot: Robot) -> Iterator[IVariable]:
 
 
 def _rate(value: float) -> str:
-    """Print four decimals, or more if these would round a small rate by 0.1 %."""
+    """Print four decimals, or more if four would change a small rate by more than 0.1 %."""
     return f"{value:.{4 if value >= 0.05 else _decimals(value, 5)}f}"
 
 
 def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
-    """The largest rate of each motor [counts/s or s^2], all motors of a coupling at once, at which
-    no joint exceeds its own (n,) whatever the others do.
+    """Compute the rate that all motors of a coupling may reach at the same time, in the worst combination of
+    signs.
+
+    Args:
+        robot: the robot.
+        joint_rate: limit of each joint (n,) [rad/s or m/s, or per s^2].
+
+    Returns:
+        The limit of each motor (n,) [counts/s or counts/s^2].
     """
     coupling = robot.actuation.coupling
     rate = joint_rate / robot.axis_units
-    # |J^-1| t <= rate, with one t for all motors that share joints
+    # With one rate t for all motors that share joints, joint i moves at most t * sum_k |(J^-1)_ik|, which
+    # must not exceed its limit.
     share = rate / np.abs(np.linalg.inv(coupling)).sum(axis=1)
     moved = (coupling != 0).astype(float)
     together = np.linalg.matrix_power(moved @ moved.T, len(rate)) @ moved > 0
@@ -158,7 +172,9 @@ def _motor_rate(robot: Robot, joint_rate: Array) -> Array:
 
 
 def _count_limits(robot: Robot) -> tuple[Array, Array]:
-    """The least and the largest position of each motor [counts] over all joint positions within limits."""
+    """Compute the smallest and the largest position of each motor [counts] over all joint positions within
+    limits.
+    """
     lower, upper = robot.limits.lower, robot.limits.upper
     matrix = counts_per_joint(robot)
     with np.errstate(invalid="ignore"):
@@ -171,7 +187,7 @@ def _count_limits(robot: Robot) -> tuple[Array, Array]:
 def _software_limit(reach: float) -> int:
     """Return the first count beyond the largest position of a motor.
 
-    0 switches a limit off: that is for motors without one, and 1 stands for 0 (TSRM 96).
+    0 switches a limit off, for motors without one; a limit at 0 is therefore written as 1 (TSRM 96).
     """
     if not np.isfinite(reach):
         return _NEVER
@@ -182,7 +198,7 @@ def _system_settings(robot: Robot) -> Iterator[IVariable]:
     controller = turbo_pmac(robot)
     system = controller.coordinate_system
     marks = watermarks(robot, controller.largest_segment)
-    # TSRM 43, 177: the time base changes by Isx95 each servo interrupt, in units of I10
+    # The time base changes by Isx95 each servo interrupt, in units of I10 (TSRM 43, 177).
     slew = max(1, round(controller.i10**2 / (2**23 * controller.hold_time / MS)))
     hold = f"{controller.hold_time / MS:.0f} ms"
     yield IVariable("I10", f"{controller.i10}", "servo interrupt time, 1/8388608 ms")
@@ -201,9 +217,12 @@ def _system_settings(robot: Robot) -> Iterator[IVariable]:
 
 
 def _feedback(robot: Robot) -> Iterator[str]:
-    """PLC 0: joint positions from actual motor positions, and the guard's heartbeat, which shows that PLC 0 runs."""
+    """Yield PLC 0: joint positions from actual motor positions, and the guard's heartbeat, which shows that
+    PLC 0 runs.
+    """
     actuation, controller = robot.actuation, turbo_pmac(robot)
     inverse = joints_per_count(robot) / robot.axis_units[:, None] * actuation.gear[None, :]
+    # joint = sum of share * (counts - offset) / gear over the motors; shares of rounding only are left out.
     for variable, row in zip(controller.feedback, inverse, strict=True):
         terms = ""
         least = 1e-12 * np.abs(row).max()
@@ -223,15 +242,22 @@ def _feedback(robot: Robot) -> Iterator[str]:
 
 
 def _offset(counts: float) -> str:
-    """Print an offset with its sign: ten digits if they tell it to a thousandth of a count, else all."""
+    """Print an offset with its sign: ten digits if these give it to a thousandth of a count, else
+    all digits.
+    """
     text = f"{counts:+.10g}"
     near = "e" not in text and abs(float(text) - counts) < 5e-4
     return text if near else f"{'-' if counts < 0 else '+'}{_number(abs(counts))}"
 
 
 def _guard(robot: Robot) -> Iterator[str]:
-    """PLC 29: holds once when the rotary isn't full any more, and once when the computer that streams has let the watchdog run down."""
+    """Yield PLC 29.
+
+    The PLC holds the motion once when the rotary buffer is no longer full, and once when the watchdog of the
+    streaming computer has expired.
+    """
     system = turbo_pmac(robot).coordinate_system
     yield f"{HEARTBEAT}={HEARTBEAT}+1"
+    # The flag goes from 1 to 2 with the hold, so that each arming commands it only once.
     for flag, condition in ((ARMED, f"{ROTARY_FULL}=0"), (WATCHED, f"{watchdog(system)}<0")):
         yield from (f"IF({flag}=1)", f"IF({condition})", f"{flag}=2", f'CMD"&{system}H"', "ENDIF", "ENDIF")

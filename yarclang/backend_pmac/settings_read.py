@@ -1,4 +1,6 @@
-"""The settings text of a Turbo PMAC read back: what was proved of it, what in it is otherwise, and what a controller is asked about."""
+"""Reading the settings text of a Turbo PMAC back: what was proved, how the text differs from the robot, and
+what to ask a controller.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ def _written(robot: Robot) -> SourceFile:
 
 
 def _content(robot: Robot) -> SettingsText:
-    """The robot's own settings, which were proved before."""
+    """Return the robot's own settings, which were proved before."""
     judged = certify_settings(_written(robot), robot)
     assert judged.value is not None
     return judged.value.content
@@ -35,7 +37,9 @@ def _judge(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
 
 
 def _bounds(proved: ProvedSettings, robot: Robot) -> Iterator[str]:
-    """Say how far axis definitions and PLC 0 are off at most, rounded up, in each unit of the robot's axes."""
+    """Yield the maximum errors of the axis definitions and of PLC 0, rounded up, in each unit of the robot's
+    axes.
+    """
     for what, bounds in (("axis definitions", proved.commanded), ("PLC 0", proved.feedback)):
         largest: dict[str, float] = {}
         for bound, unit in zip(bounds, robot.axis_unit_names, strict=True):
@@ -54,7 +58,7 @@ def _different(source: SourceFile, robot: Robot) -> tuple[Diagnostic, ...]:
 def _differences(
     source: SourceFile, found: SettingsText, wanted: SettingsText, robot: Robot
 ) -> Iterator[Diagnostic]:
-    """A warning for each item that is printed otherwise, in the order of the lines."""
+    """Yield a warning for each item that is printed differently, in the order of the lines."""
     told = dict(_printed(wanted))
     for name, (line, text) in _printed(found):
         if text != told[name][1]:
@@ -69,7 +73,7 @@ def _differences(
 
 
 def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
-    """What a controller is asked about, by its name: the line and the text."""
+    """Yield the items that a controller can be asked about: name, line and text."""
     for definition in content.definitions:
         yield f"#{definition.motor}->", (definition.line, definition.terms)
     for setting in content.settings.values():
@@ -80,7 +84,9 @@ def _printed(content: SettingsText) -> Iterator[tuple[str, tuple[int, str]]]:
 
 
 def _items(robot: Robot) -> tuple[Item, ...]:
-    """List what a controller must have been told about a robot: each line of `yarc settings` that stays, as a question."""
+    """List the settings that a controller must have for a robot: each lasting line of `yarc settings`, as a
+    question.
+    """
     remedy = f"download `yarc settings {robot.name}` and SAVE"
     content = _content(robot)
     items: list[tuple[int, Item]] = []

@@ -19,7 +19,14 @@ from yarclang.simulator.network.server import SimulatorServer
 
 @contextmanager
 def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | None) -> Iterator[Simulated]:
-    """Yield the simulator as long as the context lasts."""
+    """Yield the simulator; it runs until the context ends.
+
+    Args:
+        robot: the robot.
+        stands: (n,) where the robot stands at first [rad or m].
+        rate: seconds of the simulator per second.
+        cell: machines around the robot; None: there are none.
+    """
     machine = commissioned(robot, settings_text(robot))
     stand(machine, robot, stands)
     if cell is not None:
@@ -29,10 +36,12 @@ def simulated(robot: Robot, stands: Array, rate: float, cell: SimulatedCell | No
 
 
 class _Server(SimulatorServer):
-    """A simulated Turbo PMAC that tells what programs use that is simulated otherwise."""
+    """A simulated Turbo PMAC that reports the words of programs that it treats differently."""
 
     def differences(self) -> tuple[str, ...]:
-        """Return what a program's words do here that do something else on a controller, or nothing."""
+        """Return the words that a program uses and that behave differently on a real controller; empty if
+        there are none.
+        """
         return tuple(f"{word} {_does(word)} here" for word in self.machine.unknown_words)
 
 

@@ -1,4 +1,4 @@
-"""A motion plan to the text of a program for a Turbo PMAC."""
+"""From a motion plan to the text of a program for a Turbo PMAC."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from yarclang.units import MS
 
 
 def streamed_only(program: Program) -> Diagnostic | None:
-    """Return what is said of a program that can't be carried out by a program buffer alone; None if it can."""
+    """Return the finding for a program that a program buffer alone cannot execute; None if it can."""
     for one in program.watches:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
@@ -71,7 +71,17 @@ def streamed_only(program: Program) -> Diagnostic | None:
 
 
 def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory) -> Result[Written]:
-    """Lower a plan, and print it; None, with findings, if the program sets an output in motion that the controller sets at rest only."""
+    """Lower a plan and print it.
+
+    Args:
+        plan: the plan.
+        target: kind of the text, a rotary buffer or a program buffer.
+        tolerance: tolerance of the path.
+        memory: cache for the lines of moves.
+
+    Returns:
+        None, with findings, if the program sets an output in motion that the controller can set at rest only.
+    """
     if found := tuple(_set_at_rest_only(plan)):
         return Result(None, found)
     lowered = lower(plan, target, tolerance)
@@ -93,7 +103,10 @@ def write(plan: MotionPlan, target: Target, tolerance: Tolerance, memory: Memory
 
 
 def _set_at_rest_only(plan: MotionPlan) -> Iterator[Diagnostic]:
-    """Yield a finding for each SET between motions that flow whose variable takes no synchronous assignment: all but M (TUM, synchronous assignments)."""
+    """Yield a finding for each SET between flowing motions whose variable takes no synchronous assignment.
+
+    Only M-variables take one (TUM, synchronous assignments).
+    """
     flows, told = False, set[tuple[SourceFile, Span]]()
     flowing = {motion.step: motion.flows for motion in plan.motions}
     for number, step in enumerate(plan.program.steps):

@@ -1,7 +1,9 @@
-"""One process that owns a robot: what it is told, how that is planned, certified and moved, and what those who watch hear of it.
+"""A process that owns a robot: it takes orders, plans and certifies motions, executes them, and informs those
+who watch.
 
-`Coordinator` (`coordinator.py`) is the door for interpreters, pendants and bridges; docs/coordinator.md
-describes it. Its clients (`client/`) share one robot (`shared.py`), and one task talks to the controller
-(`engine.py`). `messages/` is all that is said; `desk.py` carries messages out, `serving.py` takes them from a
-socket, `attached.py` is a door's side. `live/` is motions that nobody knows to their end.
+`Coordinator` (`coordinator.py`) is the entry point for interpreters, pendants and bridges;
+docs/coordinator.md describes it. Its clients (`client/`) share one robot (`shared.py`), and one task talks to
+the controller (`engine.py`). `messages/` has all messages; `desk.py` carries them out, `serving.py` receives
+them from a socket, and `attached.py` is the client's side. `live/` has motions whose end is not known in
+advance.
 """

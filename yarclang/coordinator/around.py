@@ -1,4 +1,6 @@
-"""What is around a robot, as its coordinator knows it: the cell, and inputs and outputs by name. No I/O."""
+"""The surroundings of a robot, as known by its coordinator: the cell, and inputs and outputs by
+name. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -24,11 +26,11 @@ class Seen:
 
 
 class Around:
-    """Cell, inputs and outputs of the program that was run last, with those of the session.
+    """Cell, inputs and outputs of the last program, together with those of the session.
 
     Args:
-        names: of the session.
-        lines: of the session, whose revision says if its names are others now.
+        names: names of the session.
+        lines: lines of the session, whose revision shows if its names have changed.
     """
 
     def __init__(self, names: Names, lines: Lines) -> None:
@@ -43,15 +45,15 @@ class Around:
 
     @property
     def is_current(self) -> bool:
-        """True if `look` has nothing to read again."""
+        """Return True if `look` has nothing to read again."""
         return self._revision == self._lines.revision
 
     def know(self, program: Program | None, cell: Cell | None) -> None:
-        """Learn what belongs to a program that is run now.
+        """Store what belongs to a program that is run now.
 
         Args:
-            program: whose names are shown; None if only its text is known.
-            cell: that it keeps to.
+            program: the program whose names are shown; None if only its text is known.
+            cell: the cell of the program.
         """
         self._known = known_in(program, cell)
         self._cell = _file(cell)
@@ -59,11 +61,13 @@ class Around:
 
     @property
     def cells(self) -> tuple[Cell | None, Cell | None]:
-        """The cells of the program that was run last and of the session, as they were read; None: it has none, or none is known before `look`."""
+        """Return the cells of the last program and of the session, as they were read; None: there is none, or
+        it isn't known before `look`.
+        """
         return self._program_cell, self._session_cell
 
     def look(self) -> Seen:
-        """Return what is around; after a declaration of the session its lines are read again."""
+        """Return the surroundings. After a declaration of the session, its lines are read again."""
         if not self.is_current:
             revision = self._lines.revision
             scope = self._names.scope()
@@ -76,7 +80,7 @@ class Around:
                 elif isinstance(meaning, Output):
                     outputs |= {bit.name: bit.variable for bit in meaning.signal.bits}
             program = self._names.cell().value
-            # a cell that can't be read any more is still the one that motions keep to
+            # Motions still keep to a cell that can't be read any more.
             if program is not None:
                 self._session_cell = program.cell
             cell = _file(self._session_cell)

@@ -1,4 +1,6 @@
-"""A door's side of a coordinator, whether that is in the same process or behind a socket: messages go there, replies and events come back."""
+"""The client's side of a coordinator, in the same process or at the other end of a socket: it sends messages
+and receives replies and events.
+"""
 
 from __future__ import annotations
 
@@ -28,39 +30,41 @@ from yarclang.runtime.actions import Trouble
 
 R = TypeVar("R", bound=Reply)
 _PATIENCE = 5.0
-"""Who doesn't greet within this time hangs [s]."""
+"""Longest time for the greeting [s]."""
 
 Refused = Callable[[Trouble], object]
 
 
 class Attached(Protocol):
-    """Somebody who is a client of a coordinator.
+    """A client of a coordinator.
 
     Attributes:
-        welcome: what was told at first.
+        welcome: the coordinator's first message.
     """
 
     welcome: Welcome
 
     @property
     def silence(self) -> float:
-        """How long nothing was heard of the coordinator [s]: one that drives a robot tells positions all the time."""
+        """Return the time since the coordinator was heard last [s]. One that drives a robot reports positions
+        all the time.
+        """
         ...
 
     async def ask(self, order: Order[R]) -> R:
-        """Order something, and wait for the reply.
+        """Send an order, and wait for the reply.
 
         Raises:
-            Trouble: it was denied, or nobody is there any more.
+            Trouble: it was denied, or the coordinator has gone.
         """
         ...
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Order something at once, and wait for nothing.
+        """Send an order at once, without waiting.
 
         Args:
-            order: what.
-            refused: is told if it was denied.
+            order: the order.
+            refused: called if the order was denied.
         """
         ...
 
@@ -69,7 +73,7 @@ class Attached(Protocol):
         ...
 
     async def leave(self) -> None:
-        """Be a client no longer. Whoever owned the robot leaves it at rest, on its path."""
+        """Stop being a client. If this client owned the robot, the robot comes to rest on its path."""
         ...
 
 
@@ -77,11 +81,11 @@ class Here:
     """A client in the coordinator's own process.
 
     Args:
-        coordinator: of the robot.
-        name: what others know the client by.
+        coordinator: the robot's coordinator.
+        name: name of the client for others.
 
     Attributes:
-        desk: carries out what is ordered.
+        desk: carries out the orders.
         client: the client itself.
     """
 
@@ -93,15 +97,15 @@ class Here:
 
     @property
     def silence(self) -> float:
-        """Nothing: it is here."""
+        """Return 0: the coordinator is in this process."""
         return 0.0
 
     async def ask(self, order: Order[R]) -> R:
-        """Order something, as `Attached.ask`."""
+        """Send an order, as `Attached.ask`."""
         return await self.desk.answer(order)
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Order something at once, as `Attached.send`."""
+        """Send an order at once, as `Attached.send`."""
         try:
             made = self.desk.answer_now(order)
         except Trouble as trouble:
@@ -117,11 +121,11 @@ class Here:
         return self._coordinator.subscribe(capacity, positions=positions)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached: nobody knows then what it does."""
+        """End without waiting for a robot that can't be reached; its state is unknown then."""
         self._coordinator.give_up()
 
     async def leave(self) -> None:
-        """Be a client no longer, as `Attached.leave`."""
+        """Stop being a client, as `Attached.leave`."""
         self.desk.stop_steering()
         self.client.session.leave()
 
@@ -138,8 +142,8 @@ class There:
     """A client of a coordinator in another process; made by `attach`.
 
     Args:
-        path: of its socket.
-        reader, writer: of the connection.
+        path: path of the coordinator's socket.
+        reader, writer: streams of the connection.
     """
 
     welcome: Welcome
@@ -160,7 +164,7 @@ class There:
         """Become a client of the coordinator that listens on a socket.
 
         Raises:
-            Trouble: nobody is there, or it speaks another version.
+            Trouble: no one listens, or the coordinator speaks another version.
         """
         try:
             reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_ANSWER)
@@ -182,21 +186,21 @@ class There:
 
     @property
     def silence(self) -> float:
-        """How long nothing was heard [s]."""
+        """Return the time since the coordinator was heard last [s]."""
         return self._loop.time() - self._heard
 
     @property
     def is_gone(self) -> bool:
-        """True if the connection has ended."""
+        """Return True if the connection has ended."""
         return self._hearing.done() or self._writer.is_closing()
 
     async def ask(self, order: Order[R]) -> R:
-        """Order something, as `Attached.ask`."""
+        """Send an order, as `Attached.ask`."""
         answer: R = await self._send(order)
         return answer
 
     def send(self, order: Order[Any], refused: Refused | None = None) -> None:
-        """Order something at once, as `Attached.send`."""
+        """Send an order at once, as `Attached.send`."""
         try:
             future = self._send(order)
         except Trouble as trouble:
@@ -213,7 +217,7 @@ class There:
         return one
 
     async def leave(self) -> None:
-        """Be a client no longer, as `Attached.leave`."""
+        """Stop being a client, as `Attached.leave`."""
         self._writer.close()
         self._hearing.cancel()
         with contextlib.suppress(asyncio.CancelledError, OSError):
@@ -233,7 +237,7 @@ class There:
             while line := await self._reader.readline():
                 self._heard = self._loop.time()
                 self._take(line)
-        except (OSError, ValueError):  # it is gone, or says what no coordinator says
+        except (OSError, ValueError):  # it is gone, or sends something that no coordinator sends
             pass
         finally:
             for _, future in self._asked.values():

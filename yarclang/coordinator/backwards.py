@@ -1,4 +1,6 @@
-"""The last motions backwards: the same paths from their ends to their starts, as a program that is planned and certified like any other."""
+"""The last motions in reverse: the same paths from end to start, as a program that is planned and certified
+like any other.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,9 @@ from yarclang.transforms import constant
 class Passed:
     """A motion that was carried out, or its beginning.
 
-    `step` is what it did and `waypoints` (k, n) the joint positions that were chosen; `start` and `end` (n,) are where the robot stood before and
-    behind it, all [rad or m]. `middle` (n,) is a place between them. `whole` says whether it came to its end; `flows` whether it flowed into the next one.
+    `step` is the motion and `waypoints` (k, n) the joint positions that were chosen; `start` and `end` (n,)
+    are the robot's positions before and after it, `middle` (n,) is a position between them, all [rad or m].
+    `whole` is True if the motion came to its end, `flows` if it flowed into the next one.
     """
 
     step: Motion
@@ -48,12 +51,12 @@ class Passed:
 
 
 def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> tuple[Passed, ...]:
-    """The motions of a plan that were carried out.
+    """Return the motions of a plan that were carried out.
 
     Args:
-        plan: of what was carried out.
-        stands: (n,) where the robot was stopped on its path [rad or m]; None where it came to its end.
-        done: how far it was then [s].
+        plan: the plan that was carried out.
+        stands: (n,) where the robot was stopped on its path [rad or m]; None if it came to its end.
+        done: progress of the program at the stop [s].
     """
     found: list[Passed] = []
     begins, ends = plan.begins, plan.ends
@@ -74,7 +77,7 @@ def passed(plan: MotionPlan, stands: Array | None = None, done: float = 0.0) -> 
 
 
 def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
-    """The motions at the end between which the robot didn't stand."""
+    """Return the last motions between which the robot didn't stand."""
     first = len(motions) - 1
     while first > 0 and motions[first - 1].flows:
         first -= 1
@@ -82,15 +85,15 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:
-    """The program that takes motions back.
+    """Build the program that reverses motions.
 
     Args:
-        robot: whose.
+        robot: the robot.
         group: motions between which the robot doesn't stand, in the order in which they were carried out.
-        program: that they belong to; its cell stays around the robot.
+        program: the program of the motions; its cell stays around the robot.
 
     Returns:
-        A finding where there is no way back along the same path.
+        A finding if there is no way back along the same path.
     """
     steps: list[Motion] = []
     blends = [one.step.blend if one.flows else None for one in group[:-1]]
@@ -132,7 +135,7 @@ def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:
 
 
 def _turned(table: Timetable, start: Array) -> Timetable:
-    """Return a timetable backwards, from its last row to `start` (n,) [rad or m]."""
+    """Return a timetable in reverse, from its last row to `start` (n,) [rad or m]."""
     rows = slice(int(table.begins), None)
     rest = np.zeros((1, len(start)))
     whole = np.concatenate(([0.0], table.times[rows]))

@@ -1,4 +1,4 @@
-"""Which steps of a program were carried out, as far as its end tells. No I/O."""
+"""The steps of a program that were carried out, as far as its end shows. No I/O."""
 
 from __future__ import annotations
 
@@ -35,21 +35,36 @@ _LOST = "Y1606"
 """Code of a connection that was lost."""
 
 _AT_END = 2.0
-"""Who rests within so many segments of a motion's end may have gone on to what stands behind it."""
+"""Number of segments before a motion's end within which a robot at rest may already have begun
+what follows.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class CarriedOut:
-    """The steps that were carried out for sure, and the SETs behind them of which the first ones may have been, in order."""
+    """The steps that were certainly carried out, and the SETs after them, the first of which may have been,
+    in order.
+    """
 
     surely: tuple[int, ...]
     perhaps: tuple[int, ...] = ()
 
 
 def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> list[int]:
-    """Return the numbers of the steps from `begin` to `end` on the ways that were taken, up to the first WHEN whose way isn't known. Of a loop it is the last pass.
+    """Return the steps that were passed on the branches that were taken, up to the first WHEN whose branch
+    isn't known.
 
-    A WHEN is there where it was passed, an ELSE where a way ended at it, and the end of a WHEN or a loop where the robot came to it.
+    A WHEN is included if it was passed, an ELSE if a branch ended at it, and the end of a WHEN or a loop if
+    the robot reached it. Of a loop, only the last pass counts.
+
+    Args:
+        steps: all steps of the program.
+        begin: number of the first step.
+        end: number after the last step.
+        ways: for each WHEN that was passed, in order, True if its first branch was taken.
+
+    Returns:
+        The numbers of the steps.
     """
     left, found = list(ways), list[int]()
     passing, depth = True, 0
@@ -77,18 +92,18 @@ def taken(steps: Sequence[Step], begin: int, end: int, ways: Sequence[bool]) -> 
 
 
 _WAY, _PASSES = (When, EndWhen), (Loop, EndLoop)
-"""What begins and ends what is skipped: another way, and the rest of a loop that is left."""
+"""The beginnings and ends of steps that are skipped: another branch, and the rest of a loop that is left."""
 
 
 def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: Ended) -> CarriedOut:
-    """Find which steps were carried out.
+    """Find the steps that were carried out.
 
     Args:
-        plan: of the program.
-        begin: the first step of what was performed.
-        end: behind the last.
-        program: the job of the whole program.
-        ended: how it has ended.
+        plan: plan of the program.
+        begin: first step of the performed part.
+        end: step after the last one.
+        program: job of the whole program.
+        ended: outcome of the run.
     """
     steps = plan.program.steps
     done = taken(steps, begin, end, ended.ways)
@@ -102,7 +117,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
         return CarriedOut((*before, *leg))
     motions = [number for number in leg if isinstance(steps[number], Motion)]
     if not ended.command:
-        # nothing has moved: at most what stands in front of the first motion
+        # Nothing has moved: at most the steps before the first motion were carried out.
         return CarriedOut(tuple(before), _sets(steps, leg, -1, motions[0] if motions else len(steps)))
     now, began, rests = _motion_at(plan, program, ended)
     latest = _latest(plan, program, ended)
@@ -113,7 +128,7 @@ def carried_out(plan: MotionPlan, begin: int, end: int, program: Job, ended: End
     if began:
         surely = [*before, *(number for number in leg if number < now)]
     else:
-        # at the very beginning of a motion, what stands in front of it may be still to come
+        # At the very beginning of a motion, the steps before it may not have been carried out yet.
         since = motions[place - 1] if place else -1
         surely = [*before, *(number for number in leg if number <= since)]
         return CarriedOut(tuple(surely), _sets(steps, leg, since, now))
@@ -131,7 +146,10 @@ def _sets(steps: Sequence[Step], leg: Sequence[int], after: int, before: int) ->
 
 
 def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
-    """Return the step of the first motion that can't have begun yet: what was heard last may be old, after a lost connection as old as what the controller's buffer holds."""
+    """Return the step of the first motion that can't have begun yet.
+
+    The last report may be old: after a lost connection, by as much as the controller's buffer holds.
+    """
     command = program.command_at(ended.done)
     if ended.joints is None or command is None or len(program.commands) != len(plan.motions):
         return len(plan.program.steps)
@@ -149,7 +167,9 @@ def _latest(plan: MotionPlan, program: Job, ended: Ended) -> int:
 
 
 def _motion_at(plan: MotionPlan, program: Job, ended: Ended) -> tuple[int, bool, str]:
-    """Return the step of the motion at which the robot rests, True if that has begun for sure, and if the robot rests `within` it, at its `end`, or perhaps far `behind`."""
+    """Return the step of the motion at which the robot rests, True if this motion has certainly begun, and if
+    the robot rests `within` the motion, at its `end`, or possibly far `behind` it.
+    """
     place = None if ended.joints is None else resting_place(plan, program, ended.joints, ended.done)
     command = program.command_at(ended.done) if place is None else place.command
     if command is None or len(program.commands) != len(plan.motions):

@@ -1,4 +1,6 @@
-"""What is performed, and what it does to the parts of the cell: whoever performs something through here learns where they are then."""
+"""Performing motions and keeping track of the cell's parts: all motions run through here, so the places of
+parts are known afterwards.
+"""
 
 from __future__ import annotations
 
@@ -20,20 +22,20 @@ from yarclang.runtime.live import Live
 from yarclang.runtime.outcome import Ended
 
 Planning = Callable[..., Awaitable[Any]]
-"""Calls a function with arguments somewhere and gives what it gives."""
+"""Calls a function with arguments somewhere and returns its result."""
 
 
 class Carrying:
-    """Performs what moves the robot, and keeps where the parts are.
+    """Performs all motions, and stores where the parts are.
 
     Args:
-        robot: that moves.
-        engine: what performs it.
-        plan: where planning is done, one call at a time.
-        beside: likewise, without waiting for what is planned.
+        robot: the robot.
+        engine: performs the motions.
+        plan: runs planning, one call at a time.
+        beside: runs a function, without waiting for planning.
 
     Attributes:
-        kept: where the parts are.
+        kept: the places of parts.
     """
 
     def __init__(self, robot: Robot, engine: Engine, plan: Planning, beside: Planning) -> None:
@@ -44,7 +46,11 @@ class Carrying:
         self._beside = beside
 
     async def way_to_start(self, loaded: Loaded, here: Array) -> Way:
-        """Return the way from where the robot stands (n,) [rad or m] to where a program begins.
+        """Return the motion to the start of a program.
+
+        Args:
+            loaded: the program.
+            here: (n,) where the robot stands [rad or m].
 
         Raises:
             Trouble: the parts aren't where they were when the program was proved.
@@ -55,14 +61,14 @@ class Carrying:
         return way
 
     async def renewed(self, loaded: Loaded, number: int) -> Loaded | Ended:
-        """Return a program as it is carried out once more, from its beginning: proved anew if its parts are elsewhere now.
+        """Return a program for its next pass. If its parts are elsewhere now, it is proved again.
 
         Args:
             loaded: the program.
-            number: of the pass that is to begin.
+            number: number of the pass that is to begin.
 
         Returns:
-            How it has ended instead, if it can't be proved.
+            The outcome instead, if it can't be proved.
         """
         plan, stands = loaded.plan, loaded.program.end
         given = loaded.around if plan is None else plan.program.cell
@@ -90,9 +96,9 @@ class Carrying:
         """Carry a job out; for work of `Engine.move`.
 
         Args:
-            job: what is streamed.
-            program: the whole that it is a part of.
-            what: the steps that it carries out; None: it takes and puts nothing.
+            job: job that is streamed.
+            program: whole program that the job is a part of.
+            what: steps that the job carries out; None: it moves no parts.
         """
         cell = None if what is None else what.plan.program.cell
         if what is None or cell is None or not cell.parts:
@@ -105,12 +111,14 @@ class Carrying:
             self.kept.doubt(cell, f"{what.program.name} was ended by something unforeseen")
             raise
         outputs = {} if ended.well else await self._outputs(cell)
-        # bodies are looked at, which may take a while
+        # Bodies are compared, which may take a while.
         await self._beside(self.kept.performed, what, ended, outputs)
         return ended
 
     async def perform_text(self, job: Job, program: Job, cell: Cell | None) -> Ended:
-        """Carry a controller text out whose steps aren't known: if it sets a gripper, nobody knows then where the parts are."""
+        """Carry out a controller text whose steps aren't known. If it sets a gripper, the places of parts are
+        unknown afterwards.
+        """
         ended = await self._engine.perform(job, program)
         sets = {
             variable
@@ -131,7 +139,7 @@ class Carrying:
         return ended
 
     async def _outputs(self, cell: Cell) -> dict[str, float]:
-        """Ask for the outputs that move parts; without those that can't be asked."""
+        """Return the outputs that move parts, except those that can't be asked for."""
         session, found = self._engine.session, dict[str, float]()
         with contextlib.suppress(Trouble, Lost):
             for variable in (*cell.grips, *cell.removals):

@@ -1,4 +1,5 @@
-"""The coordinator: owns one robot, takes commands and programs, plans from where the robot really stands, moves, and tells.
+"""The coordinator: owns one robot, takes commands and programs, plans from where the robot really stands,
+moves it, and reports.
 
 Everything runs in one event loop; `plan` may hand planning to a thread. docs/coordinator.md shows it in use.
 """
@@ -14,16 +15,16 @@ from yarclang.runtime.inspection import Inspection
 
 
 class Coordinator(SharedRobot):
-    """A robot from the connection to the end, to which clients attach."""
+    """A robot to which clients attach, from its connection to the end."""
 
     async def start(self) -> Inspection | None:
-        """Connect to the controller, look at everything, and be at work from now on.
+        """Connect to the controller, inspect it, and begin to serve clients.
 
         Returns:
-            What was found; None if a patient one doesn't reach the controller yet.
+            The inspection; None if a patient coordinator doesn't reach the controller yet.
 
         Raises:
-            Trouble: it can't be reached, or isn't what the robot needs (`NotReady`).
+            Trouble: the controller can't be reached, or isn't as the robot needs it (`NotReady`).
         """
         if self.surroundings is not None:
             later = asyncio.get_running_loop().call_soon_threadsafe
@@ -32,11 +33,11 @@ class Coordinator(SharedRobot):
         return await self.engine.start(patient=self._patient)
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached: nobody knows then what it does."""
+        """End without waiting for a robot that can't be reached; its state is unknown then."""
         self.engine.give_up()
 
     async def close(self) -> None:
-        """Bring the robot to rest on its path, end the connection, and all event streams."""
+        """Bring the robot to rest on its path, close the connection, and end all event streams."""
         if self.surroundings is not None:
             self.surroundings.listen(None)
             self.surroundings.receive(None)
@@ -52,9 +53,9 @@ class Coordinator(SharedRobot):
         await self.close()
 
     def attach(self, name: str) -> Client:
-        """Somebody new, who watches at first.
+        """Add a client, which only watches at first.
 
         Args:
-            name: what others know the client by; where it is taken, a number is added.
+            name: name of the client for others; if it is taken, a number is added.
         """
         return Client(self, self.enter(name))

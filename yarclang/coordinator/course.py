@@ -1,4 +1,8 @@
-"""The motion of a loaded program along its longest ways, and what was proved of it, for people who look at it before the start. Reads the program's file; nothing moves."""
+"""The motion of a loaded program along its longest branches, and its proofs, for people who look at it before
+the start.
+
+Reads the program's file; nothing moves.
+"""
 
 from __future__ import annotations
 
@@ -26,22 +30,23 @@ _TEXT_ALONE = "only the controller's text is known, and not its program"
 
 @dataclass(slots=True)
 class _Way:
-    """What is done one after the other: steps of the program, and the known time that they take [s]."""
+    """A sequence of the program's steps, and the known time that they take [s]."""
 
     steps: list[int] = field(default_factory=list)
     time: float = 0.0
     ends: bool = False
-    """True if the program ends in it."""
+    """True if the program ends in this sequence."""
     exits: bool = False
-    """True if a loop is left in it."""
+    """True if a loop is left in this sequence."""
 
 
 def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
-    """Return what is run of a program, along its longest ways. Takes a while of a long program: call it in a thread.
+    """Return the course of a program along its longest branches. This takes a while for a long program: call
+    it in a thread.
 
     Args:
-        loaded: the program; with a first command, or by steps, what is left of it from there.
-        samples: joint positions of the course.
+        loaded: the program; with a first command, or by steps, the rest of it from there.
+        samples: number of joint positions of the course.
     """
     job, plan = loaded.rest, loaded.plan or loaded.text_plan
     proved = json.loads(job.certificate) if job.certificate else {}
@@ -66,14 +71,18 @@ def course_described(loaded: Loaded, samples: int) -> courses.ProgramCourse:
 
 
 def _chosen(plan: MotionPlan, motions: tuple[PlannedMotion, ...]) -> list[tuple[int, PlannedMotion, float]]:
-    """Return the motions on the longest ways: number among `motions`, motion, and the clock at which it begins [s]."""
+    """Return the motions on the longest branches: number among `motions`, motion, and the clock at which it
+    begins [s].
+    """
     longest = longest_way(plan)
     clocks = plan.schedule.clocks
     return [(at, one, clocks[one.step]) for at, one in enumerate(motions) if one.step in longest]
 
 
 def longest_way(plan: MotionPlan) -> set[int]:
-    """Return the steps that are done if each WHEN takes its longer way, the first one if both take the same time, and each loop makes one pass, up to where it is left."""
+    """Return the steps that are done if each WHEN takes its longer branch (the first one if both take equally
+    long), and each loop makes one pass, up to where it is left.
+    """
     durations = {motion.step: motion.curve.duration for motion in plan.motions}
     way, opened, loops = _Way(), list[tuple[_Way, _Way | None]](), list[_Way]()
     for number, step in enumerate(plan.program.steps):
@@ -92,7 +101,7 @@ def longest_way(plan: MotionPlan) -> set[int]:
             case Finish():
                 way.ends = True
             case Exit() if loops:
-                # what follows in the loop isn't done any more: the robot goes on from here
+                # The rest of the loop is skipped: the robot continues from here.
                 way.exits = True
             case Loop():
                 loops.append(way)
@@ -111,7 +120,9 @@ def longest_way(plan: MotionPlan) -> set[int]:
 
 
 def _met(before: _Way, first: _Way | None, last: _Way) -> _Way:
-    """Return what was done before, and the longer of two ways after it: of those in which the program goes on, if there is one."""
+    """Return the steps before, followed by the longer of two branches; branches in which the program
+    continues take precedence.
+    """
     if before.exits:
         return before
     longer = last if first is None or last.time > first.time else first
@@ -136,7 +147,7 @@ def _course(job: Job, chosen: list[tuple[int, PlannedMotion, float]], samples: i
         clocks = np.array([clock for _, _, clock in chosen])
         number = np.searchsorted(clocks, times, side="right") - 1
         moved = number >= 0
-        # after its motion the robot stands where that has ended, until the next one begins
+        # After a motion, the robot stands at its end until the next motion begins.
         since = times[moved] - clocks[number[moved]]
         joints[moved] = Sampler([motion.curve for _, motion, _ in chosen]).sample(number[moved], since)[0]
     values = np.round(joints / job.robot.axis_units, 4) + 0.0
@@ -165,7 +176,9 @@ def _commands(
 
 
 def _nearest(job: Job, proved: list[dict[str, Any]]) -> courses.NearestProved | None:
-    """Return the smallest clearance of all commands; bodies that are named come before a bound for all."""
+    """Return the smallest clearance of all commands; clearances with named bodies take precedence over a
+    bound for all.
+    """
     found: list[tuple[bool, float, courses.NearestProved]] = []
     for one, command in zip(proved, job.commands, strict=False):
         for told in (one.get("clearance"), one.get("own_clearance")):
@@ -200,7 +213,7 @@ def _peaks(proved: dict[str, Any]) -> replies.Peaks:
 
 
 def _changed(plan: MotionPlan | None, proved: str) -> bool | None:
-    """Return True if the program's file has another text by now; None if it can't be read."""
+    """Return True if the text of the program's file has changed; None if it can't be read."""
     if plan is None or not proved:
         return None
     place = plan.program.source.name

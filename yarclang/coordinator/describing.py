@@ -1,4 +1,4 @@
-"""What is known inside of a process to what is said of it: joints by their names, offers, programs, ends. No I/O."""
+"""Conversion of internal values to messages: joints by their names, offers, programs, outcomes. No I/O."""
 
 from __future__ import annotations
 
@@ -29,11 +29,16 @@ from yarclang.runtime.standing import off_the_start
 from yarclang.units import DEG, MM
 
 _SHOWN = 129
-"""Joint positions of a thinned motion."""
+"""Number of joint positions of a thinned motion."""
 
 
 def joints_by_name(robot: Robot, joints: Array) -> Joints:
-    """Return joint positions (n,) [rad or m] by their names, in deg or mm."""
+    """Return joint positions by their names, in deg or mm.
+
+    Args:
+        robot: the robot.
+        joints: (n,) the positions [rad or m].
+    """
     return {
         name: round(float(value), 6)
         for name, value in zip(robot.joint_names, joints / robot.axis_units, strict=True)
@@ -41,12 +46,19 @@ def joints_by_name(robot: Robot, joints: Array) -> Joints:
 
 
 def joints_of(robot: Robot, joints: Joints) -> Array:
-    """Return (n,) the joint positions [rad or m] that a message tells."""
+    """Return the joint positions of a message (n,) [rad or m]."""
     return np.array([joints[name] for name in robot.joint_names]) * robot.axis_units
 
 
 def finished(time: float, name: str, ended: Ended, robot: Robot) -> Finished:
-    """Return the event that something has ended."""
+    """Return the event that an action has ended.
+
+    Args:
+        time: time of the event [s].
+        name: name of the action.
+        ended: its outcome.
+        robot: the robot.
+    """
     return Finished(
         time_s=time,
         name=name,
@@ -62,7 +74,7 @@ def finished(time: float, name: str, ended: Ended, robot: Robot) -> Finished:
 
 
 def takes(lasting: Lasting) -> replies.Takes:
-    """Return how long something takes as a message."""
+    """Return a duration as a message."""
     return replies.Takes(
         duration_s=lasting.most,
         duration_at_least_s=lasting.least,
@@ -73,7 +85,7 @@ def takes(lasting: Lasting) -> replies.Takes:
 
 
 def lasting_of(takes: replies.Takes) -> Lasting:
-    """Return how long something takes, as a message tells it."""
+    """Return the duration in a message."""
     return Lasting(
         takes.duration_at_least_s, takes.duration_s, takes.waits_at_least, takes.waits, takes.loops
     )
@@ -97,7 +109,7 @@ def offer_described(offer: Offer, robot: Robot) -> replies.OfferDescribed:
 
 
 def _deeds(plan: MotionPlan) -> Iterator[str]:
-    """Yield what the SETs of a plan do to parts of the cell, in words."""
+    """Yield the effects of a plan's SETs on parts of the cell, in words."""
     program = plan.program
     carried = carried_parts(plan.robot, program, program.start, ends_of(plan))
     for step in range(len(program.steps)) if carried is not None else ():
@@ -182,7 +194,13 @@ def program_described(number: int, loaded: Loaded) -> replies.ProgramDescribed:
 
 
 def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:
-    """Return what lies between a robot and a program's start as a message; without a motion, `end` is that start (n,) [rad or m]."""
+    """Return the way between a robot and a program's start as a message.
+
+    Args:
+        way: the way.
+        robot: the robot.
+        start: (n,) start of the program [rad or m], used as `end` if there is no motion.
+    """
     job = way.job
     return replies.Way(
         text=way.text,
@@ -200,8 +218,8 @@ def signals_described(
     """Return inputs or outputs as messages.
 
     Args:
-        variables: of the controller, by the names of the signals.
-        values: by the variables; None if one isn't known.
+        variables: controller variables, by the names of the signals.
+        values: values, by the variables; None if a value isn't known.
     """
     return tuple(
         replies.NamedSignal(name=name, variable=one, value=values.get(one)) for name, one in variables.items()
@@ -209,7 +227,7 @@ def signals_described(
 
 
 def place_described(where: Where | None) -> replies.SourcePlace | None:
-    """Return where a command stands in its source as a message."""
+    """Return the place of a command in its source as a message."""
     if where is None:
         return None
     return replies.SourcePlace(
@@ -223,7 +241,7 @@ def place_described(where: Where | None) -> replies.SourcePlace | None:
 
 
 def parts_described(made: Result[Known]) -> replies.Parts:
-    """Return what is known of the parts of a cell as a message."""
+    """Return the places of a cell's parts as a message."""
     found, known = finding_messages(made.diagnostics), made.value
     if known is None:
         return replies.Parts(parts=(), moved=False, doubt=None, findings=found)
@@ -245,7 +263,7 @@ def parts_described(made: Result[Known]) -> replies.Parts:
 
 
 def signal_of(event: events.OutputSet | events.WaitEnded | events.InputChanged) -> signals.Signal:
-    """Return what an event tells of an input or an output as the runtime tells it."""
+    """Return an event about an input or output as a signal of the runtime."""
     match event:
         case events.OutputSet():
             return signals.OutputSet(event.time_s, event.name, event.variable, event.value)

@@ -1,4 +1,4 @@
-"""Carries out what one client says, order by order: the one place where messages become calls."""
+"""Execution of a client's orders: the one place where messages become calls."""
 
 from __future__ import annotations
 
@@ -51,19 +51,19 @@ T = TypeVar("T")
 R = TypeVar("R", bound=Reply)
 
 _KEPT = 32
-"""Offers, and programs, that are kept for `go` and `run`: the newest."""
+"""Number of offers, and of programs, that are kept for `go` and `run`: the newest ones."""
 
 
 class Desk:
-    """What one client says to a coordinator.
+    """The orders of one client to a coordinator.
 
     Args:
-        coordinator: of the robot.
-        client: who says it.
+        coordinator: the robot's coordinator.
+        client: the client.
 
     Attributes:
-        client: likewise.
-        listens: what the client wants to be told: nothing yet, all but positions, or all.
+        client: the client.
+        listens: the events that the client wants: none yet, all except positions, or all.
     """
 
     def __init__(self, coordinator: Coordinator, client: Client) -> None:
@@ -132,7 +132,7 @@ class Desk:
         """Carry an order out.
 
         Raises:
-            NotOwner: it is for the robot's owner.
+            NotOwner: only the robot's owner may give it.
             Trouble: it can't be carried out now, and why.
         """
         made = self.answer_now(order)
@@ -141,19 +141,21 @@ class Desk:
         return answer
 
     def answer_now(self, order: Order[R]) -> Any:
-        """Begin to carry an order out: return the reply, or what is to be awaited for it. Stops, holds and the pace never wait."""
+        """Begin to carry an order out; return the reply, or an awaitable for it. Stops, holds and the
+        override never wait.
+        """
         return self._handlers[type(order)](order)
 
     def stop_steering(self) -> None:
-        """Bring a live motion to rest that this client has begun, if there is one."""
+        """Bring a live motion of this client to rest, if there is one."""
         self._steered.stop()
 
     def keep(self, loaded: Loaded, generation: int | None = None) -> replies.ProgramDescribed:
-        """Keep a program that was loaded in this very process, to be run.
+        """Keep a program that was loaded in this process, so that it can be run.
 
         Args:
             loaded: the program.
-            generation: of the planner when it was loaded; None: the present one.
+            generation: the planner's generation when it was loaded; None: the current one.
         """
         number = next(self._coordinator.numbers)
         known = self._coordinator.planner.generation if generation is None else generation
@@ -161,15 +163,15 @@ class Desk:
         return program_described(number, loaded)
 
     def offer_of(self, number: int) -> Offer | None:
-        """Return an offer that was made for this client, for whoever shares its process."""
+        """Return an offer that was made for this client; for callers in the same process."""
         return self._offers.get(number)
 
     def loaded_of(self, number: int) -> Loaded | None:
-        """Return a program that was loaded for this client, for whoever shares its process."""
+        """Return a program that was loaded for this client; for callers in the same process."""
         found = self._programs.get(number)
         return None if found is None else found[0]
 
-    # what happens at once
+    # immediate actions
 
     def _ordered(self, order: Callable[[], object]) -> replies.Taken:
         state = self._coordinator.state
@@ -222,7 +224,7 @@ class Desk:
             wrong=wrong_in(found),
         )
 
-    # what is asked
+    # questions
 
     async def _place(self, order: orders.AskPlace) -> replies.Place:
         made = await self.client.motion.where(order.base, order.moving)
@@ -289,7 +291,7 @@ class Desk:
         made = await self.client.session.adopt(order.declarations)
         return replies.Adopted(holds=made.value is not None, findings=finding_messages(made.diagnostics))
 
-    # what moves the robot
+    # motions
 
     async def _offered(self, making: Any) -> replies.Offered:
         made: Result[Offer] = await making
@@ -342,14 +344,14 @@ class Desk:
             order.approach,
         )
         made = await self.client.files.load(source, here=order.here, as_now=not order.recover)
-        # thousands of them would keep a live motion waiting here
+        # Thousands of findings would keep a live motion waiting here.
         found = await self._coordinator.plan(finding_messages, made.diagnostics)
         program = None if made.value is None else self.keep(made.value, generation)
         return replies.Loaded(program=program, findings=found)
 
     async def _way(self, order: orders.AskWay) -> replies.Way:
         loaded = self._loaded(order.program)
-        # who wants a stop from now on doesn't want the run that is being prepared
+        # A stop from now on also cancels the run that is being prepared.
         self._stops = self._coordinator.stops
         await self._check_cell(order.program)
         here = await self._coordinator.stands()
@@ -372,7 +374,7 @@ class Desk:
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
         ended, resting = await coordinator.plan(placed, ended, loaded)
-        coordinator.engine.ended = ended  # the log tells of a fault's place as well
+        coordinator.engine.ended = ended  # the log shows the place of a fault as well
         described: replies.Ended = await coordinator.plan(
             run_described, ended, resting, loaded, undertaking, coordinator.state
         )
@@ -385,7 +387,7 @@ class Desk:
         return loaded
 
     async def _check_cell(self, number: int) -> None:
-        """Check that the cell is still the one that a program was proved in.
+        """Check that the cell is still the one for which a program was proved.
 
         Raises:
             Trouble: it has changed.
@@ -404,7 +406,7 @@ class Desk:
 
 
 def status_of(coordinator: Coordinator) -> replies.Status:
-    """Return how it is going."""
+    """Return the coordinator's status."""
     robot, progress, position = coordinator.robot, coordinator.progress, coordinator.position
     places = [None] * robot.size if position is None else (position / robot.axis_units).round(6).tolist()
     known = progress if coordinator.under_way else None
@@ -439,7 +441,7 @@ def status_of(coordinator: Coordinator) -> replies.Status:
 
 
 def welcome(coordinator: Coordinator, client: Client) -> replies.Welcome:
-    """Return what a new client is told."""
+    """Return the first message to a new client."""
     inspection = coordinator.inspection
     return replies.Welcome(
         version=VERSION,

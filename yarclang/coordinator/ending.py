@@ -1,4 +1,6 @@
-"""How something has ended, as it is told to whoever ordered it: why, where on its path the robot rests, where the source says so, how to go on."""
+"""The outcome of an action as reported to its client: why, where on its path the robot rests, the place in
+the source, and how to continue.
+"""
 
 from __future__ import annotations
 
@@ -19,11 +21,11 @@ from yarclang.runtime.outcome import Concerned, Ended, Where
 from yarclang.runtime.state import State
 
 _ABORTED = "Y1635"
-"""Code of an end that the program wants itself: it isn't gone on with."""
+"""Code of an end that the program itself wants; such a program isn't continued."""
 
 
 def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
-    """Return how an offer has ended."""
+    """Return the outcome of an offer."""
     return replies.Ended(
         well=ended.well,
         what=ended.what or None,
@@ -39,9 +41,10 @@ def ended_described(ended: Ended, robot: Robot, state: State) -> replies.Ended:
 
 
 def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
-    """Return an end with the place in the source of the command that a fault is about, and where on the path the robot rests.
+    """Return an outcome with the place in the source of the faulty command, and where on the path the robot
+    rests.
 
-    What was heard last of a robot that rests on its path may be old: it is looked up there.
+    The last report of a robot that rests on its path may be old, so the command is searched on the path.
     """
     plan, program, concerned = loaded.plan, loaded.program, ended.concerns
     found: Resting | None = None
@@ -59,7 +62,15 @@ def placed(ended: Ended, loaded: Loaded) -> tuple[Ended, Resting | None]:
 def run_described(
     ended: Ended, resting: Resting | None, loaded: Loaded, undertaking: Undertaking, state: State
 ) -> replies.Ended:
-    """Return how a program has ended; `placed` gives the first two."""
+    """Return the outcome of a program.
+
+    Args:
+        ended: outcome, as returned by `placed`.
+        resting: where on its path the robot rests, as returned by `placed`.
+        loaded: the program.
+        undertaking: its execution.
+        state: state of the robot.
+    """
     robot = loaded.program.robot
     is_motion = ended.command in {command.title for command in loaded.program.commands}
     return ended_described(ended, robot, state).model_copy(
@@ -80,14 +91,14 @@ def run_described(
 
 
 def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: bool) -> str | None:
-    """The command to begin with, to go on; empty: the first one; None where nobody knows."""
+    """Return the command with which the program can continue; empty: the first one; None if unknown."""
     plan = loaded.plan
     if plan is None or not ended.command or ended.code == _ABORTED:
         return None
     if not is_motion:
         if can_begin_at(plan, ended.command_index):
             return ended.command_index
-        # what isn't a motion is stood at: what goes on begins in front of it
+        # The robot stands before a step that isn't a motion: continuing begins before it.
         before = motion_before(plan, ended.command_index)
         return chain_place(plan, before) if before else ""
     index = ended.command_index if resting is None else resting.command.index
@@ -95,18 +106,22 @@ def _go_on(ended: Ended, loaded: Loaded, resting: Resting | None, *, is_motion: 
 
 
 def _possible(place: str | None, ended: Ended, loaded: Loaded) -> str | None:
-    """Return the command to begin with, if the robot can get there; where parts are carried a motion may end in a place that only it leads out of."""
+    """Return the command to begin with, if the robot can get there. If parts are carried, a motion may end in
+    a place that only that motion leads out of.
+    """
     plan, here = loaded.plan, ended.joints
     if place is None or plan is None or here is None:
         return place
     begins = beginning(plan, place) if place else (0, 0)
     if place and not isinstance(begins, Diagnostic) and not can_begin_at(plan, place):
-        return None  # inside a way of a WHEN
+        return None  # inside a branch of a WHEN
     return place if isinstance(begins, Diagnostic) or can_go_on(plan, begins[0], here) else None
 
 
 def where_of(origins: Origins, concerned: Concerned) -> Where:
-    """Return where a command stands in its source, as far as the source is known; of one in a module, where the program calls it."""
+    """Return the place of a command in its source, as far as it is known; for a command in a module, the
+    place of the program's call.
+    """
     origin = origins.of(concerned.index, concerned.name, concerned.source_line)
     if origin is None:
         note = origins.missing or "the program has no such command"

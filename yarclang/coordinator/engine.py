@@ -1,6 +1,7 @@
-"""The one task that talks to the controller: looks while nothing is wanted, carries out what is wanted, connects again.
+"""The only task that talks to the controller: it watches while idle, carries out work, and reconnects.
 
-All else hands it work and hears of it by notices; orders to stop go past it, to the session.
+All other code gives it work and learns the results from notices; orders to stop bypass it and go directly to
+the session.
 """
 
 from __future__ import annotations
@@ -34,29 +35,29 @@ from yarclang.runtime.transports.promptness import prompt_while_moving, shares_t
 T = TypeVar("T")
 
 _AGAIN_EACH = 0.5
-"""How often a lost connection is tried to be made again [s]."""
+"""Time between two attempts to restore a lost connection [s]."""
 
 _TRIED, _TRIES = 1.0, 20
-"""For how long somebody who wants a connection waits for it [s], and how often it is looked at meanwhile."""
+"""Time for which a caller waits for a connection [s], and the number of checks during that time."""
 
 _RESCUE = 30.0
-"""How long to try to bring a robot to rest behind a bug of ours [s]."""
+"""Longest time to bring a robot to rest after a bug of ours [s]."""
 
 _LOST, _BUG = "Y1606", "Y2001"
-"""Codes of a connection that was lost, and of what is wrong with yarclang itself."""
+"""Codes of a lost connection, and of a bug in yarclang."""
 
 _RETRIED = "it is made again as soon as the controller can be reached: look at its cable and its power"
-"""What to do about a connection that was lost."""
+"""Remedy for a lost connection."""
 
 UNDER_WAY = "Y1612"
-"""Code of what can't be done since something is under way."""
+"""Code of an action that is refused because another one is in progress."""
 
 NO_LOG = Path()
-"""Where nothing is logged."""
+"""Disables the log."""
 
 
 class NotReady(Trouble):
-    """The controller isn't what the robot needs; `inspection` says what was looked at."""
+    """The controller isn't as the robot needs it; `inspection` has the details."""
 
     def __init__(self, inspection: Inspection) -> None:
         count = len(inspection.errors)
@@ -70,7 +71,7 @@ class NotReady(Trouble):
 
 @dataclass(slots=True, eq=False)
 class _Work:
-    """What is wanted, who waits for it, and whether it moves the robot."""
+    """Work to be done, the future of the caller that waits for it, and True if it moves the robot."""
 
     do: Callable[[], Awaitable[Any]]
     done: asyncio.Future[Any]
@@ -78,10 +79,10 @@ class _Work:
 
 
 class Running(Generic[T]):
-    """Work that was begun and goes on, whoever waits for its end.
+    """Work that continues even if no one waits for its end.
 
     Args:
-        task: that carries it out.
+        task: task that carries it out.
     """
 
     def __init__(self, task: asyncio.Task[T]) -> None:
@@ -89,11 +90,11 @@ class Running(Generic[T]):
 
     @property
     def has_ended(self) -> bool:
-        """True if it has ended, well or not."""
+        """Return True if it has ended, in any way."""
         return self._task.done()
 
     async def ended(self) -> T:
-        """Wait for its end, and return or raise what came of it. Who is cancelled here doesn't end it."""
+        """Wait for the end, and return or raise the result. Cancelling the caller doesn't end the work."""
         return await asyncio.shield(self._task)
 
 
@@ -101,18 +102,19 @@ class Engine:
     """Carries out work on one controller, one piece after the other.
 
     Args:
-        robot: that hangs on it.
-        session: its connection.
+        robot: the robot.
+        session: the connection to its controller.
         log: where motions are logged: a file or a folder; None: a new file in yarc-runs/; `NO_LOG`: nowhere.
-        on_bug: called with what was wrong with yarclang itself, and where the robot was brought to rest before.
+        on_bug: called with the description of a bug in yarclang, and the place to which the robot was brought
+            before.
 
     Attributes:
-        under_way: what is carried out: its name, or empty.
-        client: who ordered it, by the name that a log has; empty: nobody known.
-        run_log: of the motions, from the first one on.
-        ended: how the last of them has ended, as the log tells in the end.
+        under_way: name of the work in progress; empty: none.
+        client: name of the client that ordered it, for the log; empty: unknown.
+        run_log: log of the motions, from the first one on.
+        ended: outcome of the last motion, as written at the end of the log.
         lost: why there is no connection; empty: there is one.
-        inspection: what was found when the controller was looked at last; None: it wasn't yet.
+        inspection: result of the last inspection; None: none yet.
     """
 
     def __init__(
@@ -140,26 +142,27 @@ class Engine:
 
     @property
     def operation(self) -> Operation:
-        """The session's state, orders and notices."""
+        """Return the session's state, orders and notices."""
         return self.session.operation
 
     @property
     def scripts(self) -> Scripts:
-        """What is asked of the controller, in its own words."""
+        """Return the scripts of the controller's kind."""
         return self.session.scripts
 
     async def start(self, *, patient: bool = False) -> Inspection | None:
-        """Connect, look at everything, and serve from now on.
+        """Connect, inspect the controller, and serve from now on.
 
         Args:
-            patient: whether a controller that can't be reached is waited for, and one that isn't what the robot needs is a fault: nothing moves until it is.
+            patient: if True, wait for a controller that can't be reached, and treat one that isn't as the
+                robot needs it as a fault: nothing moves until it is.
 
         Returns:
-            What was found; None if it can't be reached yet.
+            The inspection; None if the controller can't be reached yet.
 
         Raises:
-            NotReady: the controller isn't what the robot needs.
-            Trouble: the robot's settings aren't proved; the controller can't be reached, or not be looked at.
+            NotReady: the controller isn't as the robot needs it.
+            Trouble: the robot's settings aren't proved, or the controller can't be reached or inspected.
         """
         self._items = items_of(self.robot)
         try:
@@ -179,25 +182,25 @@ class Engine:
         return self.inspection
 
     async def _reach(self) -> Inspection:
-        """Connect, and look at everything.
+        """Connect, and inspect the controller.
 
         Raises:
-            Trouble: the controller can't be reached, or not be looked at.
+            Trouble: the controller can't be reached or inspected.
         """
         operation = self.operation
         await self.session.perform(self.scripts.connect(operation))
-        if operation.searches and self.scripts.services is not None:  # nobody watches the search any more
+        if operation.searches and self.scripts.services is not None:  # no one watches the search any more
             await self.session.perform(self.scripts.services.end_search(operation))
         return await self.look()
 
     def _judge(self, found: Inspection) -> None:
-        """Make a fault of what isn't as it must be."""
+        """Enter a fault if the inspection found something wrong."""
         if found.errors:
             trouble = NotReady(found)
             self.operation.go(Event.FAULT, trouble.what, trouble.code, trouble.remedy)
 
     async def retry(self) -> None:
-        """Try at once to make a connection that was lost.
+        """Try at once to restore a lost connection.
 
         Raises:
             Trouble: there is none yet, and why.
@@ -213,7 +216,7 @@ class Engine:
             raise Trouble(f"there is no connection yet: {self.lost}", "it is tried again and again", "Y1606")
 
     async def close(self) -> None:
-        """End what is under way, on its path, and the connection."""
+        """End the current action on its path, and close the connection."""
         self._closing = True
         if self.under_way:
             self.session.order(Stop())
@@ -226,13 +229,17 @@ class Engine:
         self.session.close()
 
     def give_up(self) -> None:
-        """End without waiting for a robot that can't be reached. What its controller still says isn't heard any more."""
+        """End without waiting for a robot that can't be reached. Further messages of its controller are
+        ignored.
+        """
         self._closing = True
         if self._task is not None:
             self._task.cancel()
 
     def close_log(self) -> RunLog | None:
-        """Close the log of the motions so far, if there is one, and return it; the next motion begins another."""
+        """Close the log of the motions so far, if there is one, and return it; the next motion begins another
+        one.
+        """
         log, self.run_log = self.run_log, None
         if log is not None:
             self.session.unlisten(log.take)
@@ -241,41 +248,41 @@ class Engine:
         return log
 
     async def ask(self, script: Callable[[], Script[T]]) -> T:
-        """Carry a short script out between two looks; nothing moves meanwhile.
+        """Run a short script between two looks; nothing moves meanwhile.
 
         Raises:
-            Trouble: as the script does; the robot is under way, or there is no connection.
+            Trouble: as raised by the script; the robot is moving, or there is no connection.
         """
         self._refuse_while_under_way()
         return await self._wait_for(lambda: self.session.perform(script()), moves=False)
 
     async def move(self, name: str, work: Callable[[], Awaitable[T]], *, serves: bool = False) -> T:
-        """Carry out what moves the robot.
+        """Carry out work that moves the robot.
 
         Args:
-            name: what people call it.
-            work: calls `perform` and the like; begins when all that was asked before is done.
-            serves: whether it is what a robot needs that isn't ready: it may be done behind a fault.
+            name: name of the work for people.
+            work: calls `perform` and the like; it begins when all earlier requests are done.
+            serves: True for work that prepares a controller; it may be done after a fault.
 
         Raises:
-            Trouble: something else is under way, or the state forbids it.
+            Trouble: something else is in progress, or the state forbids it.
         """
         self._refuse_while_under_way()
         if self.lost:
             raise Trouble(f"there is no connection to the controller: {self.lost}", "wait", "Y1606")
         if self.operation.state is State.FAULT and not serves:
             raise Trouble("nothing moves behind a fault before it was looked at", "clear it", code="Y1612")
-        self.operation.orders.clear()  # they were for something else
+        self.operation.orders.clear()  # they belonged to something else
         if not self._closing:
             self.under_way = name
         return await self._wait_for(work, moves=True)
 
     async def begin(self, work: Coroutine[Any, Any, T], name: str) -> Running[T]:
-        """Begin what goes on by itself.
+        """Start work that then continues by itself.
 
         Args:
-            work: that calls `move`.
-            name: what people call it.
+            work: a coroutine that calls `move`.
+            name: name of the work for people.
 
         Raises:
             Trouble: it was refused at once.
@@ -287,7 +294,7 @@ class Engine:
         return Running(task)
 
     async def beside(self, function: Callable[..., T], *arguments: Any) -> T:
-        """Call a function that takes long in a thread, so that nobody is kept from stopping the robot."""
+        """Call a slow function in a thread, so that no one is kept from stopping the robot."""
 
         def called() -> T:
             with shares_the_interpreter():
@@ -296,11 +303,15 @@ class Engine:
         return await asyncio.to_thread(called)
 
     async def perform(self, job: Job, program: Job | None = None) -> Ended:
-        """Carry a job out; for work of `move`. `program` is the whole that it is a part of: the log is named after it."""
+        """Carry a job out; for work of `move`. `program` is the whole that the job is a part of; the log is
+        named after it.
+        """
         return await self._logged(job, self.scripts.perform(self.operation, job), program)
 
     async def perform_live(self, live: Live) -> Ended:
-        """Carry a live motion out; for work of `move`. The log has its states, positions and orders; its lines are made on the way."""
+        """Carry a live motion out; for work of `move`. The log has its states, positions and orders, but not
+        its lines.
+        """
         script = self.scripts.perform_live
         if script is None:
             raise Trouble("this controller has no live motions", "move it by commands", "Y1616")
@@ -318,11 +329,12 @@ class Engine:
         return self.ended
 
     async def clear(self) -> None:
-        """Look at the controller behind a fault; where all is well, the fault is forgotten. A program that is left in the middle is ended first.
+        """Inspect the controller after a fault; if all is well, the fault is cleared. A program that was left
+        in the middle is ended first.
 
         Raises:
-            NotReady: it isn't well.
-            Trouble: something is under way, or there is no connection.
+            NotReady: something is wrong.
+            Trouble: something is in progress, or there is no connection.
         """
         self._refuse_while_under_way()
 
@@ -336,16 +348,16 @@ class Engine:
             raise NotReady(found)
 
     async def look_again(self) -> Inspection:
-        """Look at everything on the controller, between two motions.
+        """Inspect the controller between two motions.
 
         Raises:
-            Trouble: something is under way, or there is no connection.
+            Trouble: something is in progress, or there is no connection.
         """
         self._refuse_while_under_way()
         return await self._wait_for(self.look, moves=False)
 
     async def look(self) -> Inspection:
-        """Look at the controller; where all is well, a fault is forgotten."""
+        """Inspect the controller; if all is well, a fault is cleared."""
         self.inspection = await self.session.perform(
             self.scripts.look(self.operation, self.robot, self._items)
         )
@@ -363,7 +375,7 @@ class Engine:
         done: asyncio.Future[T] = asyncio.get_running_loop().create_future()
         self._work.append(_Work(do, done, moves))
         self.session.wake()
-        # a client that goes away doesn't end what it began: somebody else orders that
+        # A client that leaves doesn't end what it began: ending needs an order.
         return await asyncio.shield(done)
 
     async def _serve(self) -> None:
@@ -396,7 +408,7 @@ class Engine:
         except Trouble as trouble:
             self._end(work, trouble)
         except Exception as error:
-            where = await self._rescue()  # whoever waits for the end hears of it when the robot rests
+            where = await self._rescue()  # whoever waits for the end is informed once the robot rests
             self._end(work, error)
             self._on_bug(error, where)
         else:
@@ -405,7 +417,7 @@ class Engine:
                 work.done.set_result(result)
 
     def _end(self, work: _Work, error: Exception | None) -> None:
-        """It is over; whoever gave it may be gone."""
+        """Finish work; its caller may have gone."""
         if work.moves:
             self.under_way = ""
             self.operation.orders.clear()
@@ -413,11 +425,11 @@ class Engine:
             work.done.set_exception(error)
 
     async def _reconnect(self, why: str, lost: str) -> None:
-        """Until there is a connection again, or nobody wants one.
+        """Reconnect until there is a connection, or no one wants one any more.
 
         Args:
-            why: told as the reason of the state.
-            lost: what has ended the connection.
+            why: reported as the reason of the state.
+            lost: why the connection was lost.
         """
         operation = self.operation
         self.lost = lost
@@ -432,7 +444,7 @@ class Engine:
                 found = await self._reach()
             except Trouble as trouble:
                 self.lost = trouble.what
-                if operation.state is State.STOP:  # it was there for a moment
+                if operation.state is State.STOP:  # there was a connection for a moment
                     operation.go(Event.LOST, trouble.what, _LOST, _RETRIED)
                 with contextlib.suppress(TimeoutError):
                     async with asyncio.timeout(_AGAIN_EACH / self.session.pace):
@@ -443,10 +455,11 @@ class Engine:
             return
 
     async def _rescue(self) -> str:
-        """Behind a bug of ours: bring the robot to rest and end what runs. Nothing of the session's state is trusted.
+        """Bring the robot to rest after a bug of ours, and end what runs, without trusting the session's
+        state.
 
         Returns:
-            Where the robot is then, as the end of a sentence; empty where nothing had moved.
+            Where the robot is then, as the end of a sentence; empty if nothing had moved.
         """
         session, operation = self.session, self.operation
         operation.orders.clear()
@@ -464,7 +477,7 @@ class Engine:
         with contextlib.suppress(Exception):
             async with asyncio.timeout(_RESCUE):
                 await rescuer.perform(self.scripts.connect(rescuer.operation))
-                aborts = operation.searches  # a hold doesn't stop it
+                aborts = operation.searches  # a hold doesn't stop a search
                 joints = await rescuer.perform(
                     self.scripts.end_what_runs(rescuer.operation, self.robot, abort=aborts)
                 )
@@ -476,7 +489,7 @@ class Engine:
         return f"{self.robot.name} {where}"
 
     def _log(self, job: Job, program: Job) -> None:
-        """Open the log with the first motion.
+        """Open the log before the first motion.
 
         Raises:
             OSError: it can't be made.

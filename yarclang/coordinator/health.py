@@ -1,4 +1,4 @@
-"""How a robot's motors, link and buffer are, and where its frames are, as messages."""
+"""The state of a robot's motors, link and buffer, and its frames, as messages."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def health_of(coordinator: Coordinator) -> replies.Health:
-    """Return what was heard last; nothing is asked."""
+    """Return the last reported state; nothing is asked."""
     robot, operation = coordinator.robot, coordinator.engine.operation
     sample = coordinator.sample
     errors: list[float | None] = [None] * robot.size
@@ -51,7 +51,9 @@ def health_of(coordinator: Coordinator) -> replies.Health:
 
 
 def _is_guarded(coordinator: Coordinator) -> bool:
-    """Return True if the guard PLC was tried and found at work: it is tried where all else is as it must be."""
+    """Return True if the guard PLC was tested and works. It is tested only if everything else is as it must
+    be.
+    """
     inspection = coordinator.inspection
     if inspection is None or inspection.errors or coordinator.engine.lost:
         return False

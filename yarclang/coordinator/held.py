@@ -1,4 +1,6 @@
-"""Hold-to-run of what was planned to its end: an offer that is carried out only as long as somebody says that it is still wanted."""
+"""Hold-to-run for planned motions: an offer that is carried out only as long as a client confirms that it is
+still wanted.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,15 @@ if TYPE_CHECKING:
     from yarclang.coordinator.coordinator import Coordinator
 
 SILENCE = 0.2
-"""Nothing is wanted any more if nobody has said so for this time [s]."""
+"""Longest time between two confirmations [s]."""
 
 _LOOKED_EACH = 0.01
 
 
 class Held(Part):
-    """The motion that one client holds, when there is one. Whoever falls silent brings it to rest on its path; `resume` goes on."""
+    """The motion that one client holds, if there is one. A client that falls silent brings it to rest on its
+    path; `resume` continues.
+    """
 
     def __init__(self, coordinator: Coordinator, name: str) -> None:
         super().__init__(coordinator, name)
@@ -32,7 +36,7 @@ class Held(Part):
 
     @property
     def rests(self) -> bool:
-        """True if a motion was begun that nobody holds now."""
+        """Return True if a motion was begun that no client holds now."""
         return self._carried and self._is_silent
 
     @property
@@ -40,11 +44,11 @@ class Held(Part):
         return asyncio.get_running_loop().time() - self._heard > SILENCE
 
     def keep(self) -> None:
-        """Note that the motion is still wanted."""
+        """Confirm that the motion is still wanted."""
         self._heard = asyncio.get_running_loop().time()
 
     async def carry_out(self, going: Coroutine[Any, Any, Ended]) -> Ended:
-        """Carry a motion out while it is wanted; without that it rests, and before its beginning doesn't begin."""
+        """Carry a motion out while it is wanted; without confirmation it comes to rest, or does not begin."""
         if self._carried:
             going.close()
             raise Trouble("something is held already", "wait for its end, or stop it", UNDER_WAY)
@@ -62,12 +66,12 @@ class Held(Part):
         while True:
             await asyncio.sleep(_LOOKED_EACH)
             if coordinator.owner != self._name:
-                coordinator.stop()  # it was given to somebody who holds nothing
+                coordinator.stop()  # the robot was given to a client that holds nothing
                 return
             if not self._is_silent:
                 continue
             if not coordinator.under_way:
-                coordinator.stop()  # what is about to begin doesn't begin then
+                coordinator.stop()  # a motion that is about to begin is cancelled
                 return
             session = coordinator.engine.session
             if coordinator.state is not State.HOLD and Hold() not in session.operation.orders:

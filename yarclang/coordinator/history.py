@@ -1,4 +1,4 @@
-"""What a session has done: for the way back, and for the program that does the same. No I/O."""
+"""The history of a session: for the way back, and for saving it as a program. No I/O."""
 
 from __future__ import annotations
 
@@ -21,24 +21,32 @@ from yarclang.syntax.print import print_module
 from yarclang.syntax.renumber import renumbered
 
 _COUNT = 1.0
-"""Who stands within so many counts of a place stands there."""
+"""Distance within which two positions are the same [counts]."""
 
 _FIRST, _STEP = 10, 10
-"""Indices of a saved program."""
+"""First index of a saved program, and the step between two indices."""
 
 _BRIDGE = "[10%]"
-"""How fast a saved program goes where the robot was moved by something else than its commands."""
+"""Speed of a saved program where the robot was moved by something other than the session's commands."""
 
 
 def stands_there(robot: Robot, here: Array, there: Array) -> bool:
-    """Whether two joint positions (n,) [rad or m] are the same to a count."""
+    """Return True if two joint positions agree to a count.
+
+    Args:
+        robot: the robot.
+        here: (n,) one position [rad or m].
+        there: (n,) the other position [rad or m].
+    """
     return bool((np.abs(to_counts(robot, here) - to_counts(robot, there)) <= _COUNT).all())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Entry:
-    """What was carried out: its commands as they were written, its motions and the program that they belong to; from `start` to `end`
-    (n,) [rad or m]. `whole` says whether it came to its end.
+    """An action that was carried out: its commands as written, its motions and their program, from `start` to
+    `end` (n,) [rad or m].
+
+    `whole` is True if it came to its end.
     """
 
     commands: tuple[str, ...]
@@ -50,14 +58,14 @@ class Entry:
 
 
 _ROUNDED = 1e-3
-"""A text's numbers are nearer than this to those that were planned [deg or mm]."""
+"""Rounding of the numbers in a text: they differ from the planned ones by less [deg or mm]."""
 
 
 class History:
-    """What was carried out and not taken back, oldest first.
+    """The actions that were carried out and not taken back, oldest first.
 
     Args:
-        robot: that was moved.
+        robot: the robot that was moved.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -65,40 +73,42 @@ class History:
         self._entries: list[Entry] = []
 
     def add(self, offer: Offer, ended: Ended) -> None:
-        """An offer was carried out, or begun."""
+        """Add an offer that was carried out, or begun."""
         assert offer.compiled is not None
         if offer.takes_back:
             self._take_back(offer, ended)
             return
         plan = offer.compiled.plan
         if ended.well:
-            # where it was planned to end: the text has rounded numbers
+            # Use the planned end: the text has rounded numbers.
             end = plan.motions[-1].waypoints[-1] if plan.motions else offer.start
             if (
                 ended.joints is not None
                 and (np.abs(ended.joints - end) > _ROUNDED * self._robot.axis_units).any()
             ):
-                end = ended.joints  # the program has ended in another way
-            # what nobody has written, such as the way to a program, is no command of the session
+                end = ended.joints  # the program has ended in another branch
+            # Text that no one has written, such as the way to a program, is no command of the session.
             whole = bool(offer.parts.commands)
             entry = Entry(offer.parts.commands, passed(plan), offer.compiled.program, offer.start, end, whole)
         elif ended.joints is None or not ended.command:
-            return  # nothing has moved, or nobody knows
+            return  # nothing has moved, or the position is unknown
         else:
             motions = passed(plan, ended.joints, ended.done) if plan.motions else ()
             entry = Entry((), motions, offer.compiled.program, offer.start, ended.joints, False)
         self._entries.append(entry)
 
     def ran(self, motions: tuple[Passed, ...], program: Program) -> None:
-        """Motions of a program from a file were carried out. They are no commands of the session: only the way back needs them."""
+        """Add motions of a program from a file. They are no commands of the session, and serve only for the
+        way back.
+        """
         self._entries.append(Entry((), motions, program, motions[0].start, motions[-1].end, False))
 
     def forget(self) -> None:
-        """The motors were homed: where the robot stood before is told by other positions now."""
+        """Clear the history: the motors were homed, so that the old positions have other values now."""
         self._entries.clear()
 
     def _take_back(self, offer: Offer, ended: Ended) -> None:
-        """What it leaves of the last entry is no command any more."""
+        """Shorten the last entry after a motion back; its command no longer counts."""
         if not ended.well and (ended.joints is None or not ended.command):
             return
         last = self._entries.pop()
@@ -109,11 +119,13 @@ class History:
 
     @property
     def end(self) -> Array | None:
-        """(n,) where the robot stood behind the last of it [rad or m]."""
+        """Return where the robot stood at the end (n,) [rad or m]."""
         return self._entries[-1].end if self._entries else None
 
     def last(self) -> tuple[tuple[Passed, ...], Program] | None:
-        """The last motions between which the robot didn't stand, and their program; None where there is none."""
+        """Return the last motions between which the robot didn't stand, and their program; None if there are
+        none.
+        """
         while self._entries and not self._entries[-1].motions and not self._entries[-1].whole:
             self._entries.pop()
         entry = next((one for one in reversed(self._entries) if one.motions), None)
@@ -122,14 +134,15 @@ class History:
         return last_group(entry.motions), entry.program
 
     def saved(self, lines: Lines, home: Path, folder: Path | None = None) -> str:
-        """Return the session as a program: its declarations, and what was carried out to its end.
+        """Return the session as a program: its declarations, and all completed commands.
 
-        Where the robot was moved by something else between two commands, a slow motion of all joints leads to where the next began.
+        If something else has moved the robot between two commands, a slow motion of all joints leads to the
+        next start.
 
         Args:
-            lines: of the session.
-            home: the session's folder: names of files are seen from there.
-            folder: where the program is to stand, from where they are seen then; None: in that folder.
+            lines: lines of the session.
+            home: folder of the session, to which names of files are relative.
+            folder: folder of the program, to which names of files are made relative; None: `home`.
         """
         robot = self._robot
         there = (home if folder is None else folder).absolute()
@@ -145,14 +158,14 @@ class History:
                 text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
             text += one.commands
             stands = one.end
-        # numbers of the commands are theirs in the file: what was typed may have had the same one twice
+        # Renumber the commands as they stand in the file: typed lines may share an index.
         module = parse(SourceFile("<session>", "\n".join(text) + "\n")).value
         assert module is not None  # parsing always gives a tree
         return print_module(renumbered(module, _FIRST, _STEP))
 
 
 def _robot_name(robot: Robot, folder: Path) -> str:
-    """A name of the library, else where it is, as it is seen from a folder."""
+    """Return the robot's name in the library, or else its path relative to a folder."""
     known = any(one.folder == robot.folder for one in list_robots())
     return robot.name if known else f'"{relative(robot.folder / "robot.toml", folder)}"'
 

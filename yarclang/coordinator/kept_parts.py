@@ -1,4 +1,6 @@
-"""Where the parts of cells are between what a coordinator carries out: each program, line and jog begins with them as the one before has left them. No I/O."""
+"""Places of the cells' parts between the actions of a coordinator. Each program, line and jog begins with the
+parts as the one before has left them. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -24,17 +26,18 @@ from yarclang.runtime.outcome import Ended
 from yarclang.ways import Turn
 
 ELSEWHERE = "Y1620"
-"""Code of what can't be done since parts are elsewhere, or nobody knows where."""
+"""Code of an action that is refused because parts are elsewhere, or their places are unknown."""
 
 _COUNTS = 1.0
-"""Who stands within so many counts of a place stands there."""
+"""Distance within which two positions are the same [counts]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Known:
-    """Where the parts of a cell are: `cell` is the reading of its file that they belong to, `stands` (n,) where the robot stood then [rad or m] (None: not known).
+    """Places of a cell's parts.
 
-    `doubt` says why nobody knows where the parts are; empty: it is known.
+    `cell` is the reading of the cell's file that they belong to, `stands` (n,) where the robot stood then
+    [rad or m] (None: not known). `doubt` is why the places are unknown; empty: they are known.
     """
 
     cell: Cell
@@ -45,9 +48,10 @@ class Known:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Performed:
-    """What was performed: the steps of a plan from `begin` to `end`, not included; `program` is the job of the whole.
+    """The part of a plan that was performed: steps from `begin` to `end` (exclusive); `program` is the job of
+    the whole.
 
-    `assumed` says where the parts were at `begin`, if nothing is known of them.
+    `assumed` has the places of parts at `begin`, used if nothing is known about them.
     """
 
     plan: MotionPlan
@@ -58,36 +62,41 @@ class Performed:
 
 
 class KeptParts:
-    """Where the parts of each cell are, as far as it is known from what was carried out, or from people.
+    """Places of the parts of each cell, as far as they are known from actions, or from people.
 
     Args:
-        robot: that carries them.
+        robot: the robot that carries the parts.
     """
 
     def __init__(self, robot: Robot) -> None:
         self._robot = robot
         self._known: dict[Path, Known] = {}
 
-    # what is known
+    # reading
 
     @property
     def all(self) -> tuple[Known, ...]:
-        """What is known of all cells: equal to what it was as long as nothing else is known."""
+        """Return the places in all cells. The result compares equal as long as nothing has changed."""
         return tuple(self._known.values())
 
     def known(self, cell: Cell) -> Known | None:
-        """Return what is known of the parts of a cell; None: nothing but its file."""
+        """Return the places of a cell's parts; None: only its file is known."""
         found = self._known.get(file_of_cell(cell)) if cell.parts else None
         if found is None or found.cell.parts == cell.parts:
             return found
         return replace(found, cell=cell, present=on_cell(found.present, found.cell, cell))
 
     def of_file(self, file: Path) -> Known | None:
-        """Return what is known of the parts of the cell with a file; None: nothing but that file."""
+        """Return the places of parts in the cell with this file; None: only the file is known."""
         return self._known.get(file_of(file))
 
     def now(self, cell: Cell, start: Array) -> Cell | None:
-        """Return a cell with its parts where they are, for a program that starts at joint positions (n,) [rad or m]; None if nothing is known but its file."""
+        """Return a cell with its current parts; None if only its file is known.
+
+        Args:
+            cell: the cell.
+            start: (n,) where the program starts [rad or m].
+        """
         known = self.known(cell)
         if known is None:
             return None
@@ -95,17 +104,22 @@ class KeptParts:
         return cell if present == Present(first_parts(cell)) else presently(cell, present)
 
     def now_for_lines(self, cell: Cell, start: Array) -> Cell:
-        """Return the same for lines of a session: other lines may follow, and close or open grippers.
+        """Return a cell with its current parts for lines of a session: further lines may follow, and close or
+        open grippers.
+
+        Args:
+            cell: the cell.
+            start: (n,) where the lines start [rad or m].
 
         Raises:
-            Trouble: nobody knows where the parts are.
+            Trouble: the places of parts are unknown.
         """
         known = self.known(cell) or Known(cell, Present(first_parts(cell)))
         check_sure(known)
         return presently(cell, replace(self._at(known, start), goes_on=True))
 
     def _at(self, known: Known, start: Array) -> Present:
-        """Who doesn't start where the robot stands doesn't stand beside parts."""
+        """Return the parts for a start: only a start where the robot stands is beside parts."""
         stands = known.stands
         if known.present.leaving and (stands is None or not self._is_there(start, stands)):
             return replace(known.present, leaving=())
@@ -118,7 +132,7 @@ class KeptParts:
         """Check that the parts of a cell are where a proof has them.
 
         Raises:
-            Trouble: they are elsewhere, or nobody knows where.
+            Trouble: they are elsewhere, or their places are unknown.
         """
         known = None if cell is None or assumed is None else self.known(cell)
         if known is None or assumed is None:
@@ -132,48 +146,56 @@ class KeptParts:
                 ELSEWHERE,
             )
 
-    # what changes it
+    # changing
 
     def say(self, known: Known) -> None:
-        """Let parts be where somebody says."""
+        """Set the places of parts as a person declares them."""
         present = beside(self._robot, known.cell, known.present, known.stands)
         if present == Present(first_parts(known.cell)):
-            self._known.pop(file_of_cell(known.cell), None)  # as nobody has said or done anything
+            self._known.pop(file_of_cell(known.cell), None)  # nothing was declared or done
         else:
             self._known[file_of_cell(known.cell)] = replace(known, present=present, doubt="")
 
     def doubt(self, cell: Cell | None, why: str) -> None:
-        """Nobody knows any more where the parts of a cell are."""
+        """Record that the places of a cell's parts are no longer known."""
         if cell is not None and cell.parts:
             known = self.known(cell) or Known(cell, Present(first_parts(cell)))
             self._known[file_of_cell(cell)] = replace(known, doubt=why)
 
     def doubt_all(self, why: str) -> None:
-        """Nobody knows any more where the parts are that were carried or put somewhere."""
+        """Record that the places of all parts that were carried or put somewhere are no longer known."""
         for file, known in tuple(self._known.items()):
             self._known[file] = replace(known, doubt=why)
 
     def stands(self, q: Array | None) -> None:
-        """Learn where the robot stands (n,) [rad or m] after a motion that takes and puts nothing."""
+        """Record where the robot stands (n,) [rad or m] after a motion that moves no parts."""
         for file, known in tuple(self._known.items()):
             if known.present.leaving:
                 present = beside(self._robot, known.cell, known.present, q)
                 self._known[file] = replace(known, present=present, stands=q)
 
     def set(self, cell: Cell | None, variable: str, value: float, q: Array) -> None:
-        """Learn that an output was given a value while the robot stands at `q` (n,) [rad or m]."""
+        """Record that an output was set.
+
+        Args:
+            cell: the cell; None: there is none.
+            variable: variable of the output.
+            value: its value.
+            q: where the robot stood (n,) [rad or m].
+        """
         if cell is None or not cell.parts:
             return
         known = self.known(cell) or Known(cell, Present(first_parts(cell)))
         self._known[file_of_cell(cell)] = self._given(known, {variable: value}, q)
 
     def performed(self, what: Performed, ended: Ended, outputs: Mapping[str, float]) -> None:
-        """Learn what was carried out.
+        """Record a performed action.
 
         Args:
-            what: of which program.
-            ended: how it has ended.
-            outputs: the values that outputs of grippers and machines have now, as far as they could be asked.
+            what: steps that were performed.
+            ended: outcome.
+            outputs: current values of the outputs of grippers and machines, as far as they could be asked
+                for.
         """
         plan, given = what.plan, what.plan.program.cell
         assert given is not None, "nothing is followed in a program without a cell"
@@ -209,7 +231,17 @@ class KeptParts:
         q: Array | None,
         outputs: Mapping[str, float],
     ) -> Present:
-        """Follow the steps that were carried out; of those that may have been, as many as the outputs allow."""
+        """Apply the steps that were carried out; of those that may have been, as many as agree with the
+        outputs.
+
+        Args:
+            handling: grippers and parts of the cell, and the steps that use them.
+            what: the part of the plan that was performed.
+            done: steps that were carried out, and those that may have been.
+            start: (n,) where the robot stood before [rad or m].
+            q: (n,) where it stands now [rad or m]; None: unknown.
+            outputs: current values of outputs, by their variables.
+        """
         cell, steps = handling.cell, handling.steps
         ends = {step - what.begin: at for step, at in ends_of(what.plan).items()}
         moving = () if cell is None else (*cell.grips, *cell.removals)
@@ -217,7 +249,7 @@ class KeptParts:
         perhaps = [at - what.begin for at in done.perhaps if _output(steps[at - what.begin]) in moving]
         found: list[Present] = []
         for count in range(len(perhaps) + 1):
-            # motions between these SETs were carried out, too
+            # Motions between these SETs were carried out, too.
             more = range(max(surely, default=-1) + 1, perhaps[count - 1] + 1 if count else 0)
             chosen = surely | {at for at in more if isinstance(steps[at], Motion) or at in perhaps}
             if perhaps and not _agrees(steps, chosen, outputs):
@@ -225,13 +257,13 @@ class KeptParts:
             left_out = {at for at, one in enumerate(steps) if at not in chosen or isinstance(one, Turn)}
             walked = followed(handling, start, ends, left_out)
             found.append(present_after(handling, walked, q))
-        if not found:  # somebody else has set an output: as the program has it
+        if not found:  # someone else has set an output: assume the program's values
             return self._followed(handling, what, done, start, q, {})
         leaving = tuple(dict.fromkeys(one for each in found for one in each.leaving))
         return Present(reduce(either, (one.parts for one in found)), leaving)
 
     def _given(self, known: Known, outputs: Mapping[str, float], q: Array) -> Known:
-        """Return what is known when outputs have these values while the robot stands at `q` (n,)."""
+        """Return the places of parts if outputs have these values while the robot stands at `q` (n,)."""
         handling = handling_of(self._robot, presently(known.cell, known.present), ())
         present = known.present
         for variable, value in outputs.items():
@@ -247,7 +279,9 @@ class KeptParts:
 
 
 def _moved(one: Parts, other: Parts) -> str:
-    """Return the names of some parts that aren't at the same place in two states; of a gripper if no part is elsewhere."""
+    """Return the names of parts whose places differ in two states; if there are none, a gripper whose state
+    differs.
+    """
     pairs = ((one, other), (other, one))
     names = [
         item.name
@@ -264,7 +298,7 @@ def file_of_cell(cell: Cell) -> Path:
 
 
 def _start(plan: MotionPlan, begin: int) -> Array:
-    """Return where the robot stands (n,) before a step with which a part of a plan begins."""
+    """Return where the robot stands (n,) before the step with which a part of a plan begins."""
     motion = next((one for one in plan.motions if one.step == begin), None)
     return plan.program.start if begin == 0 or motion is None else motion.curve.points[0]
 
@@ -274,7 +308,7 @@ def _output(step: Step) -> str | None:
 
 
 def _agrees(steps: Sequence[Step], chosen: Collection[int], outputs: Mapping[str, float]) -> bool:
-    """Return True if outputs that are known have the values that the chosen steps have given them."""
+    """Return True if the known outputs have the values that the chosen steps set."""
     values = {
         step.output.variable: step.value
         for at, step in enumerate(steps)
@@ -284,10 +318,10 @@ def _agrees(steps: Sequence[Step], chosen: Collection[int], outputs: Mapping[str
 
 
 def check_sure(known: Known) -> None:
-    """Check that it is known where the parts are.
+    """Check that the places of parts are known.
 
     Raises:
-        Trouble: it isn't.
+        Trouble: they aren't.
     """
     if known.doubt:
         raise Trouble(

@@ -1,4 +1,6 @@
-"""What KEPT registers hold from run to run: a small database in the state folder, which no kill and no power cut leaves half written."""
+"""Values of KEPT registers between runs: a small database in the state folder, which a kill or a power cut
+never leaves half written.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from yarclang.frozen import frozen
 from yarclang.runtime.actions import Trouble
 
 _LONGEST_WAIT = 5.0
-"""How long another process may have the database [s]."""
+"""Longest time to wait for another process that has locked the database [s]."""
 
 _TABLE = (
     "CREATE TABLE IF NOT EXISTS kept (controller TEXT NOT NULL, program TEXT NOT NULL, register TEXT NOT NULL, "
@@ -22,19 +24,21 @@ _TABLE = (
 
 
 def registers_file() -> Path:
-    """Return where registers are kept (XDG base directories)."""
+    """Return the file of the database (XDG base directories)."""
     given = Path(os.environ.get("XDG_STATE_HOME", ""))
     return (given if given.is_absolute() else Path.home() / ".local" / "state") / "yarc" / "registers.sqlite"
 
 
 def program_of(name: str) -> str:
-    """Return under which name the registers of a program are kept: its path, the same for the program and its controller text."""
+    """Return the name under which a program's registers are kept: its path, the same for the program and its
+    controller text.
+    """
     return str(Path(name).resolve().with_suffix(""))
 
 
 @frozen
 class Kept:
-    """What a register held last, on which controller, in which program."""
+    """The last value of a register, with its controller and program."""
 
     controller: str
     program: str
@@ -47,7 +51,7 @@ class KeptRegisters:
     """The registers of one program on one controller.
 
     Attributes:
-        controller: which robot, and where; a simulated one counts by itself.
+        controller: robot and address; a simulated one has values of its own.
         program: as `program_of` returns it.
     """
 
@@ -55,7 +59,8 @@ class KeptRegisters:
     program: str
 
     def first(self, registers: Iterable[Register]) -> tuple[dict[str, int], list[str]]:
-        """Return what KEPT registers begin with, as far as it was kept, and a sentence for each value that isn't in its register's range any more.
+        """Return the kept values of registers, and a sentence for each value that is now outside its
+        register's range.
 
         Raises:
             Trouble: the database can't be read.
@@ -76,7 +81,7 @@ class KeptRegisters:
         """Keep a value; when this returns, it is on the disk.
 
         Raises:
-            OSError: that can't be done, and why.
+            OSError: it can't be kept, and why.
         """
         place = registers_file()
         try:
@@ -90,7 +95,7 @@ class KeptRegisters:
 
 
 def listed(controller: str = "", program: str = "") -> list[Kept]:
-    """Return what is kept, in the order of programs and names; empty names mean all.
+    """Return the kept values, in the order of programs and names; an empty argument matches all.
 
     Raises:
         Trouble: the database can't be read.
@@ -112,7 +117,7 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
 
 
 def forget(program: str) -> int:
-    """Forget what the registers of a program hold, on all controllers, and return how many values that were.
+    """Delete the kept values of a program on all controllers, and return how many there were.
 
     Raises:
         Trouble: the database can't be read or written.

@@ -1,7 +1,7 @@
 """The lines of a session: declarations stay, commands are carried out. No I/O.
 
-A session is one growing program. A line that is planned stands behind all declarations that were accepted before it; what was carried out
-is told by where the robot stands.
+A session is one growing program. A line is planned after all declarations that were accepted before it.
+Earlier commands are not planned again: their effect is the robot's position.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ from yarclang.syntax.blocks import arrange
 from yarclang.syntax.words import DECLARATIONS
 
 SESSION = "<session>"
-"""How findings call the lines that were accepted before."""
+"""Name, in findings, of the accepted lines."""
 
 TYPED = "<line>"
-"""How findings call the text that somebody gives."""
+"""Name, in findings, of the entered text."""
 
 _CELL = re.compile(r'(?P<before>\s*CELL\s+)"(?P<file>[^"]+)"', re.IGNORECASE)
 """The line that names a cell's file."""
 
 _STEP = 10
-"""Between two indices."""
+"""Step between two indices."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,11 +37,14 @@ class Parts:
     declarations: tuple[str, ...]
     commands: tuple[str, ...]
     count: int = 0
-    """How many lines have commands, those of blocks among them."""
+    """Number of lines with commands, including those in blocks."""
 
 
 def parts_of(module: Module) -> Parts:
-    """What of a text stays, and what is carried out: blocks other than SUB, and than an IF that only declares, are carried out."""
+    """Return which parts of a text stay, and which are carried out.
+
+    Blocks are carried out, except SUB, and except an IF that only declares.
+    """
     nodes = arrange(module).value or ()
     declarations: list[str] = []
     commands: list[str] = []
@@ -52,8 +55,13 @@ def parts_of(module: Module) -> Parts:
 
 
 def numbered(module: Module, before: int, first: int) -> Module:
-    """The same module, whose commands all have an index: those behind its first lines, `before`, from `first` on; those of SUBs in these
-    lines from the beginning.
+    """Return the module with an index for every command.
+
+    Args:
+        module: the module.
+        before: number of lines before the new text; commands of SUBs within these lines are numbered from the
+            beginning.
+        first: first index after these lines.
     """
     numbers = {True: first, False: _STEP}
     statements: list[Statement] = []
@@ -74,7 +82,7 @@ def _commands(node: Node) -> int:
 
 def _stays(node: Node) -> bool:
     if isinstance(node, Block):
-        # an IF that only declares leaves names behind
+        # An IF that only declares leaves names to later lines.
         only_declares = node.head.name.name == "IF" and all(
             map(_stays, (*node.body, *(node.otherwise or ())))
         )
@@ -83,7 +91,7 @@ def _stays(node: Node) -> bool:
 
 
 def _text(node: Node, source: SourceFile) -> str:
-    """The lines of a statement or a block."""
+    """Return the lines of a statement or a block."""
     first = node.head if isinstance(node, Block) else node
     last = _last(node)
     return "\n".join(source.lines[first.line - 1 : last.line - 1 + last.rows])
@@ -99,12 +107,12 @@ def _last(node: Node) -> Statement:
 
 
 def seen_from(declaration: str, home: Path, folder: Path) -> str:
-    """Return a declaration of a file in one folder as it is written in another: a CELL names a file.
+    """Rewrite a declaration in one folder for another folder: a CELL names a file.
 
     Args:
-        declaration: as it was written.
-        home: the folder, from where its file's name is seen, absolute.
-        folder: the other one, absolute.
+        declaration: the declaration as it was written.
+        home: folder that its file's name is relative to, absolute.
+        folder: new folder, absolute.
     """
     named = _CELL.match(declaration)
     if named is None or Path(named["file"]).is_absolute():
@@ -113,19 +121,21 @@ def seen_from(declaration: str, home: Path, folder: Path) -> str:
 
 
 def relative(path: Path, folder: Path) -> str:
-    """Return a file's name as it is seen from a folder; both are absolute."""
+    """Return a file's name relative to a folder; both are absolute."""
     return os.path.relpath(path, folder).replace(os.sep, "/")
 
 
 @dataclass(frozen=True, slots=True)
 class Typed:
-    """A text behind the session's declarations: `source` is both, the text begins behind `before` lines."""
+    """A text after the session's declarations: `source` has both, and the text begins after
+    `before` lines.
+    """
 
     source: SourceFile
     before: int
 
     def placed(self, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-        """Findings with their places in the text itself; those about a line of the session keep theirs."""
+        """Return findings with places relative to the text; those about a line of the session keep theirs."""
         typed = SourceFile(TYPED, "\n".join(self.source.lines[self.before :]) + "\n")
         return tuple(self._placed(one, typed) for one in found)
 
@@ -136,9 +146,7 @@ class Typed:
         if fix is not None:
             edits = tuple(Edit(self._moved(edit.span), edit.text) for edit in fix.edits)
             within = all(edit.span.line > 0 for edit in edits)
-            fix = (
-                Fix(fix.title, edits) if within else None
-            )  # what changes the session's lines is for nobody to apply
+            fix = Fix(fix.title, edits) if within else None  # no one can apply a fix of the session's lines
         return replace(one, source=typed, span=self._moved(span), fix=fix)
 
     def _moved(self, span: Span) -> Span:
@@ -150,8 +158,8 @@ class Lines:
 
     Attributes:
         declarations: as they were written.
-        count: how many commands were carried out.
-        revision: grows with each change of the declarations: what was planned before may not hold any more.
+        count: number of commands that were carried out.
+        revision: grows with each change of the declarations; earlier plans may be invalid after it.
     """
 
     def __init__(self) -> None:
@@ -160,33 +168,33 @@ class Lines:
         self.revision = 0
 
     def copy(self) -> Lines:
-        """Return the same, as they are now."""
+        """Return a copy of the current lines."""
         made = Lines()
         made.declarations, made.count, made.revision = list(self.declarations), self.count, self.revision
         return made
 
     def behind(self, text: str) -> Typed:
-        """A text behind all declarations."""
+        """Return a text after all declarations."""
         before = "".join(f"{one}\n" for one in self.declarations)
         count = sum(one.count("\n") + 1 for one in self.declarations)
         return Typed(SourceFile(SESSION, before + text + "\n"), count)
 
     @property
     def next_number(self) -> int:
-        """The index that a command gets that has none."""
+        """Return the index for a command without one."""
         return _STEP * (self.count + 1)
 
     def declare(self, declarations: tuple[str, ...]) -> None:
-        """They stay from now on."""
+        """Add declarations."""
         if declarations:
             self.declarations += declarations
             self.revision += 1
 
     def adopt(self, declarations: tuple[str, ...]) -> None:
-        """These, and no others, from now on."""
+        """Replace all declarations by these."""
         self.declarations = list(declarations)
         self.revision += 1
 
     def doubt(self) -> None:
-        """Something that the declarations name has changed, such as the cell."""
+        """Record that something named by the declarations, such as the cell, has changed."""
         self.revision += 1

@@ -1,4 +1,4 @@
-"""A program's file, or its text, to what can be run. What the files say is all that is read; nothing moves by it."""
+"""Loading a program's file or text so that it can be run. Only files are read; nothing moves."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from yarclang.source import SourceFile
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What is to be run, and how it is compiled.
+    """The program to be run, and options for compiling it.
 
     Attributes:
-        file: its path; `-` for standard input.
-        text: of the program, in the place of the file's; None: the file's.
-        first: the index of the command to begin with; None: the first.
-        by_steps: whether its commands are wanted one by one.
+        file: path of the program; `-` for standard input.
+        text: text used instead of the file's; None: the file's.
+        first: index of the command to begin with; None: the first.
+        by_steps: True if the commands are run one by one.
         options: robot, start, tolerance, segment time, cell.
-        program: of a compiled program, the file that it is judged against; None: the one beside it.
-        approach: whether the way to its start is wanted as well.
-        present: where the parts of a cell are; None: as the program assumes them.
+        program: for a compiled program, the source against which it is verified; None: the one beside it.
+        approach: True if the way to its start is wanted as well.
+        present: places of the cell's parts; None: as the program assumes them.
     """
 
     file: str
@@ -50,25 +50,26 @@ class Source:
 
     @property
     def is_compiled(self) -> bool:
-        """Whether the file is called as what yarcc writes."""
+        """Return True if the file has a name as written by yarcc."""
         return is_compiled(self.file)
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Return the name for people."""
         return "stdin" if self.file == STANDARD_INPUT else Path(self.file).name
 
 
 def load(source: Source, robot: Robot | None = None, stands: Array | None = None) -> Result[Loaded]:
-    """Compile a program, or judge a compiled one again.
+    """Compile a program, or verify a compiled one again.
 
     Args:
-        source: which.
-        robot: that it must be for; None: the one that it names itself, or the options.
-        stands: (n,) where a program begins that doesn't say START [rad or m]; None: as the options and the project say.
+        source: the program.
+        robot: robot that the program must be for; None: the one that it names itself, or that of the options.
+        stands: (n,) start of a program without START [rad or m]; None: as the options and the project
+            specify.
 
     Returns:
-        None where an error forbids to run it; all findings, in order.
+        None if an error forbids running it; all findings, in order.
     """
     if robot is not None:
         source = replace(source, options=replace(source.options, robot=str(robot.folder)))
@@ -90,7 +91,9 @@ def load(source: Source, robot: Robot | None = None, stands: Array | None = None
 
 
 def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
-    """Return a finding if the robot's files describe another robot than the one that runs: what is proved of that one says nothing of this one."""
+    """Return a finding if the robot's files have changed since the running robot was read: proofs for one
+    don't hold for the other.
+    """
     if loaded is not None and loaded.program.robot.fingerprint == robot.fingerprint:
         return None
     present = load_robot(str(robot.folder)).value if loaded is None else None
@@ -103,7 +106,9 @@ def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
 def _again(
     source: Source, plan: MotionPlan, robot: Robot | None, stands: Array | None
 ) -> Callable[[CellNow], Result[Loaded]]:
-    """Return what compiles the whole of a program once more, with its parts elsewhere: the text that was read, whatever is in its file by then."""
+    """Return a function that compiles the program again with its parts elsewhere. It uses the text that was
+    read, even if the file has changed.
+    """
     whole = replace(source, text=plan.program.source.text, first=None, by_steps=False)
 
     def again(present: CellNow) -> Result[Loaded]:
@@ -113,7 +118,7 @@ def _again(
 
 
 def _judged(source: Source) -> Result[Loaded]:
-    """A compiled program, judged against the one beside it."""
+    """Verify a compiled program against the source beside it."""
     read = read_controller_text(source.file)
     if read.value is None:
         return Result(None, read.diagnostics)
@@ -175,7 +180,12 @@ def _compiled_here(source: Source, stands: Array) -> Result[Loaded]:
 
 
 def open_here(source: Source, stands: Array) -> Result[Opened]:
-    """Read a program, to be run from where the robot stands (n,) [rad or m] unless it says START."""
+    """Read a program that will run from where the robot stands unless it has a START.
+
+    Args:
+        source: the program.
+        stands: (n,) where the robot stands [rad or m].
+    """
     if source.text is None:
         opened = open_program(source.file, source.options)
     else:

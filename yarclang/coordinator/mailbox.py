@@ -1,4 +1,6 @@
-"""What waits for one subscriber: bounded, so that whoever doesn't read costs nothing. No I/O."""
+"""The queue of one subscriber. Its length is limited, so that a subscriber that doesn't read costs nothing.
+No I/O.
+"""
 
 from __future__ import annotations
 
@@ -7,15 +9,17 @@ from collections import deque
 from yarclang.coordinator.messages.events import COALESCED, BaseEvent, Missed
 
 CAPACITY = 256
-"""Events that wait for a subscriber, if nobody says otherwise."""
+"""Default number of events that wait for a subscriber."""
 
 
 class Mailbox:
-    """Events in their order. Of positions, and of progress, only the newest waits; of all others the oldest goes where
-    there is no room, and how many went is told before anything else.
+    """Events in their order.
+
+    Of positions and of progress, only the newest waits. Of all other events the oldest is dropped if there is
+    no room, and the number of dropped events is reported before anything else.
 
     Args:
-        capacity: events that wait at most, 4 or more.
+        capacity: maximum number of waiting events, 4 or more.
     """
 
     def __init__(self, capacity: int = CAPACITY) -> None:
@@ -29,7 +33,7 @@ class Mailbox:
         return len(self._events) + bool(self._missed)
 
     def put(self, event: BaseEvent) -> None:
-        """One more."""
+        """Add an event."""
         if isinstance(event, COALESCED):
             kind = type(event)
             older = next((one for one in reversed(self._events) if type(one) is kind), None)
@@ -40,14 +44,14 @@ class Mailbox:
             self._make_room()
 
     def take(self) -> BaseEvent | None:
-        """The oldest; None where there is none."""
+        """Remove and return the oldest event; None if there is none."""
         if self._missed:
             count, self._missed = self._missed, 0
             return Missed(time_s=self._events[0].time_s, count=count)
         return self._events.popleft() if self._events else None
 
     def _make_room(self) -> None:
-        """Give up the oldest whose loss matters: positions are never told as missed."""
+        """Drop the oldest event other than positions and progress, whose loss is never reported."""
         oldest = next(one for one in self._events if not isinstance(one, COALESCED))
         self._events.remove(oldest)
         self._missed += 1

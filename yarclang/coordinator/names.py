@@ -1,4 +1,6 @@
-"""What names mean behind a session's lines: for whoever names a frame or a signal outside of a command. No I/O."""
+"""The meaning of names after a session's lines, for frames or signals that are named outside of a command. No
+I/O.
+"""
 
 from __future__ import annotations
 
@@ -31,11 +33,11 @@ class _Alone:
 
 
 class Names:
-    """The names that a robot and the lines of a session give a meaning.
+    """The names that have a meaning for a robot after the lines of a session.
 
     Args:
-        lines: of the session.
-        planner: whose robot and folder they belong to.
+        lines: lines of the session.
+        planner: planner with the robot and folder of the session.
     """
 
     def __init__(self, lines: Lines, planner: Planner) -> None:
@@ -43,18 +45,20 @@ class Names:
         self._planner = planner
 
     def scope(self) -> Scope:
-        """Return what all names mean now."""
+        """Return the current meaning of all names."""
         module = parse(self._lines.behind("").source).value
         assert module is not None  # parsing always gives a tree
         return declared_names(module, context_of(self._planner.request(self._planner.robot.home)))
 
     def cell(self) -> Result[Program]:
-        """Return the session's declarations alone as a program: its cell is what motions keep to, with its parts as its file has them. None where the cell can't be used."""
+        """Return the session's declarations as a program, with the cell that motions respect and its parts as
+        in its file. None if the cell can't be used.
+        """
         parsed = parse(self._lines.behind("").source)
         assert parsed.value is not None  # parsing always gives a tree
         request = replace(self._planner.request(self._planner.robot.home), present=None)
         checked = check_program(parsed.value, request)
-        # Y0104, a file without a command, is what declarations of a session are
+        # Y0104, a file without a command, is normal for a session's declarations.
         found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
         return Result(None if has_errors(found) else checked.value, found)
 
@@ -98,7 +102,7 @@ def _word(name: str) -> Word:
 
 
 def _looked_up(text: str, look: Callable[[Collector], T | None]) -> Result[T]:
-    """Return what was found, with findings in the name's own text."""
+    """Return the result of a look-up, with findings in the name's own text."""
     findings = Collector(SourceFile(TYPED, f"{text.strip()}\n"))
     found = look(findings)
     return Result(found, tuple(findings.found))

@@ -1,4 +1,6 @@
-"""A text to an offer: what would be done, planned from where the robot stands, and certified. Pure: nothing moves by it."""
+"""From a text to an offer: its motions, planned from where the robot stands, and certified. Pure: nothing
+moves.
+"""
 
 from __future__ import annotations
 
@@ -35,16 +37,18 @@ from yarclang.syntax.ast import Module
 from yarclang.syntax.parse import parse
 
 NAME = "session"
-"""What a program that is made of a session is called."""
+"""Name of a program that is made from a session."""
 
 _SAME = 1e-6
-"""Joint positions that are nearer to each other [rad or m] are one."""
+"""Distance within which joint positions count as equal [rad or m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class OfferedMotion:
-    """One motion of an offer: `title` is its index and name, `seconds` how long it takes, `branch` which of the solutions of a pose it goes to
-    (empty where there was nothing to choose), `proved` what the certificate says of it: peaks, path, clearance.
+    """One motion of an offer.
+
+    `title` is its index and name, `seconds` its duration, `branch` the chosen solution of a pose (empty if
+    there was no choice), and `proved` the certificate's values: peaks, path, clearance.
     """
 
     title: str
@@ -55,20 +59,21 @@ class OfferedMotion:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Offer:
-    """What would be done, if the owner says so.
+    """A text's motions and declarations, which are carried out if the owner agrees.
 
     Attributes:
-        number: each offer of a coordinator has its own.
-        text: as it was given.
-        parts: its declarations and commands.
-        start: (n,) from where it was planned [rad or m].
-        motions: the motions in order; empty where nothing moves.
+        number: number of the offer, unique within a coordinator.
+        text: text as it was given.
+        parts: declarations and commands of the text.
+        start: (n,) where planning began [rad or m].
+        motions: motions in order; empty if nothing moves.
         findings: warnings and notes; an offer has no errors.
-        compiled: text, program, plan and certificate; None where there are only declarations.
-        job: what would be streamed; likewise.
-        revision: of the session's lines that it was planned behind.
-        takes_back: how many of the motions that were carried out it takes back.
-        proved_in: the cell, with its parts, that it holds in; None: that of the session, or the one that its own lines name.
+        compiled: text, program, plan and certificate; None if there are only declarations.
+        job: job to be streamed; None if there are only declarations.
+        revision: revision of the session's lines for which it was planned.
+        takes_back: number of earlier motions that it takes back.
+        proved_in: cell, with its parts, for which it is valid; None: the session's cell, or the one that its
+            own lines name.
     """
 
     number: int
@@ -85,47 +90,47 @@ class Offer:
 
     @property
     def duration(self) -> float:
-        """The known time of motions and dwells, along the longest ways [s]."""
+        """Return the known time of motions and dwells, along the longest branches [s]."""
         return self.lasting.most
 
     @property
     def lasting(self) -> Lasting:
-        """How long it takes."""
+        """Return the duration, including waits."""
         return NO_TIME if self.job is None else self.job.lasting
 
     @property
     def end(self) -> Array:
-        """(n,) where the robot stands behind it [rad or m]."""
+        """Return where the robot stands after it (n,) [rad or m]."""
         return self.start if self.job is None else self.job.end
 
     @property
     def certificate(self) -> Certificate | None:
-        """What was proved."""
+        """Return what was proved; None if nothing moves."""
         return None if self.compiled is None else self.compiled.certificate
 
     @property
     def plan(self) -> MotionPlan | None:
-        """The joints as a function of time."""
+        """Return the plan, which gives the joints as a function of time."""
         return None if self.compiled is None else self.compiled.plan
 
     @property
     def title(self) -> str:
-        """What it is called while it is carried out."""
+        """Return the name of the offer while it is carried out."""
         return " ".join(self.text.split())[:60]
 
 
 class Planner:
-    """Makes offers for one robot, in one folder: modules and cells are looked for there, and yarc.toml.
+    """Makes offers for one robot, in one folder, where modules, cells and yarc.toml are looked for.
 
     Args:
-        robot: whose motions they are.
-        folder: where the session is at home.
+        robot: the robot.
+        folder: folder of the session.
         tm: longest segment time [ms]; None: the robot's.
-        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
-        present: where the parts of the cell are now; None: where its file has them.
+        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
+        present: current places of the cell's parts; None: as in its file.
 
     Attributes:
-        generation: grows when the cell or yarc.toml was read again: what was proved before may not hold any more.
+        generation: grows when the cell or yarc.toml was read again; earlier proofs may be invalid after it.
     """
 
     def __init__(
@@ -157,7 +162,8 @@ class Planner:
     def renewed(self) -> bool:
         """Read the cells again if one of their files has changed; return True if so. Waits for the disk.
 
-        The robot keeps to the cell that was named at first. As long as none is, yarc.toml is read again as well.
+        The robot keeps to the cell that was named at first. As long as none is named, yarc.toml is read again
+        as well.
         """
         if self._cells.is_current and (self._keeps or self._settings == stamp_of(self._places())):
             return False
@@ -166,7 +172,7 @@ class Planner:
         return True
 
     def _places(self) -> tuple[Path, ...]:
-        """Return where a yarc.toml would count: in the folder, and in those above it."""
+        """Return the places where a yarc.toml would count: in the folder, and in the folders above it."""
         folder = self.folder.resolve()
         return tuple(one / FILE_NAME for one in (folder, *folder.parents))
 
@@ -182,32 +188,32 @@ class Planner:
         told = (*told, *given.diagnostics)
         around = given.value
         self._keeps = around is not None and not has_errors(told)
-        if has_errors(told):  # nobody knows what is around: every text is refused with these findings
+        if has_errors(told):  # the surroundings are unknown: refuse every text with these findings
             around = GivenCell(FILE_NAME, Result(None, told), FILE_NAME, f"repair {FILE_NAME}")
         self._project, self._cells = project, load_cell
         self._request = replace(self._request, load=loader(self.folder), load_cell=load_cell, cell=around)
 
     @property
     def cell(self) -> Cell | None:
-        """The cell that all motions keep to; None if only a CELL line can name one."""
+        """Return the cell of all motions; None if only a CELL line can name one."""
         given = self._request.cell
         return None if given is None else given.loaded.value
 
     def request(self, start: Array) -> Request:
-        """How a text is compiled from where the robot stands (n,) [rad or m]."""
+        """Return how a text is compiled from where the robot stands (n,) [rad or m]."""
         return replace(self._request, start=start)
 
     def offer(self, text: str, lines: Lines, start: Array, number: int) -> Result[Offer]:
-        """Plan and certify a text behind the lines of a session.
+        """Plan and certify a text after the lines of a session.
 
         Args:
             text: one command, declaration or block, or several.
-            lines: of the session.
+            lines: lines of the session.
             start: (n,) where the robot stands [rad or m].
-            number: of the offer.
+            number: number of the offer.
 
         Returns:
-            None where a finding forbids it. Findings have their places in the text.
+            None if a finding forbids it. Findings have their places in the text.
         """
         typed = lines.behind(text)
         revision = lines.revision
@@ -219,7 +225,7 @@ class Planner:
             return Result(None, ())
         found = (*parsed.diagnostics, *self._of_robot(module))
         compiled: Compiled | None = None
-        # a command in a loop, or one that calls a module, is told by its index
+        # Commands in loops, and those that call a module, are identified by their index.
         indexed = numbered(module, typed.before, lines.next_number)
         if not has_errors(found):
             made = self._staged(indexed, start, parts)
@@ -234,7 +240,15 @@ class Planner:
     def offered(
         self, number: int, text: str, start: Array, made: Result[Compiled], revision: int
     ) -> Result[Offer]:
-        """The offer of a program that wasn't written by anybody, such as a way back."""
+        """Return the offer of a program without text, such as a way back.
+
+        Args:
+            number: number of the offer.
+            text: text of the offer, for people.
+            start: (n,) where the robot stands [rad or m].
+            made: the compiled program.
+            revision: revision of the session's lines for which it was planned.
+        """
         if made.value is None or has_errors(made.diagnostics):
             return Result(None, made.diagnostics)
         parts = Parts((), ())
@@ -260,7 +274,7 @@ class Planner:
         return Offer(number, text, parts, start, motions, found, compiled, job, revision)
 
     def _of_robot(self, module: Module) -> tuple[Diagnostic, ...]:
-        """A ROBOT line must name this very robot; START is for files."""
+        """Check that a ROBOT line names this robot, and that there is no START, which is for files."""
         found: list[Diagnostic] = []
         declared = declared_robot(module)
         if declared is not None and declared[0].upper() != self.robot.name.upper():
@@ -280,14 +294,14 @@ class Planner:
         return tuple(found)
 
     def _staged(self, module: Module, start: Array, parts: Parts) -> Result[Compiled]:
-        """All stages, and the rules."""
+        """Run all compiler stages, and the lint rules."""
         request = self.request(start)
         checked = check_program(module, request)
         program = checked.value
         assert program is not None  # a check always gives a program
         products: list[object] = [module, program]
         if not parts.commands:
-            # Y0104, a file without a command, is what declarations of a session are
+            # Y0104, a file without a command, is normal for a session's declarations.
             found = tuple(one for one in checked.diagnostics if one.code != "Y0104")
             return Result(None, found)
         planned = plan_checked(checked, request)
@@ -304,7 +318,7 @@ class Planner:
 
 
 def _new_parts(module: Module, before: int) -> Parts:
-    """The parts of the text behind the session's lines."""
+    """Return the parts of the text after the session's lines."""
     own = replace(module, statements=tuple(one for one in module.statements if one.line > before))
     return parts_of(own)
 
@@ -321,7 +335,7 @@ def _motions(compiled: Compiled) -> tuple[OfferedMotion, ...]:
 
 
 def _branch(robot: Robot, program: Program, number: int, begin: Array, chosen: Array) -> str:
-    """Which solution of a free pose was taken: `nearest of 8`."""
+    """Return which solution of a free pose was chosen: `nearest of 8`."""
     step = program.steps[number]
     if not isinstance(step, JointMove | AvoidMove) or not isinstance(goal := step.goal, PoseGoal):
         return ""

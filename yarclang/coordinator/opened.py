@@ -1,4 +1,6 @@
-"""A coordinator on a controller, alone on this computer, and to be ordered about by other processes (`yarc status`, `yarc stop`, clients)."""
+"""Opening a coordinator on a controller: alone on this computer, and open to orders of other processes (`yarc
+status`, `yarc stop`, clients).
+"""
 
 from __future__ import annotations
 
@@ -19,30 +21,35 @@ from yarclang.runtime.transports.promptness import prompt_thread
 from yarclang.simulated_cell.playing import SimulatedCell
 
 _MOST_FIRST = 2**40
-"""Numbers of programs and offers begin anywhere below: those of a coordinator that has ended mean nothing to this one."""
+"""Upper bound of the random first number of programs and offers, so that numbers of an earlier coordinator
+mean nothing to this one.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Ground:
-    """Where a coordinator works, and how.
+    """Settings of a coordinator.
 
     Attributes:
         host: of the controller.
-        port: likewise.
+        port: of the controller.
         folder: where modules, cells and yarc.toml are looked for.
-        name: what `yarc status` calls it while nothing is under way.
-        tm: longest segment time of what is planned [ms]; None: the robot's.
-        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
+        name: name that `yarc status` shows while nothing is in progress.
+        tm: longest segment time of planned motions [ms]; None: the robot's.
+        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
-        reply_time: after so long a reply is lost [s].
-        pace: how fast the controller's time passes: 1, but for a simulator.
-        patience: for how long this computer may be silent before its controller holds [s]; None: what the link allows.
-        simulated: whether the controller is a simulator of our own, in this process: it doesn't go on while this process is kept from its work.
-        serves: whether the coordinator is there to serve other processes.
-        surroundings: the machines around a robot that is simulated in this process; None: it isn't.
-        leash: the time of a simulator in this process; None: the controller waits for nobody.
-        patient: whether the coordinator is there also while the controller isn't ready (`Coordinator`).
-        unattended: whether nobody can resume what no person has held (`Operation.unattended`).
+        reply_time: longest time for a reply [s].
+        pace: seconds of the controller per second: 1, except for a simulator.
+        patience: longest silence of this computer before its controller holds [s]; None: what the link
+            allows.
+        simulated: True if the controller is our own simulator in this process; it pauses while this process
+            is kept from its work.
+        serves: True if the coordinator serves other processes.
+        surroundings: machines around a robot that is simulated in this process; None: the robot isn't
+            simulated here.
+        leash: clock of a simulator in this process; None: the controller waits for no one.
+        patient: True if the coordinator also runs while the controller isn't ready (`Coordinator`).
+        unattended: True if no one can resume a hold that no person has ordered (`Operation.unattended`).
     """
 
     host: str
@@ -65,15 +72,15 @@ class Ground:
 
 @asynccontextmanager
 async def opened(robot: Robot, ground: Ground) -> AsyncIterator[Coordinator]:
-    """Yield a coordinator that is at work as long as the context lasts.
+    """Yield a coordinator that runs as long as the context lasts.
 
     Args:
-        robot: that hangs on the controller.
-        ground: where it works.
+        robot: the robot.
+        ground: settings of the coordinator.
 
     Raises:
         ControlError: another process of this computer drives the controller.
-        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
+        Trouble: the controller can't be reached, or isn't as the robot needs it (`NotReady`).
     """
     with controller_lock(ground.host, ground.port), prompt_thread():
         session = OrderedSession(

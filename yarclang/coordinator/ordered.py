@@ -1,4 +1,4 @@
-"""A session whose orders are logged, and that may pause with nothing moving."""
+"""A session that logs orders and can pause at rest."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from yarclang.runtime.session import Session
 
 
 class OrderedSession(Session):
-    """A session that logs what is ordered, and that may pause with nothing moving.
+    """A session that logs orders and can pause at rest.
 
     Attributes:
-        log: where orders are logged, if anywhere.
-        paused: between two commands that are carried out step by step: a hold means nothing, and another pace is for what comes.
+        log: log of orders, if any.
+        paused: True between two commands that are carried out one by one. While paused, a hold has no effect
+            and a new override applies to the next command.
         failure: what failed meanwhile.
     """
 
@@ -21,7 +22,7 @@ class OrderedSession(Session):
     failure: Fail | None = None
 
     def order(self, order: Order) -> None:
-        """Something that a person wants, at once."""
+        """Give an order of a person, at once."""
         if self.log is not None:
             self.log.ordered(self.now(), order)
         if self.paused and isinstance(order, Hold):
@@ -35,9 +36,10 @@ class OrderedSession(Session):
         super().order(order)
 
     async def pause(self) -> bool:
-        """Wait until somebody wants it to go on; whether somebody wants the end instead, or something failed.
+        """Wait until someone continues; return True if someone orders the end instead, or something has
+        failed.
 
-        Who wanted it to go on before that meant something else.
+        Earlier orders to continue were for something else and are discarded.
         """
         orders = self.operation.orders
         for early in [one for one in orders if isinstance(one, Resume)]:
@@ -47,6 +49,6 @@ class OrderedSession(Session):
             await self.order_given(Resume)
         finally:
             self.paused = False
-        ends = bool(self.operation.orders)  # only what ends the run stays
+        ends = bool(self.operation.orders)  # only orders that end the run stay
         self.operation.orders.clear()
         return ends

@@ -1,4 +1,4 @@
-"""Who may move the robot: one at a time, all others watch. No I/O."""
+"""The right to move the robot: one client has it at a time, all others watch. No I/O."""
 
 from __future__ import annotations
 
@@ -6,18 +6,18 @@ from yarclang.runtime.actions import Trouble
 
 
 class NotOwner(Trouble):
-    """Somebody who doesn't own the robot wants to move it."""
+    """A client that doesn't own the robot tries to move it."""
 
     def __init__(self, what: str, remedy: str) -> None:
         super().__init__(what, remedy, code="Y1611")
 
 
 class Ownership:
-    """Who owns the robot, by their names.
+    """The owner of the robot, by name.
 
     Attributes:
-        owner: the name; empty where nobody does.
-        shared: whether others may resume and change the pace as well.
+        owner: name of the owner; empty: no one.
+        shared: True if other clients may resume and change the override as well.
     """
 
     def __init__(self) -> None:
@@ -25,10 +25,10 @@ class Ownership:
         self.shared = False
 
     def take(self, name: str, *, shared: bool = False) -> bool:
-        """Own it from now on; whether that is new.
+        """Own the robot from now on; return True if the owner is a new one.
 
         Raises:
-            NotOwner: somebody else does.
+            NotOwner: another client owns it.
         """
         if self.owner == name:
             self.shared = shared
@@ -42,10 +42,10 @@ class Ownership:
         return True
 
     def check(self, name: str, what: str) -> None:
-        """Whether somebody may do what is for the owner.
+        """Check that a client may give an order that is for the owner.
 
         Raises:
-            NotOwner: no.
+            NotOwner: it may not.
         """
         if self.owner == name:
             return
@@ -54,24 +54,25 @@ class Ownership:
         raise NotOwner(f"{what} is for the robot's owner: {who}, {name} watches", remedy)
 
     def check_pace(self, name: str, what: str) -> None:
-        """Check whether somebody may resume, and change the pace: the owner, and others where the owner shares that.
+        """Check that a client may resume and change the override: the owner, and others if the owner shares
+        the robot.
 
         Raises:
-            NotOwner: no.
+            NotOwner: it may not.
         """
         if not (self.owner and self.shared):
             self.check(name, what)
 
     def give(self, name: str, to: str, known: tuple[str, ...]) -> None:
-        """Give it over.
+        """Hand the robot over.
 
         Args:
-            name: who gives; the owner.
-            to: who owns it then; empty: nobody.
-            known: who there is.
+            name: current owner.
+            to: new owner; empty: no one.
+            known: names of all clients.
 
         Raises:
-            NotOwner: it isn't theirs to give, or there is no such client.
+            NotOwner: `name` doesn't own the robot, or there is no client `to`.
         """
         self.check(name, "to give the robot over")
         if to and to not in known:

@@ -1,4 +1,4 @@
-"""What is known of a robot by what was told: for doors that show it. No I/O."""
+"""The state of a robot, collected from events, for programs that show it. No I/O."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from yarclang.coordinator.messages.replies import Status
 
 
 class Picture:
-    """What a robot does, as of the last event.
+    """The state of a robot as of the last event.
 
     Args:
-        status: what was told at first.
+        status: first status.
 
     Attributes:
-        state: what the robot does.
-        owner: who may move it; empty: nobody does.
-        under_way: what is carried out; empty: nothing is.
-        paused: whether it stands between two commands that are carried out one by one.
+        state: state of the robot.
+        owner: client that may move it; empty: no one.
+        under_way: action in progress; empty: none.
+        paused: True if it stands between two commands that are carried out one by one.
         override: percent of the programmed speed.
         joints: actual positions [deg or mm]; None: not known yet.
-        progress: how far the program is, while it is under way.
+        progress: progress of the program in progress.
     """
 
     def __init__(self, status: Status) -> None:
@@ -34,7 +34,7 @@ class Picture:
         self.progress: events.ProgressMade | None = None
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take note of an event."""
+        """Update the state from an event."""
         match event:
             case events.StateChanged():
                 self.state = event.state

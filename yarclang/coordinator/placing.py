@@ -1,4 +1,4 @@
-"""Where people say that parts are. No I/O."""
+"""Places of parts as declared by people. No I/O."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ _CODE = "Y1601"
 
 
 def as_filed(known: Known, name: str | None) -> Known:
-    """Return what is known when a part lies where its file has it.
+    """Return where the parts are when one of them lies where its file has it.
 
     Args:
-        known: before.
-        name: of the part, or of all of its kind; None: all parts.
+        known: where the parts were before.
+        name: name of the part, or of all parts of a kind; None: all parts.
 
     Raises:
-        Trouble: no part is called so.
+        Trouble: there is no part with this name.
     """
     first = first_parts(replace(known.cell, present=None))
     if name is None:
@@ -36,27 +36,32 @@ def as_filed(known: Known, name: str | None) -> Known:
 
 
 def gone(known: Known, name: str) -> Known:
-    """Return what is known when a part isn't in the cell any more.
+    """Return where the parts are when one of them is no longer in the cell.
+
+    Args:
+        known: where the parts were before.
+        name: name of the part.
 
     Raises:
-        Trouble: no part is called so.
+        Trouble: there is no part with this name.
     """
     kind = _kind(known, name)
     return _placed(known, kind, None if name == kind else _number(known, kind, name), [])
 
 
 def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None) -> Known:
-    """Return what is known when a part lies somewhere, or is held.
+    """Return the places when a part lies somewhere, or is held.
 
     Args:
-        known: before; it says where the robot stands.
-        robot: that holds it.
-        name: of the part.
-        pose: (4, 4) base_from_part [m], or flange_from_part of one that a gripper holds.
-        gripper: the variable of that gripper's output; None: it lies.
+        known: places before, including the robot's position.
+        robot: the robot that may hold the part.
+        name: name of the part.
+        pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds it.
+        gripper: variable of that gripper's output; None: the part lies.
 
     Raises:
-        Trouble: no part is called so, there are several of its kind, or the gripper holds another part.
+        Trouble: there is no part with this name, there are several of its kind, or the gripper holds another
+            part.
     """
     kind = _kind(known, name)
     number = _number(known, kind, name)
@@ -78,7 +83,7 @@ def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None)
 
 
 def _placed(known: Known, kind: str, number: int | None, items: list[Item]) -> Known:
-    """Return what is known with other items in the place of one part, or (None) of all of a kind."""
+    """Return the places with other items instead of one part, or (None) instead of all parts of a kind."""
     parts = known.present.parts
 
     def is_other(name: str, its: int) -> bool:
@@ -99,7 +104,7 @@ def _with(known: Known, parts: Parts, leaving: tuple[Leaving, ...]) -> Known:
 
 
 def _lying(parts: Parts) -> tuple[Leaving, ...]:
-    """Return that the robot may stand beside parts that lie, as one that has just put them down."""
+    """Return that the robot may stand beside lying parts, as if it had just put them down."""
     names = [one.name for one in parts.items if one.gripper is None]
     return tuple(Leaving((name,), False, (Touch(name, None, -np.inf),)) for name in names)
 
@@ -117,7 +122,7 @@ def _is_number_of(name: str, kind: str) -> bool:
 
 
 def _number(known: Known, kind: str, name: str) -> int:
-    """Return which of its kind a part is."""
+    """Return the number of a part within its kind."""
     count = next(one.count for one in known.cell.parts if one.body.name == kind)
     if name != kind:
         number = int(name[len(kind) + 1 :])

@@ -1,4 +1,6 @@
-"""A program's file to what can be carried out: the whole, what is left of it behind a command, or its commands one by one."""
+"""From a program's file to what can be run: the whole program, its rest from a command on, or its commands
+one by one.
+"""
 
 from __future__ import annotations
 
@@ -33,27 +35,29 @@ from yarclang.runtime.job import Job
 from yarclang.runtime.standing import off_the_start
 
 APPROACH = "approach"
-"""What the way to a program's start is called."""
+"""Name of the way to a program's start."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loaded:
-    """What is to be run.
+    """A program that can be run.
 
     Attributes:
-        program: the whole of it.
-        rest: what is run first: all of it, or what is left of it behind a command.
-        steps: the commands of that one by one, if that is wanted.
-        plan: of the program, if the program itself is known and not only its text.
-        begins_within: whether a command was named to begin with.
-        origins: looks where its commands come from.
-        cell: what is around on the way to its start, of a program of which only the text is known.
-        spans: which motions of the plan each of `steps` has, or what is run first and then the whole: from the first, to behind the last.
-        assumed: where the parts of the cell are when it begins, as it was proved; None: the cell has none.
-        first_step: the step of the plan with which what is run first begins, if a command was named.
-        text_plan: of the program of a controller text: what the text does to parts is followed by it.
-        behind: plans what follows a motion that an input has ended: its number, and where the robot stands (n,) [rad or m]; None: that can't be done.
-        again: compiles the same program with its parts elsewhere; None: that can't be done.
+        program: job of the whole program.
+        rest: job that is run first: the whole program, or its rest from a command on.
+        steps: jobs of the single commands of `rest`, if they are wanted.
+        plan: plan of the program, if the program itself is known and not only its text.
+        begins_within: True if a first command was named.
+        origins: finds the source of its commands.
+        cell: cell on the way to its start, for a program of which only the text is known.
+        spans: for each of `steps`, or for `rest` and then the whole program: its motions in the plan, from
+            the first to the one after the last.
+        assumed: places of the cell's parts at its beginning, as proved; None: the cell has none.
+        first_step: step of the plan with which `rest` begins, if a command was named.
+        text_plan: plan for a controller text, from which its effect on parts is derived.
+        behind: plans the rest after a motion that an input has ended, from its number and the robot's
+            position (n,) [rad or m]; None: impossible.
+        again: compiles the same program with its parts elsewhere; None: impossible.
     """
 
     program: Job
@@ -72,19 +76,19 @@ class Loaded:
 
     @property
     def around(self) -> Cell | None:
-        """The cell that the program keeps to."""
+        """Return the cell of the program."""
         return self.plan.program.cell if self.plan is not None else self.cell
 
     @property
     def around_start(self) -> Cell | None:
-        """The cell that the way to the start of what is run first keeps to, with its parts where they are then."""
+        """Return the cell for the way to the start of `rest`, with its parts where they are then."""
         if self.around is None or self.assumed is None:
             return self.around
         return presently(self.around, Present(self.assumed))
 
     @property
     def name(self) -> str:
-        """What people call it."""
+        """Return the name for people."""
         return self.program.name
 
 
@@ -97,18 +101,19 @@ def load_program(
     compiled: Result[Compiled] | None = None,
     present: CellNow | None = None,
 ) -> Result[Loaded]:
-    """Compile a program to what can be run.
+    """Compile a program so that it can be run.
 
     Args:
-        opened: the parsed program, its robot and its settings.
-        name: what people call it.
-        first: the index of the command to begin with, or None.
-        by_steps: whether its commands are wanted one by one.
-        compiled: what was made of it already, with the findings as they are to be told.
-        present: where the parts of its cell are now, for a program that begins with `first`; None: as the program has them there.
+        opened: parsed program, its robot and its settings.
+        name: name of the program for people.
+        first: index of the command to begin with, or None.
+        by_steps: True if its commands are run one by one.
+        compiled: existing result of compiling it, with the findings to report.
+        present: current places of its cell's parts, for a program that begins with `first`; None: as the
+            program has them there.
 
     Returns:
-        None where an error forbids to run it.
+        None if an error forbids running it.
     """
     request = opened.request
     compiled = compiled or compile_module(opened.module, request)
@@ -122,7 +127,7 @@ def load_program(
     if isinstance(begins, Diagnostic):
         return Result(None, (*found, begins))
     number, step = begins
-    # what else is to be said of a part was said of the whole
+    # Other findings about a part were already reported for the whole program.
     shorter = first is not None and step > 0
     whole = (0, len(plan.motions))
     wanted = [(number, len(plan.motions))] if shorter else []
@@ -156,18 +161,21 @@ def load_program(
 
 
 def behind_search(plan: MotionPlan, request: Request) -> Callable[[int, Array], Replanned | str]:
-    """Return what plans what follows a motion of a plan that an input has ended."""
+    """Return a function that plans the rest after a motion that an input has ended."""
     return lambda number, here: replanned(plan, number, here, request)
 
 
 def _assumed(
     plan: MotionPlan, number: int, step: int, present: CellNow | None
 ) -> tuple[Parts | None, tuple[int, int, Cell] | None]:
-    """Return where the parts are before a step in front of motion `number`, and, if that is known better than from the program, since when its parts follow from there."""
+    """Return the places of parts before a step that precedes motion `number`.
+
+    If they are known better than from the program, also return from which step on they are followed.
+    """
     cell = plan.program.cell
     if cell is None or not cell.parts:
         return None, None
-    # a program may only set outputs and wait
+    # A program may have no motions, only outputs and waits.
     stands = plan.motions[number].curve.points[0] if plan.motions else plan.program.start
     now = None if present is None else present(cell, stands)
     if now is not None:
@@ -181,10 +189,12 @@ def _assumed(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """What lies between the robot and a program's start: `text` says how far it is off (empty: it stands there), `job` is a slow certified motion of
-    all joints (None: none is needed, or there is none), `findings` say why there is none.
+    """The way from the robot to a program's start.
 
-    `zone` is the name of the cell's start zone in which the robot stands: there the motion needs nobody's word; empty: it stands in none.
+    `text` gives the distance (empty: the robot is at the start), `job` is a slow certified motion of all
+    joints (None: none is needed, or there is none), and `findings` are the reasons why there is none. `zone`
+    is the cell's start zone in which the robot stands; there the motion needs no permission. Empty: it stands
+    in none.
     """
 
     text: str
@@ -194,7 +204,14 @@ class Way:
 
 
 def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | None = None) -> Way:
-    """The way from where the robot stands (n,) [rad or m] to where a program begins, in the cell as it is `around` the robot (None: as the program has it at its start)."""
+    """Return the way from the robot to the start of a program.
+
+    Args:
+        robot: the robot.
+        loaded: the program.
+        joints: (n,) where the robot stands [rad or m].
+        around: the cell around the robot; None: as the program has it at its start.
+    """
     job = loaded.rest
     text = off_the_start(job, joints)
     if not text:
@@ -212,7 +229,16 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
 
 
 def _along_the_path(loaded: Loaded, joints: Array, around: Cell | None) -> Compiled | None:
-    """Return the way to the start along the path on which a run was stopped beside a part; None if the robot doesn't stand there."""
+    """Return the way to the start along the path on which a run was stopped beside a part.
+
+    Args:
+        loaded: the program.
+        joints: (n,) where the robot stands [rad or m].
+        around: the cell around the robot; None: as the program has it.
+
+    Returns:
+        None if the robot doesn't stand on such a path.
+    """
     if loaded.plan is None or not loaded.begins_within or not loaded.spans:
         return None
     now = None if around is None else present_of(around).parts

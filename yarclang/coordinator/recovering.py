@@ -1,4 +1,6 @@
-"""From anywhere to a program: the proved motion to its start, or to the nearest place at which it may begin, as an offer."""
+"""The way from anywhere to a program: a proved motion to its start, or to the nearest place at which it may
+begin, as an offer.
+"""
 
 from __future__ import annotations
 
@@ -21,17 +23,17 @@ from yarclang.pipeline.recovering import Place, Recovery, around_place, parts_at
 from yarclang.robot.model import Robot
 
 Now = Callable[[Cell, Array], Cell | None]
-"""Gives a cell with its parts where they are now; None if nothing is known but its file."""
+"""Returns a cell with its parts at their current places; None if only its file is known."""
 
 
 def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result[Recovery]:
     """Find the place of a program to which the robot can go.
 
     Args:
-        robot: that moves.
-        loaded: the program; if a command was named to begin with, no other place is wanted.
+        robot: the robot.
+        loaded: the program; if it begins with a named command, only that place is tried.
         here: where the robot stands (n,) [rad or m].
-        now: tells where the parts are.
+        now: returns the current places of parts.
 
     Returns:
         A finding instead, if no motion is proved.
@@ -58,9 +60,10 @@ def find_recovery(robot: Robot, loaded: Loaded, here: Array, now: Now) -> Result
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recovered:
-    """The place of a program to which the robot can go, and the motion there as an offer: None if the robot stands there already.
+    """The place of a program to which the robot can go, and the motion there as an offer; None: the robot is
+    there already.
 
-    `found` is None if no motion is proved: `findings` say why.
+    `found` is None if no motion is proved: `findings` has the reasons.
     """
 
     found: Recovery | None
@@ -72,7 +75,7 @@ async def recovered(coordinator: SharedRobot, loaded: Loaded) -> Recovered:
     """Plan and certify the way from where the robot stands to a program. Nothing moves.
 
     Raises:
-        Trouble: the robot is under way, there is no connection, or nobody knows where the parts are.
+        Trouble: the robot is moving, there is no connection, or the places of parts are unknown.
     """
     robot, kept = coordinator.robot, coordinator.carrying.kept
     if loaded.around is not None and (known := kept.known(loaded.around)) is not None:

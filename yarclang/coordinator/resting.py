@@ -1,4 +1,4 @@
-"""Where on its path a robot rests: which command was running, also where the last that was heard of it is old."""
+"""Finding a resting robot on its path: which command was running, even if the last report is old."""
 
 from __future__ import annotations
 
@@ -12,40 +12,42 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job, JobCommand
 
 _STEP = 4e-3
-"""Of the first search [s]."""
+"""Step of the first search [s]."""
 
 _FINER = 64
 _ROUNDS = 2
 
 _ON_PATH = 5e-3
-"""How far from the path, in axis units [deg or mm], a robot at rest on it may be: its text has rounded numbers."""
+"""Largest distance from the path of a robot that rests on it, in axis units [deg or mm]: the text has rounded
+numbers.
+"""
 
 _AS_NEAR = 1e-4
-"""Places whose distances differ by less are equally near [deg or mm]."""
+"""Difference of distances below which two places are equally near [deg or mm]."""
 
 _EARLIER = 2.0
-"""How far what was heard may be ahead of the robot [segments]."""
+"""Largest amount by which a report may be ahead of the robot [segments]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resting:
-    """In which command of a program, and how far into the program [s]."""
+    """A command of a program, and the progress of the program [s]."""
 
     command: JobCommand
     done: float
 
 
 def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) -> Resting | None:
-    """Find a robot on its path, where it was heard of last or behind.
+    """Find a robot on its path, at or after the place of the last report.
 
     Args:
-        plan: of the program.
-        program: the whole of it.
+        plan: plan of the program.
+        program: job of the whole program.
         joints: (n,) where the robot stands [rad or m].
-        done: how far the program was when that was heard [s].
+        done: progress of the program at the last report [s].
 
     Returns:
-        None where it isn't on the part of the path that it can have reached.
+        None if the robot isn't on the part of the path that it can have reached.
     """
     command = program.command_at(done)
     if command is None or len(program.commands) != len(plan.motions):
@@ -69,7 +71,7 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
     best = min(found)[0]
     if best > _ON_PATH:
         return None
-    # a path may come by twice: the first time counts
+    # A path may pass the same place twice: the first time counts.
     time = min(one for distance, one in found if distance < best + _AS_NEAR)
     at = min(int(np.searchsorted(plan.begins, time, side="right")), len(plan.motions)) - 1
     there = program.commands[at]
@@ -77,7 +79,9 @@ def resting_place(plan: MotionPlan, program: Job, joints: Array, done: float) ->
 
 
 def motion_before(plan: MotionPlan, place: str) -> str:
-    """The place of the last motion in front of a step at a place, such as a WAIT; empty where there is none."""
+    """Return the place of the last motion before a step that isn't a motion, such as a WAIT; empty if there
+    is none.
+    """
     places = {
         number: step.origin.label
         for number, step in enumerate(plan.program.steps)
@@ -88,6 +92,15 @@ def motion_before(plan: MotionPlan, place: str) -> str:
 
 
 def _off(plan: MotionPlan, times: Array, joints: Array) -> Array:
-    """How far from joints (n,) [rad or m] a plan is at times (M,): its worst joint [deg or mm]."""
+    """Compute the distance between a plan and a position, as that of the worst joint [deg or mm].
+
+    Args:
+        plan: the plan.
+        times: (M,) times of the plan [s].
+        joints: (n,) the position [rad or m].
+
+    Returns:
+        The distance at each time (M,).
+    """
     distances: Array = (np.abs(plan.sample(times)[0] - joints) / plan.robot.axis_units).max(axis=1)
     return distances

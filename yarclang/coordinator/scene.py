@@ -1,4 +1,6 @@
-"""What a robot is and what is around it, for programs that draw both: the answers to `model` and `scene`, and when the second is another one."""
+"""The shapes of a robot and its surroundings, for programs that draw them: the answers to `model` and
+`scene`, and detection of changes of the latter.
+"""
 
 from __future__ import annotations
 
@@ -29,23 +31,25 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
 MOST_ITEMS = 500
-"""Bodies, zones and parts that are told: to write more would keep the event loop from the robot. Those beyond are left out, with a note."""
+"""Maximum number of bodies, zones and parts in an answer: writing more would delay the event loop, and so the
+robot. The others are omitted, with a note.
+"""
 _MOST_NOTES = 100
 _MOST_SWITCHED = 10_000
-"""Outputs that a program may set before those set first are forgotten."""
+"""Number of outputs set by programs that are remembered; the oldest are dropped first."""
 _DIGITS = 9
 """Decimals of lengths [m]."""
 
 
 class Scenes:
-    """Tells what is around a robot.
+    """Describes the surroundings of a robot.
 
     Args:
-        robot: likewise.
-        engine: tells whether anything is under way.
-        lines: the declarations of the session.
+        robot: the robot.
+        engine: reports if anything is in progress.
+        lines: declarations of the session.
         around: the cell.
-        kept: where its parts are.
+        kept: places of its parts.
     """
 
     def __init__(self, robot: Robot, engine: Engine, lines: Lines, around: Around, kept: KeptParts) -> None:
@@ -59,16 +63,22 @@ class Scenes:
         self._told = self._state()
 
     def begin(self) -> None:
-        """Take note that something is carried out from now on: the parts are where they are kept until it sets outputs."""
+        """Record the start of an action: the parts are at their kept places until the action sets outputs."""
         self._switched.clear()
 
     def output_set(self, variable: str, value: float, q: Array | None) -> None:
-        """Take note that what is carried out has set an output while the robot was at `q` (n,) [rad or m]."""
+        """Record that the current action has set an output.
+
+        Args:
+            variable: variable of the output.
+            value: its value.
+            q: where the robot was (n,) [rad or m]; None: unknown.
+        """
         if q is not None and self._engine.under_way and len(self._switched) < _MOST_SWITCHED:
             self._switched.append((variable, value, q))
 
     def is_another(self) -> bool:
-        """Return True once after anything has happened that may have changed the scene. Asks no disk."""
+        """Return True once after anything that may have changed the scene. Doesn't read the disk."""
         before, self._told = self._told, self._state()
         return before != self._told
 
@@ -80,12 +90,12 @@ class Scenes:
         """Return the robot. Waits for the disk.
 
         Raises:
-            Trouble: its files can't be read any more, or have changed since it is served.
+            Trouble: its files can't be read any more, or have changed since the start.
         """
         return model_described(self._robot)
 
     def scene(self) -> replies.Scene:
-        """Return what is around the robot now. Waits for the disk.
+        """Return the current surroundings of the robot. Waits for the disk.
 
         Raises:
             Trouble: the robot's files can't be read any more.
@@ -100,7 +110,7 @@ class Scenes:
         return scene_described(robot, cell, parts, "" if known is None else known.doubt, notes)
 
     def _cell(self) -> tuple[Cell | None, tuple[str, ...]]:
-        """Return the cell in use as its file is now, else as it was read before."""
+        """Return the cell in use as its file is now, or, if that can't be read, as it was read before."""
         around = self._around
         around.look()
         program, session = around.cells
@@ -155,14 +165,14 @@ def model_described(robot: Robot) -> replies.Model:
 def scene_described(
     robot: Robot, cell: Cell, parts: Parts, doubt: str, notes: tuple[str, ...]
 ) -> replies.Scene:
-    """Return what is around a robot as a message.
+    """Return the surroundings of a robot as a message.
 
     Args:
-        robot: whose URDF names the links in which poses are told.
-        cell: with bodies and zones.
-        parts: where its parts are.
-        doubt: why nobody knows that; empty: it is known.
-        notes: what is to be said besides.
+        robot: robot whose URDF names the links to which poses refer.
+        cell: cell with bodies and zones.
+        parts: places of its parts.
+        doubt: why the places are unknown; empty: they are known.
+        notes: further remarks.
 
     Raises:
         Trouble: the robot's files can't be read any more.
@@ -259,7 +269,7 @@ def _shape(shape: Shape | None) -> replies.SceneShape | str:
 
 
 def _check_files(robot: Robot) -> None:
-    """Check that a robot's files are as they were when it was read.
+    """Check that a robot's files have not changed since it was read.
 
     Raises:
         Trouble: they can't be read, or have changed.
@@ -277,7 +287,7 @@ def _unread(found: Diagnostic) -> Trouble:
 
 
 def _versioned(scene: replies.Scene) -> replies.Scene:
-    """Return a scene with the version that its content gives it."""
+    """Return a scene with a version derived from its content."""
     version = hashlib.sha256(scene.model_dump_json().encode()).hexdigest()[:16]
     return scene.model_copy(update={"version": version})
 

@@ -1,4 +1,6 @@
-"""What one client does with a controller that isn't ready: enable, home, compare and send its settings. What changes something is for the owner."""
+"""A client's actions on a controller that isn't ready: enabling, homing, comparing and sending settings.
+Changes are for the owner.
+"""
 
 from __future__ import annotations
 
@@ -24,12 +26,12 @@ ENABLING, DISABLING, SENDING, SAVING = "enabling", "disabling", "sending setting
 
 
 def wrong_in(found: Inspection) -> tuple[str, ...]:
-    """Return what isn't as it must be, in words."""
+    """Return what is wrong, in words."""
     return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors)
 
 
 class Servicing(Part):
-    """The part of a client that gets a controller ready."""
+    """The part of a client that prepares a controller."""
 
     @property
     def _services(self) -> Services:
@@ -41,7 +43,7 @@ class Servicing(Part):
     def _lines(self, text: str) -> tuple[str, ...]:
         return backend_of(self._coordinator.robot).settings().lines(text)
 
-    # the motors
+    # motors
 
     async def enable(self) -> replies.Serviced:
         """Close the loops of the motors; see `yarclang.runtime.scripts.Services`.
@@ -77,12 +79,12 @@ class Servicing(Part):
         return replies.Serviced(what=told, wrong=wrong_in(found))
 
     async def _carried_out(self, name: str, work: Callable[[], Awaitable[T]], what: Callable[[T], str]) -> T:
-        """Carry work out, and tell everybody when it begins and how it has ended.
+        """Carry work out, and inform all clients of its beginning and its outcome.
 
         Args:
-            name: what people call it.
-            work: what is done.
-            what: returns what isn't well in what came of it; empty: all is.
+            name: name of the work for people.
+            work: the work.
+            what: returns what is wrong with a result; empty: nothing.
         """
         coordinator = self._coordinator
 
@@ -131,14 +133,15 @@ class Servicing(Part):
         )
 
     async def home(self, motors: tuple[int, ...]) -> Ended:
-        """Let the controller search the home of motors, one after the other; a hold, a stop or an abort ends it.
+        """Let the controller search the home of motors, one after the other; a hold, a stop or an abort ends
+        it.
 
         Returns:
-            How it has ended.
+            The outcome.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is under way, or there is no connection.
+            Trouble: something is in progress, or there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to home the robot")
@@ -155,7 +158,7 @@ class Servicing(Part):
                     coordinator.tell(f"motor {motor} is homed")
             except Trouble as trouble:
                 ended = Ended(False, trouble.what, trouble.remedy, code=trouble.code)
-            # the same place is told by other positions now
+            # The same place has other position values now.
             coordinator.history.forget()
             coordinator.carrying.kept.doubt_all("the motors were homed")
             operation.orders.clear()
@@ -171,10 +174,10 @@ class Servicing(Part):
     # settings
 
     async def compared(self) -> replies.SettingsCompared:
-        """Compare what the controller has with what the robot needs.
+        """Compare the controller's settings with those that the robot needs.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         coordinator = self._coordinator
         text = await coordinator.plan(proved_settings, coordinator.robot)
@@ -200,11 +203,12 @@ class Servicing(Part):
         """Send the settings.
 
         Args:
-            known: SHA-256 of the text that the person has seen compared.
+            known: SHA-256 of the text that the person has compared.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: they aren't those, a loop is closed, something is under way, or there is no connection.
+            Trouble: the settings are others by now, a loop is closed, something is in progress, or there is
+                no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to send settings")
@@ -229,11 +233,11 @@ class Servicing(Part):
         )
 
     async def save(self) -> replies.Done:
-        """Let the controller keep its settings.
+        """Store the settings in the controller.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the robot isn't at rest, something is under way, or there is no connection.
+            Trouble: the robot isn't at rest, something is in progress, or there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to save settings")

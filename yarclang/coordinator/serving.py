@@ -1,7 +1,9 @@
-"""The socket of a coordinator: other processes of this user order, ask and listen there, a JSON object a line (`messages/`).
+"""The socket of a coordinator: other processes of this user send orders, ask and listen there, with one JSON
+object per line (`messages/`).
 
-It lies in a folder that only its owner may enter, and the kernel is asked for each caller's user. Nothing that a caller does or leaves out keeps the robot
-waiting: stops are carried out as they are read, and who doesn't read what it is told is sent away.
+The socket is in a folder that only its owner may enter, and the kernel reports each caller's user. No caller
+can keep the robot waiting: stops are carried out as they are read, and a caller that doesn't read its replies
+is sent away.
 """
 
 from __future__ import annotations
@@ -38,16 +40,20 @@ from yarclang.runtime.transports.private import folder, own_name, peer_of, priva
 from yarclang.runtime.transports.runs import remove_stale
 
 _LAST = 0.01
-"""Within this time [s] whoever came last is let in: asyncio loses the connection of one that it lets in as a server closes."""
+"""Time to let the last caller in before closing [s]: asyncio loses a connection that it accepts while a
+server closes.
+"""
 
 _MOST_UNREAD = 1024
-"""Answers and events that wait for a caller that doesn't read; one more ends the connection."""
+"""Maximum number of answers and events that wait for a caller that doesn't read; one more ends the
+connection.
+"""
 
 _LINES = 32
-"""Lines of the newest events that are kept for the next client."""
+"""Number of event lines that are kept for the next client."""
 
 _MOST_WAITING = 16
-"""Orders of one caller that are being carried out."""
+"""Maximum number of orders of one caller that are carried out at the same time."""
 
 _FOR_ANYBODY = (
     orders.AskStatus,
@@ -58,7 +64,7 @@ _FOR_ANYBODY = (
     orders.Abort,
     orders.Override,
 )
-"""What needs no hello: orders from another terminal."""
+"""Orders that need no hello: orders from another terminal."""
 
 _NAMELESS = "another terminal"
 
@@ -67,10 +73,10 @@ class ControlSocket:
     """Lets other processes be clients of a coordinator, as long as the context lasts.
 
     Args:
-        coordinator: of the robot.
+        coordinator: the coordinator.
 
     Attributes:
-        path: of the socket, once it listens.
+        path: path of the socket, once it listens.
     """
 
     def __init__(self, coordinator: Coordinator) -> None:
@@ -84,7 +90,7 @@ class ControlSocket:
         """Listen.
 
         Raises:
-            ControlError: nobody can be listened to here, and why.
+            ControlError: the socket can't be opened, and why.
         """
         place = folder()
         remove_stale(place)
@@ -96,7 +102,7 @@ class ControlSocket:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Send all away, and remove the socket."""
+        """Send all callers away, and remove the socket."""
         self.path.unlink(missing_ok=True)
         await asyncio.sleep(_LAST)
         if self._server is not None:
@@ -120,7 +126,9 @@ class ControlSocket:
 
 @dataclass(frozen=True, slots=True)
 class Limits:
-    """What a connection may order: the types of the orders, as they are said to people, and the longest line [bytes]."""
+    """The orders allowed on a connection: their types, their description for people, and the longest line
+    [bytes].
+    """
 
     allowed: tuple[type[Order[Any]], ...]
     said: str
@@ -128,7 +136,7 @@ class Limits:
 
 
 class Written:
-    """Events as lines: each is written once, however many clients are told of it."""
+    """Events as lines: each is encoded once, however many clients receive it."""
 
     def __init__(self) -> None:
         self._lines: OrderedDict[int, tuple[BaseEvent, bytes]] = OrderedDict()
@@ -136,7 +144,7 @@ class Written:
     def line(self, event: BaseEvent) -> bytes:
         """Return the line of an event."""
         known = self._lines.get(id(event))
-        if known is not None:  # it is kept, so that no other event has its place in the memory
+        if known is not None:  # this keeps the event alive, so that no other event can have its id
             return known[1]
         line = write_event(event)
         self._lines[id(event)] = event, line
@@ -149,11 +157,11 @@ class Visitor:
     """One connection, to its end.
 
     Args:
-        coordinator: of the robot.
-        reader: of the connection.
-        writer: likewise.
+        coordinator: the coordinator.
+        reader: reader of the connection.
+        writer: writer of the connection.
         written: events as lines.
-        limits: what may be ordered, and how; None: everything.
+        limits: allowed orders; None: all.
     """
 
     def __init__(
@@ -177,7 +185,7 @@ class Visitor:
         self._carried_out: set[asyncio.Future[Any]] = set()
 
     async def serve(self) -> None:
-        """Answer until the caller goes, who has shown already that it may order something here."""
+        """Serve a caller until it leaves. It has already proved its right to give orders here."""
         writing = asyncio.create_task(self._write())
         try:
             while line := await self._line():
@@ -185,10 +193,10 @@ class Visitor:
                 self._take(asked)
                 if asked.ends:
                     break
-                await asyncio.sleep(0)  # who asks without end gets one answer a turn of the event loop
+                await asyncio.sleep(0)  # a flood of questions gets one answer per turn of the event loop
             await self._last_words(writing)
         except ConnectionError:
-            pass  # it has gone
+            pass  # the caller has gone
         finally:
             self._leave()
             writing.cancel()
@@ -199,7 +207,7 @@ class Visitor:
         return MOST_LINE if self._limits is None else self._limits.most_line
 
     async def _line(self) -> bytes | Denied:
-        """The next line; empty at the end. A caller that dies within a line has ordered nothing."""
+        """Return the next line; empty at the end. A caller that dies within a line has ordered nothing."""
         try:
             line = await self._reader.readline()
         except ValueError:  # longer than the reader's limit
@@ -229,7 +237,7 @@ class Visitor:
         task.add_done_callback(lambda done: self._done(done, asked.id))
 
     def _begun(self, order: Order[Any]) -> Any:
-        """Begin to carry an order out: its reply, or what is to be awaited for it."""
+        """Begin to carry an order out; return its reply, or an awaitable for it."""
         coordinator = self._coordinator
         if self._limits is not None and not isinstance(order, self._limits.allowed):
             error = f"{name_of(order)} isn't for this door, which takes {self._limits.said}"
@@ -249,7 +257,7 @@ class Visitor:
         return self._desk.answer_now(order)
 
     def _note(self, error: str) -> None:
-        """Log what is refused, if this connection is for values alone."""
+        """Log a refusal, if this connection is only for values."""
         if self._limits is not None:
             name = _NAMELESS if self._client is None else self._client.name
             self._coordinator.values.refused(name, error)
@@ -274,7 +282,7 @@ class Visitor:
             self._say(Denied(error=f"a bug of yarclang has ended this: {error!r}", help="report it"), id_)
 
     def _say(self, answer: Reply | Denied, id_: Id) -> None:
-        """Answer, behind all that has happened before."""
+        """Send an answer, after all earlier events."""
         if self._events is not None:
             self._outgoing.extend(map(self._written.line, self._events.waiting()))
         self._outgoing.append(write_answer(answer, id_))
@@ -283,7 +291,7 @@ class Visitor:
         self._wanted.set()
 
     async def _write(self) -> None:
-        """Write what waits, as fast as it is read."""
+        """Write waiting lines, as fast as they are read."""
         writer = self._writer
         try:
             while True:
@@ -297,10 +305,10 @@ class Visitor:
                     continue
                 await writer.drain()
         except ConnectionError:
-            pass  # it has gone; its reader hears of that, too
+            pass  # it has gone; its reader notices that, too
 
     async def _last_words(self, writing: asyncio.Task[None]) -> None:
-        """Write what waits to one who is sent away, if it reads."""
+        """Write waiting lines to a caller that is sent away, if it reads."""
         writing.cancel()
         while self._outgoing:
             self._writer.write(self._outgoing.popleft())

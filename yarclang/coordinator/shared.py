@@ -1,4 +1,4 @@
-"""A robot that several clients share: who may move it, what is known of it, what is carried out, who listens."""
+"""A robot that several clients share: ownership, state, execution, subscriptions."""
 
 from __future__ import annotations
 
@@ -48,45 +48,49 @@ from yarclang.runtime.state import State
 from yarclang.simulated_cell.playing import SimulatedCell
 
 POSITIONS_EACH = 0.02
-"""Time between two positions that are told [s]: 50 Hz, if the link allows."""
+"""Time between two reported positions [s]: 50 Hz, if the link allows."""
 
 _SAME_PACE = 1e-6
-"""Percent."""
+"""Tolerance of the override [percent]."""
 
 
 class SharedRobot:
-    """One robot as its clients see it; one of them may move the robot, all of them may watch, and stop it.
+    """One robot as its clients see it. One client may move the robot; all may watch, and stop it.
 
     Args:
-        robot: whose.
-        session: the connection to its controller.
+        robot: the robot.
+        session: connection to its controller.
         folder: where modules, cells and yarc.toml are looked for.
-        tm: longest segment time of what is planned [ms]; None: the robot's.
-        cell: the path of a cell.toml that all motions keep to; None: that of yarc.toml, if it names one.
+        tm: longest segment time of planned motions [ms]; None: the robot's.
+        cell: path of a cell.toml for all motions; None: that of yarc.toml, if it names one.
         log: where motions are logged (`Engine`).
-        name: what `yarc status` calls it while nothing is under way.
-        simulated: whether the controller is a simulator of our own.
-        serves: whether it is there to serve other processes.
-        surroundings: the machines around a robot that is simulated in this process; None: it isn't.
-        patient: whether it is there also while the controller can't be reached, or isn't what the robot needs: nothing moves then.
-        first: the first number of a program or an offer.
-        plan: where planning is done; None: in a thread, so that a long program doesn't keep anybody from stopping the robot.
+        name: name that `yarc status` shows while nothing is in progress.
+        simulated: True if the controller is a simulator of our own.
+        serves: True if it serves other processes.
+        surroundings: machines around a robot that is simulated in this process; None: the robot isn't
+            simulated here.
+        patient: True if it also runs while the controller can't be reached, or isn't as the robot needs it:
+            nothing moves then.
+        first: first number of a program or an offer.
+        plan: runs planning; None: in a thread, so that a long program doesn't keep anyone from stopping the
+            robot.
 
     Attributes:
         engine: the task that talks to the controller.
-        carrying: performs what moves the robot, and keeps where the parts of the cell are.
+        carrying: performs all motions, and stores where the cell's parts are.
         planner: makes offers.
-        lines: the declarations of the session.
-        history: what it has done.
-        names: what names mean behind them.
+        lines: declarations of the session.
+        history: actions of the session.
+        names: names known after the session's lines.
         around: the cell, and inputs and outputs by name.
-        scenes: what robot and cell are for programs that draw them.
-        stops: how often somebody wanted a stop or an abort: what was asked for before doesn't begin any more.
-        rests: how often somebody wanted a stop, an abort or a hold: who steers doesn't begin anew by going on.
-        why: the reason of the robot's last state.
-        progress: what was told last of how far a program is.
-        sample: where the motors were heard last.
-        behind: the known time of the program after the part that is carried out, at full pace [s].
+        scenes: robot and cell, for programs that draw them.
+        stops: number of stops and aborts so far; requests made before the last one don't begin any more.
+        rests: number of stops, aborts and holds so far; after one, a steering client doesn't restart by just
+            continuing.
+        why: reason of the robot's last state.
+        progress: last reported progress of a program.
+        sample: last reported position of the motors.
+        behind: known time of the program after the current part, at full speed [s].
     """
 
     def __init__(
@@ -143,17 +147,17 @@ class SharedRobot:
 
     @property
     def cell(self) -> str | None:
-        """The path of the cell.toml that all motions keep to; None if only a CELL line can name one."""
+        """Return the path of the cell.toml for all motions; None if only a CELL line can name one."""
         cell = self.planner.cell
         return None if cell is None else str(Path(cell.source.name).absolute())
 
-    # who is there
+    # clients
 
     def enter(self, name: str) -> str:
-        """Let somebody new be there.
+        """Add a client.
 
         Args:
-            name: what others shall know the client by; where it is taken, a number is added.
+            name: name of the client for others; if it is taken, a number is added.
 
         Returns:
             The client's name.
@@ -165,7 +169,7 @@ class SharedRobot:
         return free
 
     def detach(self, name: str) -> None:
-        """Somebody has gone; who owned the robot leaves it at rest, on its path, and to nobody."""
+        """Remove a client. If it owned the robot, the robot comes to rest on its path, and no one owns it."""
         if name in self._clients:
             self._clients.remove(name)
         if self.owner == name:
@@ -175,19 +179,20 @@ class SharedRobot:
 
     @property
     def owner(self) -> str:
-        """Who may move the robot; empty: nobody does."""
+        """Return the owner; empty: no one."""
         return self._ownership.owner
 
     @property
     def clients(self) -> tuple[str, ...]:
-        """Who is there."""
+        """Return the names of all clients."""
         return tuple(self._clients)
 
     def own(self, name: str, *, shared: bool = False) -> None:
-        """Somebody owns the robot from now on; `shared`: others may resume and change the pace as well.
+        """Give the robot to a client; with `shared`, other clients may resume and change the override as
+        well.
 
         Raises:
-            NotOwner: somebody else does.
+            NotOwner: another client owns it.
         """
         if self._ownership.take(name, shared=shared):
             if not self.under_way:
@@ -195,89 +200,92 @@ class SharedRobot:
             self._tell(events.OwnerChanged(time_s=self.time, owner=name))
 
     def give(self, name: str, to: str) -> None:
-        """The owner gives the robot to somebody, or (empty) to nobody.
+        """Hand the robot from its owner to another client, or (empty) to no one.
 
         Raises:
-            NotOwner: it isn't theirs, or nobody is called so.
+            NotOwner: `name` doesn't own it, or there is no client `to`.
         """
         self._ownership.give(name, to, self.clients)
         self._tell(events.OwnerChanged(time_s=self.time, owner=to or None))
 
     def check_owner(self, name: str, what: str) -> None:
-        """Whether somebody may do what is for the owner.
+        """Check that a client may give an order that is for the owner.
 
         Raises:
-            NotOwner: no.
+            NotOwner: it may not.
         """
         self._ownership.check(name, what)
 
     def check_pace(self, name: str, what: str) -> None:
-        """Check whether somebody may resume, and change the pace.
+        """Check that a client may resume, and change the override.
 
         Raises:
-            NotOwner: no.
+            NotOwner: it may not.
         """
         self._ownership.check_pace(name, what)
 
-    # what is known
+    # state
 
     @property
     def now(self) -> float:
-        """The session's clock [s]."""
+        """Return the session's clock [s]."""
         return self.engine.operation.now
 
     @property
     def time(self) -> float:
-        """The same, as events tell it."""
+        """Return the session's clock as in events [s]."""
         return round(self.now, 4)
 
     @property
     def paused(self) -> bool:
-        """Whether the robot stands between two commands that are carried out one by one."""
+        """Return True if the robot stands between two commands that are carried out one by one."""
         return self._session.paused
 
     @property
     def waiting(self) -> int:
-        """Orders that weren't looked at yet."""
+        """Return the number of orders that weren't processed yet."""
         return len(self.engine.operation.orders)
 
     @property
     def address(self) -> str:
-        """Of the controller, HOST:PORT."""
+        """Return the address of the controller, HOST:PORT."""
         return f"{self._session.host}:{self._session.port}"
 
     @property
     def inspection(self) -> Inspection | None:
-        """What was found when the controller was looked at last; None: it wasn't yet."""
+        """Return the last inspection of the controller; None: none yet."""
         return self.engine.inspection
 
     @property
     def state(self) -> State:
-        """What the robot does."""
+        """Return the state of the robot."""
         return self.engine.operation.state
 
     @property
     def under_way(self) -> str:
-        """What is carried out; empty: nothing is."""
+        """Return the name of the action in progress; empty: none."""
         return self.engine.under_way
 
     @property
     def override(self) -> float:
-        """Percent of the programmed speed."""
+        """Return the override in percent of the programmed speed."""
         return self.engine.operation.override * 100.0
 
     async def stands(self) -> Array:
-        """(n,) where the robot is commanded to stand [rad or m], asked now: the planned end of its last motion, where it has ended there to a count.
+        """Return the robot's commanded position (n,) [rad or m], asked now.
+
+        If its last motion has ended at its planned end to a count, the result is that planned end.
 
         Raises:
-            Trouble: it is under way, or can't be asked.
+            Trouble: the robot is moving, or can't be asked.
         """
         here = await self.commanded()
         known = self.history.end
         return known if known is not None and stands_there(self.robot, here, known) else here
 
     async def commanded(self) -> Array:
-        """(n,) where the controller commands the motors to stand [rad or m], asked now, as exactly as its registers tell it.
+        """Return the motors' commanded position (n,) [rad or m], asked now, with the precision of the
+        controller's registers.
 
         Raises:
             Trouble: as `stands`.
@@ -285,18 +293,21 @@ class SharedRobot:
         operation, robot = self.engine.operation, self.robot
         return await self.engine.ask(lambda: self.engine.scripts.stands_at(operation, robot))
 
-    # what is carried out
+    # execution
 
     async def plan(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a function that takes long where planning is done, one at a time: many of them would keep the task that streams from its work."""
+        """Run a slow function where planning is done, one at a time: several at once would delay the
+        streaming task.
+        """
         async with self._planning:
             return await self._plan(function, *arguments)
 
     async def look_around(self, *, waits: bool = True) -> int:
-        """Read the cell again if a file of it has changed, so that what is planned from now on keeps to it; offers made before don't hold then.
+        """Read the cell again if one of its files has changed, so that later plans respect it; earlier offers
+        become invalid.
 
         Args:
-            waits: whether this waits for what is planned just now; else nothing is looked at meanwhile.
+            waits: if True, wait for planning in progress; else do nothing while something is being planned.
 
         Returns:
             The planner's generation.
@@ -308,7 +319,7 @@ class SharedRobot:
         return self.planner.generation
 
     async def beside(self, function: Callable[..., Any], *arguments: Any) -> Any:
-        """Call a function where planning is done, without waiting for what is planned."""
+        """Run a function where planning is done, without waiting for planning in progress."""
         return await self._plan(function, *arguments)
 
     async def carry_out(
@@ -321,18 +332,18 @@ class SharedRobot:
         *,
         serves: bool = False,
     ) -> Ended:
-        """Carry work out, unless somebody has wanted a stop since there were so many `stops`.
+        """Carry work out, unless there were more stops than `stops`.
 
         Args:
-            client: who wants it.
-            name: what people call it.
-            lasting: how long it takes.
+            client: client that orders it.
+            name: name of the work for people.
+            lasting: duration.
             work: moves the robot.
-            stops: as they were counted when it was asked for.
-            serves: whether it may be done behind a fault (`Engine.move`).
+            stops: number of stops when it was requested.
+            serves: True if it may be done after a fault (`Engine.move`).
 
         Raises:
-            Trouble: something else is under way, or the state forbids it.
+            Trouble: something else is in progress, or the state forbids it.
         """
 
         async def told() -> Ended:
@@ -359,20 +370,20 @@ class SharedRobot:
 
         return await self.engine.move(name, told, serves=serves)
 
-    # orders, for everybody
+    # orders from any client
 
     def stop(self) -> None:
-        """Come to rest on the path, and end what is under way. Overtakes everything."""
+        """Come to rest on the path, and end the current action. Overtakes everything."""
         self.stops += 1
         self._order(Stop())
 
     def abort(self) -> None:
-        """Each motor comes to rest at once, off the path; what is under way is ended."""
+        """Bring each motor to rest at once, off the path, and end the current action."""
         self.stops += 1
         self._order(Abort())
 
     def hold(self) -> None:
-        """Come to rest on the path, ready to go on."""
+        """Come to rest on the path, ready to continue."""
         self._order(Hold())
 
     def _order(self, order: Stop | Abort | Hold) -> None:
@@ -380,7 +391,7 @@ class SharedRobot:
         if self.under_way or self._session.paused:
             self._session.order(order)
 
-    # who listens
+    # subscriptions
 
     def subscribe(
         self,
@@ -389,12 +400,12 @@ class SharedRobot:
         positions: bool = True,
         arrived: Callable[[], object] = lambda: None,
     ) -> Subscription:
-        """Return all events from now on. Whoever doesn't take them costs nothing but `capacity` events.
+        """Return all events from now on. A subscriber that doesn't take them costs only `capacity` events.
 
         Args:
-            capacity: events that wait at most.
-            positions: whether positions are wanted.
-            arrived: called when an event has arrived, for whoever doesn't wait for it.
+            capacity: maximum number of waiting events.
+            positions: True if positions are wanted.
+            arrived: called when an event has arrived, for a subscriber that doesn't wait for it.
         """
         one = Subscription(capacity, self._subscriptions.remove, positions=positions, told=arrived)
         self._subscriptions.append(one)
@@ -403,30 +414,30 @@ class SharedRobot:
     def tell(
         self, text: str, stopped_by: tuple[str, ...] = (), *, warning: bool = False, code: str | None = None
     ) -> None:
-        """Tell everybody something.
+        """Send a remark to all clients.
 
         Args:
-            text: what.
-            stopped_by: the bodies and zones by which a live motion is stopped, if it says that.
-            warning: True if somebody should look at it.
-            code: of the finding that it is; None: it is none.
+            text: the remark.
+            stopped_by: bodies and zones that stop a live motion, if the remark is about that.
+            warning: True if someone should react.
+            code: code of the finding; None: it is none.
         """
         told = events.Told(time_s=self.time, text=text, warning=warning, stopped_by=stopped_by, code=code)
         self._tell(told)
 
     def tell_override(self) -> None:
-        """Tell everybody the pace, if it is another one now."""
+        """Inform all clients of the override, if it has changed."""
         if abs(self.override - self._percent) > _SAME_PACE:
             self._percent = self.override
             self._tell(events.OverrideChanged(time_s=self.time, percent=round(self.override, 6)))
 
     def tell_scene(self) -> None:
-        """Tell everybody if what is around the robot may be something else now."""
+        """Inform all clients if the surroundings of the robot may have changed."""
         if self.scenes.is_another():
             self._tell(events.SceneChanged(time_s=self.time))
 
     def announce(self, event: events.BaseEvent) -> None:
-        """Tell everybody an event."""
+        """Send an event to all clients."""
         self._tell(event)
 
     def _tell(self, event: events.BaseEvent) -> None:

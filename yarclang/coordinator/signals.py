@@ -1,4 +1,4 @@
-"""Inputs and outputs as a coordinator tells of them."""
+"""Inputs and outputs in the coordinator's events."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _EVENTS: dict[type, Any] = {
 
 
 def signal_event(signal: Signal) -> events.BaseEvent:
-    """Return what a run tells of an input or an output as an event."""
+    """Return a signal of a run as an event."""
     kind = _EVENTS[type(signal)]
     said = {name: getattr(signal, name) for name in signal.__slots__ if name not in ("time", "waited")}
     if isinstance(signal, WaitEnded):
@@ -41,11 +41,11 @@ def signal_event(signal: Signal) -> events.BaseEvent:
 def hear_inputs(
     surroundings: SimulatedCell, session: Session, later: Callable[[Callable[[Set], None], Set], object]
 ) -> None:
-    """Let a session tell each change of a simulated input.
+    """Let a session report each change of a simulated input.
 
     Args:
         surroundings: the machines around the robot, in a thread of their own.
-        session: tells.
+        session: reports the changes.
         later: calls a function with an argument in the session's event loop.
     """
 
@@ -66,16 +66,16 @@ def hear_inputs(
 def receive_values(
     surroundings: SimulatedCell, values: Values, later: Callable[[Callable[[Given], None], Given], object]
 ) -> None:
-    """Let the cameras of a simulated cell give values, as a client would.
+    """Let the cameras of a simulated cell send values, as a client would.
 
     Args:
         surroundings: the machines around the robot, in a thread of their own.
-        values: takes them.
+        values: receives the values.
         later: calls a function with an argument in the session's event loop.
     """
 
     def take(given: Given) -> None:
-        with contextlib.suppress(Trouble):  # it is logged, and cameras don't read
+        with contextlib.suppress(Trouble):  # the refusal is logged, and cameras don't read it
             values.take(given.values, given.number, given.camera)
 
     def received(given: Given) -> None:

@@ -1,4 +1,4 @@
-"""A stream of events for one who watches."""
+"""A stream of events for one subscriber."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ class Subscription:
     """Events as an asynchronous iterator, which ends when the coordinator or the subscription is closed.
 
     Args:
-        capacity: events that wait at most; what comes beyond is counted, and told as `Missed`.
+        capacity: maximum number of waiting events; further ones are counted, and reported as `Missed`.
         leave: called when it is closed.
-        positions: whether positions are wanted.
-        told: called when an event has arrived, for whoever doesn't wait for it here.
+        positions: True if positions are wanted.
+        told: called when an event has arrived, for a subscriber that doesn't wait for it here.
     """
 
     def __init__(
@@ -34,7 +34,7 @@ class Subscription:
         self._arrived = asyncio.Event()
 
     def put(self, event: BaseEvent) -> None:
-        """Take an event; called by the coordinator, and never waits."""
+        """Add an event. Called by the coordinator; never waits."""
         if not self._positions and isinstance(event, Position):
             return
         self._mailbox.put(event)
@@ -42,18 +42,18 @@ class Subscription:
         self._told()
 
     def take(self) -> BaseEvent | None:
-        """Return the oldest event; None where none waits."""
+        """Remove and return the oldest event; None if none waits."""
         return self._mailbox.take()
 
     def close(self) -> None:
-        """No more events; those that wait can still be taken."""
+        """End the stream; waiting events can still be taken."""
         if self._leave is not None:
             leave, self._leave = self._leave, None
             leave(self)
             self._arrived.set()
 
     async def next(self) -> BaseEvent | None:
-        """The oldest event, when there is one; None at the end."""
+        """Wait for the oldest event and return it; None at the end."""
         while True:
             if (event := self._mailbox.take()) is not None:
                 return event
@@ -63,7 +63,7 @@ class Subscription:
             await self._arrived.wait()
 
     def waiting(self) -> tuple[BaseEvent, ...]:
-        """All that waits, without waiting for more."""
+        """Return all waiting events, without waiting for more."""
         found: list[BaseEvent] = []
         while (event := self._mailbox.take()) is not None:
             found.append(event)

@@ -1,4 +1,6 @@
-"""A program as it is carried out: the way to its start, then all of it, command by command, or again and again."""
+"""The execution of a program: the way to its start, then the whole program, command by command, or
+repeatedly.
+"""
 
 from __future__ import annotations
 
@@ -21,26 +23,26 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.state import Event
 
 TO_THE_START = "to the start"
-"""What the command of an approach is called."""
+"""Name of an approach's command."""
 
 _SAME_TIME = 1e-6
-"""How far a command's begin may be from where it is looked for [s]."""
+"""Tolerance when a command is searched by the time at which it begins [s]."""
 
 
 class Undertaking:
-    """Carries a program out, and tells how far it is.
+    """Carries a program out, and tracks its progress.
 
     Args:
         loaded: the program.
-        coordinator: whose robot is moved.
-        times: how often; None: until somebody stops it.
+        coordinator: the robot's coordinator.
+        times: number of passes; None: until someone stops it.
 
     Attributes:
         loaded: the program.
-        times: how often; None: until somebody stops it.
-        on_the_way: whether the robot is between where it stood and the program's start.
-        moved: whether it has moved at all.
-        passes: how often the program was begun.
+        times: number of passes; None: until someone stops it.
+        on_the_way: True if the robot is on the way to the program's start.
+        moved: True if it has moved at all.
+        passes: number of passes that were begun.
     """
 
     def __init__(self, loaded: Loaded, coordinator: SharedRobot, times: int | None = 1) -> None:
@@ -53,9 +55,9 @@ class Undertaking:
         self._session = coordinator.engine.session
         self._done: list[Passed] = []
         self._taken: frozenset[int] = frozenset()
-        """The steps of the program on the ways that the last part has taken."""
+        """Steps of the program on the branches that the last part has taken."""
         self._registers: dict[str, int] = {}
-        """What the registers held when the last part had ended: the next step or pass goes on with that."""
+        """Values of the registers at the end of the last part, with which the next step or pass begins."""
 
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the way to the start, then the program."""
@@ -71,13 +73,13 @@ class Undertaking:
             self.on_the_way = True
             ended = await self._perform(way, None)
             if not ended.well:
-                # its command is none of the program's
+                # The approach's command is not part of the program.
                 return replace(ended, command="", command_index="", done=0.0, concerns=None)
             self.on_the_way = False
         ended = Ended(True)
         number = 0
         while (job := self._next(number)) is not None:
-            # behind the way to the start, too: who goes step by step begins each step
+            # This includes the way to the start: a person who steps starts each step.
             waits = steps and (number or way is not None)
             if waits and (stopped := await self._pause(job, number)) is not None:
                 return stopped
@@ -95,16 +97,16 @@ class Undertaking:
         return ended
 
     def remember(self, history: History) -> None:
-        """Note in the history which motions were carried out: they can be taken back."""
+        """Add the motions that were carried out to the history, so that they can be taken back."""
         plan = self.loaded.plan
         if plan is not None and self._done:
             history.ran(tuple(self._done), plan.program)
 
     def _begin_registers(self) -> None:
-        """Look what KEPT registers held last.
+        """Read the last values of KEPT registers.
 
         Raises:
-            Trouble: that can't be read.
+            Trouble: they can't be read.
         """
         loaded, coordinator, session = self.loaded, self._coordinator, self._session
         where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
@@ -122,7 +124,7 @@ class Undertaking:
         session.keeper = kept.keep
 
     def _replan(self, wanted: Replan) -> Replanned | str:
-        """Return what follows a search, planned from where it has ended."""
+        """Return the rest after a search, planned from where the search has ended."""
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
         if loaded.behind is None or not begins or min(begins) > _SAME_TIME:
@@ -130,7 +132,9 @@ class Undertaking:
         return loaded.behind(begins.index(min(begins)), wanted.joints)
 
     def _next(self, number: int) -> Job | None:
-        """Return a job of the program itself, which is carried out once, in steps, or again and again; None after the last."""
+        """Return the next job of the program, which is run once, in steps, or repeatedly; None after the
+        last.
+        """
         loaded = self.loaded
         if loaded.steps:
             return loaded.steps[number] if number < len(loaded.steps) else None
@@ -156,7 +160,7 @@ class Undertaking:
         )
 
     async def _perform(self, job: Job, number: int | None) -> Ended:
-        """Perform a job: the way to the start, or that of a number."""
+        """Perform a job: the way to the start (None), or the job with this number."""
         carrying, loaded = self._coordinator.carrying, self.loaded
         goes_on = self._goes_on(job)
         if number is None:
@@ -186,7 +190,7 @@ class Undertaking:
         return replace(job, registers=held)
 
     def _note(self, number: int, ended: Ended) -> None:
-        """Keep the motions that a job of the program has carried out, wholly or in part."""
+        """Store the motions that a job of the program has carried out, completely or in part."""
         loaded = self.loaded
         plan = loaded.plan
         if plan is None:
@@ -207,12 +211,12 @@ class Undertaking:
         self._done += passed(plan, ended.joints, time)[begin:]
 
     def _span(self, number: int) -> tuple[int, int]:
-        """Return which motions of the plan a job of the program has: from the first, to behind the last."""
+        """Return the motions of a job in the plan: from the first to the one after the last."""
         loaded = self.loaded
         return loaded.spans[number if loaded.steps else min(number, len(loaded.spans) - 1)]
 
     async def _pause(self, job: Job, number: int) -> Ended | None:
-        """Wait until somebody wants the next step; how it ended, if nobody does."""
+        """Wait until someone orders the next step; return the outcome if no one does."""
         coordinator, session = self._coordinator, self._session
         title = job.commands[0].title if job.commands else "the next command"
         coordinator.announce(

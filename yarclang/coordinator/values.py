@@ -1,4 +1,4 @@
-"""Values from outside: who gives them, what is refused, and what of it the log tells."""
+"""Values from outside: who sends them, which are refused, and which are logged."""
 
 from __future__ import annotations
 
@@ -12,15 +12,17 @@ from yarclang.runtime.notices import Fill, Wanted
 from yarclang.runtime.values import checked_values
 
 _REFUSALS, _EACH = 5, 1.0
-"""So many refusals are logged in this time [s]; of more only their number: who sends nonsense without end doesn't fill the disk."""
+"""Maximum number of logged refusals in this time [s]. Of further ones only their number is logged, so that
+endless nonsense doesn't fill the disk.
+"""
 
 
 class Values:
     """Takes values for the program that waits for them.
 
     Args:
-        session: that performs the program.
-        under_way: returns True while something is carried out: only then there is a log.
+        session: session that performs the program.
+        under_way: returns True while something is in progress: only then there is a log.
     """
 
     def __init__(self, session: OrderedSession, under_way: Callable[[], bool]) -> None:
@@ -32,16 +34,16 @@ class Values:
 
     @property
     def wanted(self) -> message.ValuesWanted | None:
-        """What the program takes now; None: nothing."""
+        """Return the values that the program takes now; None: none."""
         return wanted_message(self._session.operation.wants)
 
     def take(self, values: Mapping[str, Any], number: int | None, client: str) -> dict[str, int]:
         """Take values, all of them or none, and return them as integers.
 
         Args:
-            values: by the names of registers, as somebody has sent them.
-            number: of the question that is answered; None: of the one that is asked.
-            client: who gives them.
+            values: values by the names of registers, as they were sent.
+            number: number of the question that is answered; None: the current one.
+            client: client that sends them.
 
         Raises:
             Trouble: they aren't taken, and why.
@@ -52,7 +54,7 @@ class Values:
         except Trouble as trouble:
             self.refused(client, trouble.what)
             raise
-        operation.want(None)  # who comes next answers another question
+        operation.want(None)  # a later sender answers another question
         self._session.order(Fill(found, client))
         return dict(found)
 
@@ -74,7 +76,7 @@ class Values:
 
 
 def wanted_message(wanted: Wanted | None) -> message.ValuesWanted | None:
-    """Return what a program takes as a message."""
+    """Return the wanted values as a message."""
     if wanted is None:
         return None
     ranges = tuple(

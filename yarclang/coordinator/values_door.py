@@ -1,6 +1,8 @@
-"""A TCP port through which a camera, the gateway of a PLC or a script gives the running program its values, and can do nothing else.
+"""A TCP port through which a camera, a PLC gateway or a script sends values to the running program, and can
+do nothing else.
 
-Who may do it is settled by a token before the first order is read. The messages are those of the coordinator (`messages/`), a JSON object a line.
+A token is checked before the first order is read. The messages are those of the coordinator (`messages/`),
+with one JSON object per line.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ _MOST_LINE = 1 << 14
 """Longest line [bytes]."""
 
 _MOST_CLIENTS = 8
-"""Connections that have said the token."""
+"""Maximum number of connections that have sent the token."""
 
 _LIMITS = Limits(
     (orders.Hello, orders.AskStatus, orders.Listen, orders.Fill), "hello, status, listen and fill", _MOST_LINE
@@ -34,12 +36,12 @@ class ValuesDoor:
     """Listens as long as the context lasts.
 
     Args:
-        coordinator: of the robot.
+        coordinator: the coordinator.
         door: where to listen, and the token.
-        patience: what connections may cost that haven't said the token.
+        patience: limits for connections that haven't sent the token.
 
     Attributes:
-        port: once it listens.
+        port: port, once it listens.
     """
 
     def __init__(self, coordinator: Coordinator, door: TcpDoor, *, patience: Patience | None = None) -> None:
@@ -72,7 +74,7 @@ class ValuesDoor:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Send all away."""
+        """Send all callers away."""
         assert self._server is not None
         self._server.close()
         for task in tuple(self._tasks):
@@ -88,19 +90,21 @@ class ValuesDoor:
             if error:
                 writer.write(write_answer(Denied(error=error)))
         except (ConnectionError, asyncio.CancelledError):
-            pass  # it has gone, or is sent away
+            pass  # the caller has gone, or is sent away
         finally:
             self._waiting.pop(task, None)
             self._tasks.discard(task)
             if writer.transport.get_write_buffer_size():
-                writer.transport.abort()  # the caller doesn't read, and closing would wait for that
+                writer.transport.abort()  # the caller doesn't read; closing would wait for that
             else:
                 writer.close()
 
     async def _meet(
         self, task: asyncio.Task[None], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> str:
-        """Let a caller show that it may give values, and then take them; why the connection ends, empty if the caller ends it."""
+        """Check a caller's right to send values, and then take them; return why the connection ends, empty if
+        the caller ends it.
+        """
         if len(self._waiting) >= self._patience.waiting:
             oldest = next(iter(self._waiting))
             self._waiting.pop(oldest).write(write_answer(Denied(error="too many connections wait")))

@@ -1,1 +1,1 @@
-"""The whole way from text to certified text: the only place that knows all stages."""
+"""The whole way from text to certified text: the only package that knows all stages."""

@@ -1,4 +1,4 @@
-"""Findings in modules, shown at the line of the program that called: what people can change is there."""
+"""Findings in modules, moved to the line of the program with the call: people can change that line."""
 
 from __future__ import annotations
 
@@ -23,14 +23,16 @@ Load = Callable[[str], Result[Module]]
 def at_callers(
     diagnostics: Iterable[Diagnostic], program: Module, load: Load | None
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings, those in modules at the CALL that leads from the program's file into a module; where they were found is said in `within`.
+    """Return the findings; those in modules are moved to the CALL that leads from the program's file into the
+    module.
 
-    What an installed module does without a CALL is shown at its USE. A module beside the program keeps findings that no CALL leads to. A fix of a module's
-    text goes with the module's line: it is no edit of the program.
+    `within` then has the original place. Findings of an installed module without a CALL are moved to its USE.
+    A module beside the program keeps findings that no CALL leads to. A fix of a module's text stays with the
+    module's line: it is no edit of the program.
 
     Args:
         diagnostics: findings.
-        program: the syntax tree of the program's file.
+        program: syntax tree of the program's file.
         load: reads a module by its name.
     """
     found = tuple(diagnostics)
@@ -43,7 +45,9 @@ def at_callers(
 
 
 def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None:
-    """Return the line of a program that leads to a command of a module, and the module's line; None for the program's own commands."""
+    """Return the line of a program that leads to a command of a module, and the module's line; None for the
+    program's own commands.
+    """
     source = origin.source
     tree = parse(program).value
     if not source.module or source.name == program.name or tree is None:
@@ -53,7 +57,11 @@ def caller_of(origin: Origin, program: SourceFile) -> tuple[Span, Within] | None
 
 
 def uncalled_lines(program: Module) -> frozenset[int]:
-    """Return the lines of SUBs that nothing in their own file leads to, as in a module that is checked by itself: what is found there, other files decide."""
+    """Return the lines of SUBs that nothing in their own file leads to, as in a module that is checked by
+    itself.
+
+    Other files decide if findings in these lines matter.
+    """
     nodes = arrange(program).value or ()
     subs = {name: one for one in nodes if isinstance(one, Block) and (name := _sub_name(one))}
     if not subs:
@@ -73,7 +81,7 @@ def uncalled_lines(program: Module) -> frozenset[int]:
 
 
 def _sub_name(block: Block) -> str:
-    """Return the name of a SUB in upper case; nothing for another block."""
+    """Return the name of a SUB in upper case; empty for another block."""
     values = values_of(block.head) if block.head.name.name == "SUB" else []
     return values[0].text.upper() if values else ""
 
@@ -95,7 +103,7 @@ def _at_caller(one: Diagnostic, program: Module, calls: _Calls) -> Diagnostic:
 
 
 def _called_span(statement: Statement) -> Span:
-    """Return the span of a CALL or USE with the name of what is called."""
+    """Return the span of a CALL or USE and the name after it."""
     span, values = statement.head_span, values_of(statement)
     if not values or values[0].place.row:
         return span
@@ -103,7 +111,7 @@ def _called_span(statement: Statement) -> Span:
 
 
 class _Calls:
-    """Calls of a program and its modules, by their places; texts are arranged in blocks when they are first needed."""
+    """Calls of a program and its modules, by their places. Texts are arranged in blocks on first use."""
 
     def __init__(self, program: Module, load: Load | None) -> None:
         self._program = program
@@ -111,7 +119,9 @@ class _Calls:
         self._nodes: dict[str, tuple[Node, ...]] = {}
 
     def leading_to(self, place: str) -> tuple[Statement | None, tuple[str, ...]]:
-        """Return the last CALL in the program's file that leads to a place, and the names of all SUBs from there on."""
+        """Return the last CALL in the program's file that leads to a place, and the names of all SUBs from
+        there on.
+        """
         module, nodes = "", self._of("")
         caller: Statement | None = None
         through: list[str] = []
@@ -130,14 +140,16 @@ class _Calls:
         return (caller if module else None), tuple(through)
 
     def use_of(self, module: str) -> Statement | None:
-        """Return the line of the program that reads a module."""
+        """Return the USE line of the program that reads a module."""
         return next(
             (one for one in self._program.statements if one.name.name == "USE" and _called(one) == module),
             None,
         )
 
     def _of(self, module: str) -> tuple[Node, ...]:
-        """Return the text of a module in blocks; of the program, whose name is empty. Nothing, if it can't be read."""
+        """Return the text of a module in blocks; the program's module name is empty. Returns nothing if it
+        can't be read.
+        """
         if module not in self._nodes:
             tree = self._program
             if module:
@@ -150,7 +162,7 @@ class _Calls:
 
 
 def _called(statement: Statement | None) -> str:
-    """Return what a CALL or USE names, in upper case; nothing of another line."""
+    """Return the name after CALL or USE, in upper case; empty for another line."""
     if statement is None or statement.name.name not in ("CALL", "USE"):
         return ""
     values = values_of(statement)
@@ -158,7 +170,7 @@ def _called(statement: Statement | None) -> str:
 
 
 def _commands(nodes: Iterable[Node]) -> Iterator[Statement]:
-    """Yield the statements of a body, those in loops and conditions among them, but not those of SUBs."""
+    """Yield the statements of a body, including those in loops and conditions, but not those of SUBs."""
     for node in nodes:
         if isinstance(node, Statement):
             yield node

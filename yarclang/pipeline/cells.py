@@ -1,4 +1,6 @@
-"""Where cells are: the path of a CELL line counts from the file that it stands in, that of yarc.toml from its folder."""
+"""Locations of cells: the path of a CELL line is relative to its file, the path in yarc.toml to
+its folder.
+"""
 
 from __future__ import annotations
 
@@ -28,15 +30,15 @@ SUFFIX = ".toml"
 
 
 class CellLoader:
-    """Reads the cells of a program: of its CELL lines, and the given one.
+    """Reads the cells of a program: those of its CELL lines, and the given one.
 
-    The same file gives the same result, whatever paths lead to it.
+    The same file gives the same result for any path that leads to it.
 
     Args:
-        folder: of the program.
-        robot: whose joint values the cells have.
-        texts: files that are open somewhere, as for modules.
-        memory: keeps what was read.
+        folder: folder of the program.
+        robot: robot for the cells' joint values.
+        texts: open files, as for modules.
+        memory: cache of what was read.
     """
 
     def __init__(
@@ -57,13 +59,13 @@ class CellLoader:
         """Read the cell of a CELL line.
 
         Args:
-            path: as the line names it.
-            module: the module that the line stands in; None: the program.
+            path: path in the line.
+            module: module with the line; None: the program.
         """
         return self.at((self._folder if module is None else Path(module.name).parent) / path)
 
     def at(self, place: Path) -> Result[Cell]:
-        """Read the cell of a file; its findings name the file as it was asked for first."""
+        """Read the cell of a file; its findings use the path by which the file was first requested."""
         key = file_of(place)
         if key not in self._known:
             text = self._texts.get(place.absolute()) or self._texts.get(key)
@@ -83,24 +85,24 @@ class CellLoader:
 
     @property
     def is_current(self) -> bool:
-        """True if all files that were read are as they were. Asks the disk."""
+        """Return True if none of the files that were read has changed. Reads the disk."""
         return all(stamp_of((path,)) == stamp for path, stamp in self._stamps.items())
 
     def given(self, project: Project, named: str | None) -> Result[GivenCell]:
-        """Read the cell that a program keeps to even without a CELL line.
+        """Read the cell that a program respects even without a CELL line.
 
         Args:
-            project: whose `cell` holds without `named`.
-            named: by the command line; None: nothing is.
+            project: project whose `cell` is used if `named` is None.
+            named: cell of the command line; None: not given.
 
         Returns:
-            None without findings if there is no such cell; None with an error if both name one and it isn't the same file. What is wrong
-            with the cell's own file is left to `GivenCell.loaded`.
+            None without findings if there is no such cell; None with an error if both name one and the files
+            differ. Errors in the cell's own file are left to `GivenCell.loaded`.
         """
         if project.cell is None and named is None:
             return Result(None)
         if project.cell is None:
-            assert named is not None  # one of the two is
+            assert named is not None  # one of the two is given
             return Result(GivenCell(named, self.at(Path(named)), "the command line", "leave --cell out"))
         own, span = project.folder / project.cell, project.span_of("cell")
         remedy = f"change cell in {FILE_NAME}"
@@ -115,18 +117,25 @@ class CellLoader:
 def cell_loader(
     folder: Path, robot: Robot, texts: Mapping[Path, SourceFile] = NO_TEXTS, memory: Memory = NO_MEMORY
 ) -> CellLoader:
-    """Return what reads the cells of a program in `folder`."""
+    """Return a loader for the cells of a program.
+
+    Args:
+        folder: folder of the program.
+        robot: robot for the cells' joint values.
+        texts: open files, as for modules.
+        memory: cache of what was read.
+    """
     return CellLoader(folder, robot, texts, memory)
 
 
 def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) -> Result[GivenCell]:
-    """Read the cell that is named, else that of a project: for work that has no program yet.
+    """Read the named cell, or else the project's, for work that has no program yet.
 
     Args:
-        folder: where the work is done.
-        project: of that folder.
-        robot: whose joint values the cell has.
-        named: by the command line; None: nothing is.
+        folder: folder of the work.
+        project: project of the folder.
+        robot: robot for the cell's joint values.
+        named: cell of the command line; None: not given.
 
     Returns:
         None without errors if there is no cell; None with errors if it can't be used.
@@ -140,7 +149,9 @@ def cell_for(folder: Path, project: Project, robot: Robot, named: str | None) ->
 
 
 def holds_still(cell: Cell) -> bool:
-    """Return True if the file of a cell says what it said when it was read; so do those of its meshes. Reads them."""
+    """Return True if the file of a cell, and those of its meshes, are unchanged since it was read. Reads the
+    disk.
+    """
     read = read_text(Path(cell.source.name), "")
     if isinstance(read, Diagnostic) or read.text != cell.source.text:
         return False
@@ -161,12 +172,14 @@ def session_cell(folder: Path, robot: Robot, named: str | None) -> Result[GivenC
 
 
 def is_same_file(one: Path, other: Path) -> bool:
-    """Return True if two paths lead to the same file, or would if it were there."""
+    """Return True if two paths lead to the same file, or would if it existed."""
     return file_of(one) == file_of(other)
 
 
 def file_of(place: Path) -> Path:
-    """Return the file that a path leads to, or the path itself if it leads to none: a name that can't be one, links in a circle."""
+    """Return the file that a path leads to, or the path itself if it leads to none: an impossible name, or a
+    circle of links.
+    """
     try:
         return place.resolve()
     except (OSError, ValueError, RuntimeError):
@@ -174,18 +187,18 @@ def file_of(place: Path) -> Path:
 
 
 def _from_here(place: Path) -> Path:
-    """Return a path as seen from the working folder, if it is in there."""
+    """Return a path relative to the working folder, if it is inside."""
     here = Path.cwd()
     return place.relative_to(here) if place.is_relative_to(here) else place
 
 
 def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> tuple[Diagnostic, ...]:
-    """The findings of a cell.toml's text by itself, for example of one that is being edited.
+    """Check a cell.toml's text by itself, for example while it is being edited.
 
     Args:
         source: the text.
-        folder: where it stands; mesh files are seen from there.
-        robot: for which joint values are checked; without one, all is checked that holds for any.
+        folder: its folder, to which mesh files are relative.
+        robot: robot for joint values; None: check only what holds for any robot.
     """
     return _whole(read_cell(source, folder, Names(is_word, robot)), robot)
 
@@ -193,12 +206,12 @@ def check_cell(source: SourceFile, folder: Path, robot: Robot | None = None) -> 
 def check_project(
     source: SourceFile, folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS
 ) -> tuple[Diagnostic, ...]:
-    """Check the text of a yarc.toml by itself, and that the cell that it names can be read.
+    """Check the text of a yarc.toml by itself, and check that the cell that it names can be read.
 
     Args:
         source: the text.
-        folder: where it stands.
-        texts: files that are open somewhere: a cell among them needs no file.
+        folder: its folder.
+        texts: open files: a cell among them needs no file.
     """
     read = read_project(source, folder)
     project = read.value
@@ -216,8 +229,8 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
     """Check a cell.toml, a robot.toml or a yarc.toml by itself.
 
     Args:
-        path: the file; one that is called robot.toml is a robot's, one that is called yarc.toml a project's.
-        robot_name: the robot for which joint values of a cell are checked; without one, all is checked that holds for any.
+        path: the file; a file named robot.toml describes a robot, one named yarc.toml a project.
+        robot_name: robot for the joint values of a cell; None: check only what holds for any robot.
     """
     if Path(path).name.lower() == DESCRIPTION:
         return load_robot(path).diagnostics
@@ -234,7 +247,7 @@ def check_description(path: str, robot_name: str | None) -> tuple[Diagnostic, ..
 
 
 def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
-    """All that is to be said of a cell by itself."""
+    """Return all findings about a cell by itself."""
     found = [*loaded.diagnostics]
     if robot is not None:
         found += _of_zones(loaded, robot)
@@ -246,7 +259,7 @@ def _whole(loaded: Result[Cell], robot: Robot | None) -> tuple[Diagnostic, ...]:
 
 
 def _of_zones(loaded: Result[Cell], robot: Robot) -> list[Diagnostic]:
-    """What is wrong with zones that are right in form."""
+    """Return the findings about zones whose form is correct."""
     cell = loaded.value
     if cell is None or not cell.zones or has_errors(loaded.diagnostics):
         return []

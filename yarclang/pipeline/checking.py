@@ -1,4 +1,6 @@
-"""All that is to be said of one file: what yarcc finds, what the rules find, and what the project and comments make of it."""
+"""All findings about one file: those of the compiler and of the lint rules, filtered by the project's
+settings and by comments.
+"""
 
 from __future__ import annotations
 
@@ -34,10 +36,10 @@ from yarclang.syntax.parse import forget
 
 @frozen(eq=False)
 class Begun:
-    """A program for a robot as far as it is checked before its motions are planned.
+    """A program for a robot, checked up to the planning of its motions.
 
-    `found` is what opening it has found; `program` the checked program, with findings; `said` what the rules say of both that read the syntax tree or the
-    program, which know what is `around`.
+    `found` has the findings of opening it, `program` the checked program with its findings, and `said` the
+    findings of the rules that read the syntax tree or the program. These rules know what is `around`.
     """
 
     opened: Opened
@@ -49,17 +51,18 @@ class Begun:
 
     @property
     def source(self) -> SourceFile:
-        """The program's file."""
+        """Return the program's file."""
         return self.opened.module.source
 
 
 @frozen(eq=False)
 class Checked:
-    """What was found in a file, and what the stages made of it, as far as they came.
+    """The findings about a file, and the results of the stages that were reached.
 
-    `source` is None where the file couldn't be read, or is no program; `opened` where it isn't known for which robot. `program` may have
-    gaps. `compiled` is there only if nothing is an error, not even by the project's settings. `begun` is there of a check without planning:
-    one with planning can go on from it (`check_further`).
+    `source` is None if the file couldn't be read, or is no program; `opened` is None if the robot isn't
+    known. `program` may have gaps. `compiled` exists only if there is no error, including those that the
+    project's settings make errors. `begun` is the state of a check without planning, from which a check with
+    planning can continue (`check_further`).
     """
 
     diagnostics: tuple[Diagnostic, ...]
@@ -72,17 +75,18 @@ class Checked:
 
 
 def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
-    """Check a program, the description of a cell or a robot (a .toml file), or a controller text (a .pmc file).
+    """Check a program, the description of a cell or a robot (a .toml file), or a controller text (a .pmc
+    file).
 
     Args:
         path: the file, or `-` for standard input.
-        options: what was said besides.
-        plans: whether motions are planned and proved; without, only what needs no planning is found.
+        options: further options.
+        plans: True if motions are planned and proved; otherwise, only findings that need no planning.
     """
     if path.lower().endswith(SUFFIX):
         try:
             return Checked(in_order(check_description(path, options.robot)))
-        except Exception as error:  # a bug of ours: other files are checked all the same
+        except Exception as error:  # a bug of ours: other files are still checked
             return Checked((failure(error, SourceFile(path, "")),))
     if is_compiled(path):
         try:
@@ -93,7 +97,7 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
 
 
 def check_program_file(path: str, options: Options, *, plans: bool = True) -> Checked:
-    """Check a program, whatever its file is called; else as `check_file`."""
+    """Check a program, for any file name; else as `check_file`."""
     read = read_source(path)
     if read.value is None:
         return Checked(in_order(read.diagnostics))
@@ -102,7 +106,9 @@ def check_program_file(path: str, options: Options, *, plans: bool = True) -> Ch
 
 
 def check_text(source: SourceFile, folder: Path, options: Options, *, plans: bool = True) -> Checked:
-    """Check the text of a program that belongs to a folder; else as `check_file`. An exception in a stage is a finding."""
+    """Check the text of a program that belongs to a folder; else as `check_file`. An exception in a stage
+    becomes a finding.
+    """
     try:
         begun = _opened(source, folder, options)
         if isinstance(begun, Checked):
@@ -113,11 +119,14 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
 
 
 def check_further(checked: Checked, early: Callable[[Checked], None] | None = None) -> Checked:
-    """Return what a check of the same text with planning gives, from one without; nothing is done twice, but that loops are carried out in full.
+    """Return the result of a check with planning, continuing one of the same text without planning.
+
+    Nothing is done twice, except that loops are then executed in full.
 
     Args:
-        checked: what a check without planning has found.
-        early: called with what is known when all motions are planned, before they are proved; not for a program with errors.
+        checked: result of the check without planning.
+        early: called with the intermediate result when all motions are planned, before they are proved; not
+            for a program with errors.
     """
     begun = checked.begun
     if begun is None:
@@ -132,7 +141,7 @@ def check_further(checked: Checked, early: Callable[[Checked], None] | None = No
 
 
 def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None = None) -> Checked:
-    """What all stages make; if one of them fails, what was found without them, and the failure."""
+    """Return the result of all stages; if one of them fails, the findings up to there, and the failure."""
     try:
         return _planned(begun, early)
     except Exception as error:  # a bug of ours
@@ -142,11 +151,11 @@ def _planned_if_possible(begun: Begun, early: Callable[[Checked], None] | None =
 
 
 _LONG = 10_000
-"""Lines of a text that is only read once, and not kept for the next time."""
+"""Number of lines of a text above which it is read once, and not cached."""
 
 
 def _opened(source: SourceFile, folder: Path, options: Options) -> Begun | Checked:
-    """Check a program as far as no motion has to be planned; return only findings if it can't be opened."""
+    """Check a program without planning any motion; return only findings if it can't be opened."""
     opened = open_source(source, folder, options)
     if isinstance(options.memory, Forgetful) and len(source.lines) > _LONG:
         forget()
@@ -176,7 +185,10 @@ def _unplanned(begun: Begun) -> Checked:
 
 
 def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
-    """What all stages make. Lines that couldn't be read are missing from the plan: what such a program does isn't proved."""
+    """Return the result of all stages.
+
+    Lines that couldn't be read are missing from the plan, so the motions of such a program aren't proved.
+    """
     request, source, project = begun.opened.request, begun.source, begun.project
     planned = plan_checked(begun.program, request)
     found, compiled, said = (*begun.found, *planned.diagnostics), None, dict(begun.said)
@@ -201,21 +213,23 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
 def _before_the_proof(
     begun: Begun, plan: MotionPlan, found: tuple[Diagnostic, ...], said: Remarks
 ) -> Checked:
-    """What is known of a program whose motions are planned, and not proved."""
+    """Return what is known about a program whose motions are planned, but not proved."""
     found = (*found, *findings_of(said, begun.around, found))
     diagnostics = settled(found, begun.source, begun.project, begun.opened)
     return Checked(diagnostics, begun.source, begun.opened, begun.program.value, plan)
 
 
 def _silent(project: Project) -> set[str]:
-    """The codes that the project doesn't want to hear of."""
+    """Return the codes that the project switches off."""
     return {code for code, level in project.levels.items() if level == "off"}
 
 
 def settled_in_folder(
     diagnostics: Iterable[Diagnostic], source: SourceFile, folder: Path, opened: Opened | None = None
 ) -> tuple[Diagnostic, ...]:
-    """Return findings of some stages about a program that belongs to a folder, as its comments and its yarc.toml want them."""
+    """Return findings of some stages about a program in a folder, filtered by its comments and
+    its yarc.toml.
+    """
     return settled(diagnostics, source, find_project(folder).value or Project(folder), opened)
 
 
@@ -227,15 +241,17 @@ def settled(
     *,
     is_whole: bool = False,
 ) -> tuple[Diagnostic, ...]:
-    """Findings as they are told: without those that follow from others or that comments suppress, those in modules where they are called, as severe as the
-    project says.
+    """Filter findings for output.
+
+    Findings that follow from others or that comments suppress are dropped, those in modules are moved to
+    their calls, and the project sets the severities.
 
     Args:
         diagnostics: all findings.
         source: the program's file.
         project: its settings.
-        opened: the parsed program, if it could be opened; without, findings in modules stay there.
-        is_whole: whether all was looked for: only then a comment that suppresses nothing is needless.
+        opened: the parsed program, if it could be opened; without it, findings in modules stay there.
+        is_whole: True if all checks were made: only then a comment that suppresses nothing is needless.
     """
     told: list[Diagnostic] = []
     go_on()

@@ -1,4 +1,6 @@
-"""A controller text from outside: judged against its program if that is known, else for all that needs no program."""
+"""Verification of a controller text of unknown origin: against its program if that is known, else for
+everything that needs no program.
+"""
 
 from __future__ import annotations
 
@@ -40,23 +42,24 @@ from yarclang.semantics.context import GivenCell
 from yarclang.source import SourceFile, Span
 
 FIRST_WORDS = "; yarcc "
-"""A controller text begins with these."""
+"""First words of a controller text."""
 
 AGAIN = "it isn't as yarcc wrote it: compile the program again"
 
 
 @frozen(eq=False)
 class JudgedText:
-    """A controller text that was judged.
+    """A controller text that was verified.
 
     Attributes:
         text: the text, as it was read.
-        robot: whom it is for.
-        certificate: what was proved; it has the very lines to send.
-        program: the program that it was proved against; None if that isn't known.
+        robot: the robot that it is for.
+        certificate: what was proved, with the lines to send.
+        program: the program against which it was proved; None if that isn't known.
         missing: why the program isn't known; empty if it is.
-        cell: what the proof knows of the surroundings.
-        plan: of that program, if the text says that it was made of the very same; else None.
+        cell: surroundings used in the proof.
+        plan: plan of that program, if the text was made from that very program according to its header; else
+            None.
     """
 
     text: SourceFile
@@ -69,12 +72,14 @@ class JudgedText:
 
 
 def is_compiled(file: str) -> bool:
-    """Return True if a file is called as what yarcc writes for some kind of controller."""
+    """Return True if a file has a name that yarcc uses for some kind of controller."""
     return file.lower().endswith(suffixes())
 
 
 def read_controller_text(path: str) -> Result[SourceFile]:
-    """Read a file's bytes, each as one character: nothing is decoded, so that the judge sees what is there."""
+    """Read a file's bytes, each as one character: nothing is decoded, so that the judge sees the original
+    bytes.
+    """
     content = read_content(path, LARGEST_DATA)
     if content.value is None:
         return Result(None, content.diagnostics)
@@ -87,16 +92,18 @@ def judge_text(
     options: Options,
     program: str | None = None,
 ) -> Result[JudgedText]:
-    """Judge a controller text: against the program beside it, or, if none is there, for all that needs no program.
+    """Verify a controller text against the program beside it, or, if there is none, for everything that needs
+    no program.
 
     Args:
-        text: that yarcc has written.
-        folder: where the text is, and where its program is looked for.
-        options: the robot, the tolerance and the cell that were asked for; without a cell that of the folder's yarc.toml holds.
-        program: the program's file, if somebody says which it is.
+        text: a text of yarcc.
+        folder: folder of the text, where its program is looked for.
+        options: robot, tolerance and cell as requested; without a cell, that of the folder's yarc.toml is
+            used.
+        program: the program's file, if it is given.
 
     Returns:
-        None if the text may not be carried out, with the errors; a value may have notes and warnings.
+        None, with the errors, if the text may not be carried out; a value may have notes and warnings.
     """
     project = find_project(folder)
     if project.value is None:
@@ -114,7 +121,7 @@ def judge_text(
         return _alone(text, robot, around, known.value, told)
     plan = known.value
     meant = plan.program
-    if given is not None:  # the program may be elsewhere, where nothing or something else is around
+    if given is not None:  # the program may be in another place with other surroundings, or none
         if meant.cell is not None and not is_same_file(Path(meant.cell.source.name), Path(given.path)):
             named = meant.cell.source.name
             message = f"the program keeps to the cell {named}, {given.giver} names {given.path}"
@@ -123,7 +130,7 @@ def judge_text(
     tolerance = tolerance_of(robot, options.tolerance) or robot.tolerance
     does_the_same = fingerprint(plan.program) == header.program_fingerprint
     judged = certify(text.text, meant, robot, tolerance, claims_of(plan), any_line=does_the_same)
-    # what else is to be said of the program, yarcc and yarc check say
+    # Other findings about the program are reported by yarcc and yarc check.
     errors = tuple(one for one in judged.diagnostics if one.is_error)
     made = _settled(text, robot, Result(judged.value, errors), meant, "", meant.cell, told)
     if made.value is None or not does_the_same:
@@ -139,7 +146,7 @@ def _remedy(text: SourceFile, program: Program | None) -> str:
 
 
 def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | None) -> Diagnostic:
-    """A finding about a command of the program, shown at the command's first line in the text."""
+    """Move a finding about a command of the program to the command's first line in the text."""
     if finding.source is text or certificate is None or finding.span is None:
         return finding if finding.source is text else replace(finding, source=text, span=None)
     line = finding.span.line
@@ -149,12 +156,12 @@ def _in_text(finding: Diagnostic, text: SourceFile, certificate: Certificate | N
 
 
 def judge_alone(text: SourceFile, robot: str | None, cell: str | None) -> Result[JudgedText]:
-    """Judge a controller text for all that needs no program, and look for none.
+    """Verify a controller text for everything that needs no program, and look for none.
 
     Args:
-        text: that yarcc has written.
+        text: a text of yarcc.
         robot: a robot's name or path; None: the header's.
-        cell: the description of the surroundings, if there is one.
+        cell: description of the surroundings, if there is one.
     """
     opened = _opened(text, robot, cell, Path(), Project(Path()))
     if opened.value is None:
@@ -174,7 +181,7 @@ def _alone(
 def _opened(
     text: SourceFile, name: str | None, cell: str | None, folder: Path, project: Project
 ) -> Result[tuple[Header, Robot, GivenCell | None]]:
-    """Read what a text says of itself, its robot, and what is around it; nothing of the text is judged yet."""
+    """Read a text's header, its robot and its surroundings; nothing of the text is verified yet."""
     if not text.text.startswith(FIRST_WORDS):
         message = "this isn't a text that yarcc has written"
         help_ = "give the program itself, or what yarcc made of it"
@@ -206,7 +213,7 @@ def _settled(
     errors = [one for one in judged.diagnostics if one.is_error]
     found = [one for one in judged.diagnostics if not one.is_error]
     if errors:
-        # one change breaks many things: what follows from it says no more
+        # One change breaks many checks: report the cause, and drop its consequences.
         worst = next((one for one in errors if CATALOGUE[one.code].sort == "limits"), errors[0])
         rest = len(errors) - 1
         more = f" (and {rest:,} more error{'s' * (rest > 1)})" if rest else ""
@@ -232,14 +239,14 @@ def check_controller_text(path: str, options: Options) -> tuple[Diagnostic, ...]
 
 
 def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
-    """Judge a controller text against a program that is at hand.
+    """Verify a controller text against a given program.
 
     Args:
         text: the controller text.
         opened: the program, for its robot.
 
     Returns:
-        None, with the errors, if the text doesn't do what the program says, or the program has errors.
+        None, with the errors, if the text doesn't do what the program specifies, or the program has errors.
     """
     planned = plan_module(opened.module, opened.request)
     if planned.value is None or has_errors(planned.diagnostics):
@@ -252,7 +259,9 @@ def prove_against(text: SourceFile, opened: Opened) -> Result[Certificate]:
 
 
 def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
-    """Load the robot of a controller text that is only looked at: by name, which must be that of the header; without a name the header's."""
+    """Load the robot of a controller text that is only displayed: by name, which must agree with the header;
+    without a name, the header's.
+    """
     preamble = header_of(text.text)
     if isinstance(preamble, Unreadable):
         return Result(None, (_unreadable(preamble, text),))
@@ -260,7 +269,13 @@ def robot_of_text(text: SourceFile, name: str | None) -> Result[Robot]:
 
 
 def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot]:
-    """Load the robot that was named, which must be that of the header; without a name the header's."""
+    """Load the robot of a controller text.
+
+    Args:
+        header: header of the text.
+        text: the text.
+        name: name or path of the robot, which must agree with the header; None: the header's.
+    """
     folder = Path(text.name).parent
     found = robot_made_for(folder, header.robot) if name is None else named_robot(folder, name)
     if name is not None:
@@ -278,7 +293,7 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
 def _program_of(
     text: SourceFile, header: Header, folder: Path, robot: Robot, options: Options, named: str | None
 ) -> Result[MotionPlan] | Result[str]:
-    """The plan of the text's program, or why there is none to prove against."""
+    """Return the plan of the text's program, or why there is none to prove against."""
     for place, must in _candidates(text, header, folder, named):
         if not place.is_file():
             if named is not None:
@@ -301,7 +316,9 @@ def _program_of(
 def _candidates(
     text: SourceFile, header: Header, folder: Path, named: str | None
 ) -> Iterator[tuple[Path, bool]]:
-    """Where the program may be, and whether it must be the text's: what lies beside the text must, whatever the header says."""
+    """Yield the files that may be the program, and for each, True if it must be: a file beside the text must,
+    for any header.
+    """
     if named is not None:
         yield Path(named), True
         return
@@ -316,9 +333,9 @@ def _candidates(
 def _planned(
     place: Path, header: Header, robot: Robot, options: Options, *, must: bool
 ) -> Result[MotionPlan]:
-    """A program as the text was made of it, as far as the header says how: the plan gives claims, and the judge checks them.
+    """Plan a program with the options in the text's header: the plan gives claims, which the judge checks.
 
-    Nothing is planned of a program that neither must be nor is the text's; then there are no findings.
+    A program that neither must be nor is the text's isn't planned; then there are no findings.
     """
     asked = replace(
         options,
@@ -345,4 +362,4 @@ def _planned(
 
 
 _SAME_START = 1e-3
-"""A start that is off by less [deg or mm] is the same, printed with fewer digits."""
+"""Largest deviation of the start [deg or mm] that is explained by printing fewer digits."""

@@ -1,6 +1,7 @@
-"""What a controller text makes the robot do, command by command: the curves that are executed, and what happens between them.
+"""The robot's actions under a controller text, command by command: the executed curves, and what happens
+between them.
 
-It is read by the certificate's own reader, from the text alone.
+The certificate's own reader is used, on the text alone.
 """
 
 from __future__ import annotations
@@ -45,11 +46,12 @@ Kind = Literal[
 
 @frozen(eq=False)
 class Act:
-    """What one command does.
+    """The action of one command.
 
-    `what` says it of one that moves nothing, for people and for comparing. `curve` is the executed motion [rad or m],
-    `duration` how long it takes as far as that is known before [s]. `step` is its number in the program, -1 if the text doesn't say it; `carries` are the parts that
-    grippers hold during a motion, None if that isn't known.
+    For a command that moves nothing, `what` describes it, for people and for comparison. `curve` is the
+    executed motion [rad or m], and `duration` its known duration [s]. `step` is the number of the command in
+    the program, -1 if the text doesn't contain it. `carries` are the parts that grippers hold during a
+    motion, None if unknown.
     """
 
     kind: Kind
@@ -64,13 +66,13 @@ class Act:
 
     @property
     def title(self) -> str:
-        """`P0010 MOVEL`, or the name alone."""
+        """Return `P0010 MOVEL`, or the name alone."""
         return f"{self.place} {self.name}" if self.place else self.name
 
 
 @frozen(eq=False)
 class Executed:
-    """All that a text does, in order, from joint positions `start` (n,) [rad or m], and how long it takes."""
+    """All actions of a text, in order, from joint positions `start` (n,) [rad or m], and their duration."""
 
     name: str
     robot: Robot
@@ -80,7 +82,7 @@ class Executed:
 
     @property
     def duration(self) -> float:
-        """The known time of all motions and dwells, along the longest ways [s]."""
+        """Return the known time of all motions and dwells, along the longest branches [s]."""
         return self.lasting.most
 
 
@@ -90,13 +92,14 @@ def executed(
     """Read a controller text.
 
     Args:
-        text: that yarcc has written.
-        robot: whom it is for.
-        name: how messages call it.
-        carried: the parts that grippers hold during each motion, by its step, as the certificate says; None if that isn't known.
+        text: a text of yarcc.
+        robot: the robot that it is for.
+        name: name of the text in messages.
+        carried: parts that grippers hold during each motion, by its step, from the certificate; None if
+            unknown.
 
     Returns:
-        None, with a finding, where it isn't what yarcc writes for this robot's controller.
+        None, with a finding, if yarcc doesn't write such a text for this robot's controller.
     """
     tell("reading the controller's text", 0)
     reader = reader_of(robot.controller)
@@ -137,7 +140,10 @@ def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) 
 
 
 def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[Act]:
-    """The commands of a sequence, which are taken from the front of `moving`: its control points are S, S, S, c1 ... cM, cM, cM."""
+    """Return the commands of a sequence, which are taken from the front of `moving`.
+
+    The control points of a sequence are S, S, S, c1 ... cM, cM, cM.
+    """
     points = run.points * robot.axis_units
     control = np.concatenate((np.tile(stand, (3, 1)), points, np.tile(points[-1], (2, 1))))
     acts: list[Act] = []

@@ -1,4 +1,4 @@
-"""Errors of places that can't be reached, with the rule's sentence that says why, as one finding."""
+"""Merging the error of an unreachable place with the warning that explains it."""
 
 from __future__ import annotations
 
@@ -9,14 +9,15 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.lint.registry import rules
 
 _UNREACHED = ("Y0501", "Y0502")
-"""A pose out of reach, and one that needs a joint beyond its limits."""
+"""A pose out of reach, and a pose that needs a joint beyond its limits."""
 
 
 def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Return the findings, an error and the warning that explains it as one: the error, with what the warning asks.
+    """Return the findings, with an error and the warning that explains it merged into one: the error, with
+    the warning's remedy.
 
     Args:
-        diagnostics: all findings, those of one command with the same file and first line.
+        diagnostics: all findings; those of one command have the same file and first line.
     """
     found = tuple(diagnostics)
     unreached = {_place(one) for one in found if one.is_error and one.code in _UNREACHED}

@@ -1,4 +1,4 @@
-"""Fixes applied to a text until none is left; each is tried, and none may break the program."""
+"""Applying fixes to a text until none is left. Each fix is tried first, and none may break the program."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from yarclang.progress import part
 from yarclang.source import SourceFile, Span
 
 MOST_ROUNDS = 20
-"""Fixes that call for each other for ever end here."""
+"""Maximum number of rounds, for fixes that trigger each other endlessly."""
 
 _SAME = 1e-9
-"""Control points that differ by less [rad or m] are the same."""
+"""Tolerance for equal control points [rad or m]."""
 
 _LINE_END = re.compile(r"\r\n|\r|\n")
 
 
 @frozen(eq=False)
 class Fixed:
-    """A text with its fixes applied, what is left to say of it, and the titles of the fixes."""
+    """A text with its fixes applied, the remaining findings, and the titles of the fixes."""
 
     text: str
     checked: Checked
@@ -41,14 +41,15 @@ def fixed(
 ) -> Fixed:
     """Apply the fixes of the wanted findings.
 
-    A fix stays only if what comes of it is read, has no error that wasn't there, no longer has the finding, and, where the finding was no
-    error, does the same as before: the same curves of all motions, or, of a program that isn't planned, the same steps. A text that couldn't be
-    read may have errors of its meaning when it can be.
+    A fix stays only if the new text can be read, has no new error, and no longer has the finding. If the
+    finding was no error, the new text must also do the same as before: the same curves of all motions or, for
+    a program that isn't planned, the same steps. A text that couldn't be read before may show errors of
+    meaning once it can be.
 
     Args:
-        checked: what was found in the text as it is; its source is there.
-        check: finds what is to be said of another text of the file.
-        wanted: whether a finding's fix is to be applied.
+        checked: findings in the current text; its source must exist.
+        check: checks another text of the file.
+        wanted: returns True if a finding's fix is to be applied.
     """
     assert checked.source is not None
     applied: list[str] = []
@@ -59,7 +60,7 @@ def fixed(
         open_ = [one for one in _fixable(checked, wanted) if _key(one, source) not in refused]
         if not open_:
             break
-        # what can be read first: its other errors aren't seen until then
+        # Fix syntax errors first: errors in such lines aren't visible until then.
         chosen = apart([one for one in open_ if _uncovers(one)] or open_)
         count = f"{len(chosen)} fixes" if len(chosen) > 1 else "a fix"
         with part(f"trying {count}"):
@@ -82,7 +83,7 @@ def fixed(
 
 
 def is_repair(one: Diagnostic) -> bool:
-    """Whether a finding has a fix that nobody has to choose."""
+    """Return True if a finding has a fix that needs no choice by a person."""
     return one.fix is not None and not one.fix.by_choice
 
 
@@ -100,13 +101,13 @@ def _fixable(checked: Checked, wanted: Callable[[Diagnostic], bool]) -> list[Dia
 
 
 def _key(one: Diagnostic, source: SourceFile) -> tuple[str, str, str]:
-    """What a finding is known by when its line has moved."""
+    """Return a key of a finding that stays the same when its line moves."""
     line = source.line(one.span.line) if one.span else ""
     return one.code, line, one.fix.title if one.fix else ""
 
 
 def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
-    """Those whose edits touch no edit of one before."""
+    """Return the findings whose edits don't overlap with those of an earlier one."""
     chosen: list[Diagnostic] = []
     taken: list[Edit] = []
     for one in findings:
@@ -119,13 +120,15 @@ def apart(findings: Iterable[Diagnostic]) -> list[Diagnostic]:
 
 
 def _touch(one: Edit, other: Edit) -> bool:
-    """Whether two edits share text, or a place."""
+    """Return True if two edits share text, or a place."""
     first, second = sorted((one.span, other.span))
     return (second.line, second.column) <= (first.end_line, first.end_column)
 
 
 def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
-    """The text after edits that don't touch each other. Lines keep their ends; a last line without one keeps none."""
+    """Return the text after edits that don't overlap. Line ends stay as they are, also a missing one at the
+    end.
+    """
     text = source.text
     starts = [0, *(end.end() for end in _LINE_END.finditer(text))]
 
@@ -144,7 +147,7 @@ def edited(source: SourceFile, fixes: Iterable[Fix]) -> str:
 def _tried(
     before: Checked, chosen: Sequence[Diagnostic], check: Callable[[SourceFile], Checked]
 ) -> Checked | None:
-    """What comes of some fixes; None where they break something, or remove nothing."""
+    """Return the result of some fixes; None if they break something, or remove nothing."""
     assert before.source is not None
     text = edited(before.source, [one.fix for one in chosen if one.fix])
     if text == before.source.text:
@@ -156,7 +159,7 @@ def _tried(
         errors = {code for code in errors if family_of(code) == SYNTAX}
     if any(has[code] > had[code] for code in errors):
         return None
-    # edits of one kind may remove several findings, or uncover another one with the same code
+    # Edits of one kind may remove several findings, or reveal another one with the same code.
     said, says = _said(before), _said(after)
     if any(says[key] >= said[key] for key in _said_of(chosen)):
         return None
@@ -195,7 +198,7 @@ def _does_the_same(before: Checked, after: Checked) -> bool:
 
 
 def _steps(program: Program) -> str:
-    """A hash of what a program does, whatever its commands are called."""
+    """Return a hash of a program's actions, independent of its commands' indices."""
     nobody = Origin("", "", program.source, Span(1, 1, 1, 1))
     steps = tuple(step if isinstance(step, Gap) else replace(step, origin=nobody) for step in program.steps)
     return fingerprint(replace(program, steps=steps))

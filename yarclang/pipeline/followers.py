@@ -1,4 +1,4 @@
-"""Findings that only follow from another one: one fault is said once, where it is."""
+"""Removal of findings that only follow from another one: each fault is reported once, at its place."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ from yarclang.syntax.lines import code_of
 from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS
 
 _MISPLACED = "Y0116"
-"""The finding of a line that doesn't belong into a block."""
+"""The finding of a line that doesn't belong in a block."""
 
 _GIVES_NAMES = ("FRAME", "FRAME_QUAT", "LET", "FUNC", "TABLE", "JOINTS", "POSE")
 
 _WITHOUT_HEAD = "{[("
-"""What begins with one of these and can't be read was meant to be a DEFAULT."""
+"""First characters of an unreadable line that was probably meant as a DEFAULT."""
 
 _BY_DEFAULT = ("default", "unit")
-"""What one DEFAULT line gives to many: one may be the cause of many findings."""
+"""Settings of a DEFAULT line that many lines use: one line may cause many findings."""
 
 _MANY = 3
 _MOST_IN_A_LINE = 20
-"""Findings with one code; whoever has more mistakes in one line looks at the line, not at the findings."""
+"""Maximum number of findings with one code in a line; with more mistakes, people look at the line itself."""
 
 _LIKE = 0.7
-"""How like a word is at least to the one that it was meant to be: difflib's ratio."""
+"""Minimum similarity of a misspelt word and its meaning: difflib's ratio."""
 
 _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
@@ -42,9 +42,10 @@ _WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
     """Return the findings without those that follow from an error in another line of the program.
 
-    A line with an error explains why names that stand in it aren't known elsewhere; a DEFAULT that can't be read, why units and frames are missing; a
-    block's first line that can't be read, why its END ends nothing; a frame or number that isn't what was meant, why the robot can't go there. The catalogue
-    says of each finding what it needs and what it follows. An error is never left out but for another one that stays.
+    A line with an error explains unknown names elsewhere that occur in it; an unreadable DEFAULT explains
+    missing units and frames; an unreadable first line of a block explains an END without a block; a wrong
+    frame or number explains a place that can't be reached. The catalogue lists, for each finding, its
+    prerequisites and causes. An error is dropped only in favour of another one that stays.
 
     Args:
         diagnostics: all findings.
@@ -57,23 +58,25 @@ def without_followers(diagnostics: Iterable[Diagnostic], source: SourceFile) -> 
     reasons = _Reasons(found, causes, source)
     kept = [one for one in each(found) if not reasons.explain(one)]
     if has_errors(found) and not has_errors(kept):
-        return found  # each was taken for what follows from another one
+        return found  # every finding was explained by another one
     return _said_once(kept)
 
 
 def _causes(found: Iterable[Diagnostic], source: SourceFile) -> set[int]:
-    """Return the program's lines with errors, but for commands with an unknown name: these declare nothing that others could miss."""
+    """Return the program's lines with errors, except commands with an unknown name: these declare nothing
+    that others could miss.
+    """
     own = [(one, line) for one in each(found) if (line := _line(one, source))]
     uses = {line for one, line in own if _need(one) in ("name", "meaning") and not _declares(source, line)}
     return {line for one, line in own if one.is_error} - uses
 
 
 class _Reasons:
-    """What lines with errors don't give to others.
+    """The lines with errors, and the names and settings that others miss because of them.
 
     Args:
         found: all findings.
-        causes: the lines with errors that may be the reason of others.
+        causes: lines with errors that may be the reason of others.
         source: the program's file.
     """
 
@@ -81,7 +84,7 @@ class _Reasons:
         self._source, self._causes = source, causes
         self._wrong = {_line(one, source) for one in each(found) if one.is_error} - {0}
         self._lines: dict[str, set[int]] = {}
-        """The lines of the findings of each code, 0 in other files."""
+        """Lines of the findings of each code, 0 for other files."""
         for one in each(found):
             self._lines.setdefault(one.code, set()).add(_line(one, source))
         self._above = {code: min(lines - {0}, default=math.inf) for code, lines in self._lines.items()}
@@ -135,11 +138,11 @@ class _Reasons:
         )
 
     def _like(self, word: str) -> list[int]:
-        """Return the lines with errors that begin with a word, or one like it."""
+        """Return the lines with errors that begin with a word, or a similar one."""
         return [line for line, first in each(self._firsts.items()) if _is_like(first, word)]
 
     def _leads(self, cause: Follows, line: int) -> bool:
-        """Return True if a finding is there that explains another one in a line."""
+        """Return True if there is a finding in a line that explains another one."""
         there = self._lines.get(cause.code, ())
         match cause.where:
             case "here":
@@ -150,7 +153,9 @@ class _Reasons:
                 return bool(there) and line not in self._causes
 
     def _lost(self, one: Diagnostic, line: int) -> bool:
-        """Return True if a name may stand in a line with an error, in a cell or in a module that can't be read."""
+        """Return True if a name may be defined in a line with an error, or in an unreadable cell
+        or module.
+        """
         if self._lost_cell and line not in self._lines.get(_MISPLACED, ()):
             return self._firsts.get(line, "") != "CELL"
         name = one.subject.name if isinstance(one.subject, Name) else ""
@@ -159,7 +164,9 @@ class _Reasons:
 
 
 def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
-    """The names of declarations with errors, and of those that rest on them; `DEFAULT` if it does."""
+    """Return the names of declarations with errors, and of those that depend on them; includes `DEFAULT` if
+    it does.
+    """
     lost: set[str] = set()
     heads = {*_GIVES_NAMES, "DEFAULT"}
     if not any(_first(source.line(line)) in heads for line in words):
@@ -174,11 +181,11 @@ def _doubtful(source: SourceFile, words: dict[int, set[str]]) -> frozenset[str]:
 
 
 def _rests_on(one: Diagnostic, line: int, source: SourceFile, doubtful: frozenset[str]) -> bool:
-    """Whether what a finding says of a motion may come from names that are doubtful; of unrolled code any may."""
+    """Return True if a finding about a motion may come from doubtful names; in unrolled code, any may."""
     if not doubtful:
         return False
     words = _WORD.findall(code_of(source.line(line)).upper()) if line else []
-    # what a line declares is doubtful because of the line itself
+    # The name that a line declares is doubtful because of that very line.
     said = set(words[:1] + words[2:] if words[:1] and words[0] in _GIVES_NAMES else words)
     return bool(one.place) or "DEFAULT" in doubtful or bool(said & doubtful)
 
@@ -198,7 +205,7 @@ def _declares(source: SourceFile, line: int) -> bool:
 
 
 def _first(line: str) -> str:
-    """A line's first word in upper case."""
+    """Return a line's first word in upper case."""
     found = _WORD.search(code_of(line))
     return found[0].upper() if found else ""
 
@@ -211,7 +218,7 @@ def _words(line: str) -> set[str]:
 def _is_like(word: str, meant: str) -> bool:
     if word == meant:
         return True
-    # an upper bound of difflib's ratio, in a hundredth of its time
+    # This upper bound of difflib's ratio takes a hundredth of the time.
     common = sum(letter in meant for letter in word)
     if 2.0 * common < _LIKE * (len(word) + len(meant)):
         return False
@@ -219,13 +226,15 @@ def _is_like(word: str, meant: str) -> bool:
 
 
 def _said_once(found: list[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Of findings about the same unknown name the first, and of many alike the first; it tells how many more there are."""
+    """Keep the first of several findings about the same unknown name, and the first of many similar ones; it
+    then includes the number of the others.
+    """
     groups = gathered(found, lambda one: _repeated(one) or one)
     return tuple(one for group in each(groups) for one in _shortened(group))
 
 
 def _repeated(one: Diagnostic) -> tuple[str, object] | None:
-    """Return what a finding has in common with those that repeat it; None if it repeats nothing."""
+    """Return the common property of findings that repeat each other; None if this one repeats nothing."""
     need = _need(one)
     if need == "name" and isinstance(one.subject, Name) and one.subject.name:
         return "name", one.subject.name
@@ -233,7 +242,7 @@ def _repeated(one: Diagnostic) -> tuple[str, object] | None:
 
 
 def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first of findings that repeat each other; all where they are few, or repeat nothing."""
+    """Return the first of several findings that repeat each other; all if they are few, or repeat nothing."""
     first = group[0]
     kind, _ = _repeated(first) or ("", None)
     in_lines = {one.span.line for one in each(group) if one.span is not None}
@@ -241,7 +250,7 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
         return group
     more = len(group) - 1
     lines = f"{more} more line{'s' * (more != 1)}"
-    # what lacks something else, or at another place of unrolled code, is only like it
+    # Findings with another subject, or at another place of unrolled code, are similar, but not the same.
     here = (first.subject, first.place)
     is_like_it = here[0] is not None and any((one.subject, one.place) != here for one in each(group))
     again = f"{more} more like it" if kind == "alike" and is_like_it else f"the same in {lines}"
@@ -249,13 +258,15 @@ def _shortened(group: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def few_in_a_line(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """Return the findings without all but the first ones of a code in a line; the last of these tells how many more there are."""
+    """Keep only the first findings of a code in a line; the last one kept includes the number of
+    the others.
+    """
     groups = gathered(diagnostics, _line_and_code)
     return tuple(one for group in each(groups) for one in _few(group))
 
 
 def _few(group: list[Diagnostic]) -> list[Diagnostic]:
-    """Return the first ones of findings with one code in a line; all that have no line."""
+    """Return the first findings of one code in a line; all findings without a line."""
     more = len(group) - _MOST_IN_A_LINE
     if group[0].span is None or more <= 0:
         return group
@@ -264,5 +275,5 @@ def _few(group: list[Diagnostic]) -> list[Diagnostic]:
 
 
 def _line_and_code(one: Diagnostic) -> tuple[str, int, str]:
-    """Return file, line and code of a finding; line 0 if it has no place."""
+    """Return the file, line and code of a finding; line 0 if it has no place."""
     return one.source.name if one.source else "", one.span.line if one.span else 0, one.code

@@ -1,4 +1,6 @@
-"""Checks that never raise: an exception in a stage becomes a finding about the program, with its statement if that is known."""
+"""Checks that never raise: an exception in a stage becomes a finding about the program, with its statement if
+that is known.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,7 @@ from yarclang.syntax.ast import Statement
 
 
 def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
-    """Make a finding of an exception that ended a stage.
+    """Return a finding for an exception that ended a stage.
 
     Args:
         error: the exception, as it was caught.
@@ -21,7 +23,9 @@ def failure(error: Exception, source: SourceFile | None = None) -> Diagnostic:
 
 
 def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFile, Span] | None:
-    """Find the statement that was worked on: that of the innermost call that has one among its variables."""
+    """Return the statement that was being processed: that of the innermost call with one among
+    its variables.
+    """
     for frame, _ in reversed(list(frames_of(error))):
         for value in list(frame.f_locals.values()):
             origin = value if isinstance(value, Origin) else _origin_of(value)
@@ -33,7 +37,7 @@ def _statement_of(error: Exception, source: SourceFile | None) -> tuple[SourceFi
 
 
 def _origin_of(value: object) -> Origin | None:
-    """Return where a step of a program comes from; None for anything else."""
+    """Return the origin of a program's step; None for anything else."""
     if type(value).__module__ != Origin.__module__:
         return None
     origin = getattr(value, "origin", None)
@@ -41,7 +45,9 @@ def _origin_of(value: object) -> Origin | None:
 
 
 def _is_in(statement: Statement, source: SourceFile) -> bool:
-    """Return True if a statement is one of this file, and not one of a module's that stands in the same line there."""
+    """Return True if a statement belongs to this file, and not to a module that has a statement at the same
+    line.
+    """
     name = statement.name
     line = source.line(statement.line + name.place.row)
     return line[name.place.start - 1 : name.place.end - 1] == name.text

@@ -1,17 +1,19 @@
-"""A program that is looked at again and again while it is edited: only what an edit changes is worked out anew.
+"""Checking a program repeatedly while it is edited: only what an edit changes is computed anew.
 
-An `Analyst` is a memory and the very pipeline of `yarc check`; its findings, plans and certificates are those of a fresh look, to the last bit.
-What is remembered, and by what:
+An `Analyst` is a memory and the same pipeline as `yarc check`; its findings, plans and certificates are bit
+for bit those of a fresh check. These results are cached, by these keys:
 
-- a statement is parsed by its text (syntax/parse.py);
-- a robot and a cell are read by their files (kept.py);
-- a command becomes a step by its statement and by what its names mean (semantics/recalling.py);
-- where a motion leads, and its curve, by its values in SI, the joint position before it, robot, cell, grid and tolerance (motion/recalling.py);
-- what of a motion is hashed, and at what angle two paths meet, by what the recalled step and paths are made of (identity.py, lint/);
-- a printed move by its control points; what move lines say, by their very text (certify/cursor.py); and what the certificate proves of a stretch
-  from rest to rest, by the numbers in the text and what they shall be (certify/stretches.py).
+- a parsed statement, by its text (syntax/parse.py);
+- a robot and a cell, by their files (kept.py);
+- a command's step, by its statement and the meanings of its names (semantics/recalling.py);
+- a motion's goal and curve, by its values in SI, the joint position before it, robot, cell, grid and
+  tolerance (motion/recalling.py);
+- a motion's hash, and the angle between two paths, by the cached steps and paths (identity.py, lint/);
+- a printed move, by its control points; the meaning of move lines, by their text (certify/cursor.py); and the
+  certificate of a stretch from rest to rest, by the numbers in the text and their required values
+  (certify/stretches.py).
 
-So an edit of one motion costs that motion, and those behind it as far as it moves where they begin.
+So an edit of one motion costs that motion, and the motions after it whose start changes.
 """
 
 from __future__ import annotations
@@ -33,56 +35,58 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 MOST_KEPT = 60_000
-"""Results that are remembered at most: about ten a motion, half of them small."""
+"""Maximum number of cached results: about ten per motion, half of them small."""
 
 LEAST_KEPT = 4_000
-"""Results that are remembered however short the programs are."""
+"""Minimum number of cached results, even for short programs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What is to be said of a text, what the stages made of it as far as they came, and what belongs to which command."""
+    """The findings about a text, the results of the stages that were reached, and the results by command."""
 
     checked: Checked
 
     @property
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """The findings, as `yarc check` tells them."""
+        """Return the findings, as `yarc check` reports them."""
         return self.checked.diagnostics
 
     @property
     def module(self) -> Module | None:
-        """The syntax tree; None where no robot is known."""
+        """Return the syntax tree; None if no robot is known."""
         return self.checked.opened.module if self.checked.opened else None
 
     @property
     def program(self) -> Program | None:
-        """The checked program; it may have gaps."""
+        """Return the checked program; it may have gaps."""
         return self.checked.program
 
     @property
     def plan(self) -> MotionPlan | None:
-        """The plan of a program without errors."""
+        """Return the plan of a program without errors."""
         return self.checked.plan
 
     @property
     def certificate(self) -> Certificate | None:
-        """What was proved of a program without errors."""
+        """Return the certificate of a program without errors."""
         return self.checked.compiled.certificate if self.checked.compiled else None
 
     @cached_property
     def motions(self) -> Mapping[int, PlannedMotion]:
-        """The planned motion of each step that is one."""
+        """Return the planned motions, by their steps."""
         return {motion.step: motion for motion in self.plan.motions} if self.plan else {}
 
     @cached_property
     def proofs(self) -> Mapping[int, CommandCertificate]:
-        """What was proved of each step that is a motion."""
+        """Return the proofs of motions, by their steps."""
         return {one.step: one for one in self.certificate.commands} if self.certificate else {}
 
     @cached_property
     def steps_by_line(self) -> Mapping[int, tuple[int, ...]]:
-        """The steps that come from a command in the program's own file, by the line in which it begins: in a loop there are many."""
+        """Return the steps of each command in the program's own file, by its first line: a command in a loop
+        has many.
+        """
         found: dict[int, list[int]] = {}
         for number, step in enumerate(self._steps):
             if not isinstance(step, Gap) and step.origin.source is self.checked.source:
@@ -95,13 +99,13 @@ class Analysis:
 
 
 ENOUGH_AT_FIRST = 1_000
-"""Lines in loops and SUBs that a quick look carries out: some 0.1 s."""
+"""Lines in loops and SUBs that a quick check executes: about 0.1 s."""
 
 
 class Analyst:
-    """Looks at texts for options that hold for all of them, and remembers what comes again.
+    """Checks texts with the same options for all, and caches results.
 
-    Two threads may ask at once; they share what is remembered.
+    Two threads may use it at the same time; they share the cache.
     """
 
     def __init__(self, options: Options | None = None, most: int = MOST_KEPT) -> None:
@@ -118,18 +122,20 @@ class Analyst:
         cancelled: Callable[[], bool] | None = None,
         early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
-        """Look at the text of a program that belongs to a folder.
+        """Check the text of a program that belongs to a folder.
 
         Args:
             source: the text.
-            folder: where modules, cells and settings are looked for.
-            quick: only what needs no planning, and of loops and SUBs no more than ENOUGH_AT_FIRST lines.
-            begun: what such a look has found in this text, if there was one: then the look goes on from there.
-            cancelled: asked often whether to give up.
-            early: called with what is known when all motions are planned, before they are proved, if the look goes on from a quick one.
+            folder: folder in which modules, cells and settings are looked for.
+            quick: only what needs no planning, and of loops and SUBs at most ENOUGH_AT_FIRST lines.
+            begun: result of a quick check of this text, if there was one: then the check continues from
+                there.
+            cancelled: called often; True: give up.
+            early: called with the intermediate result when all motions are planned, before they are proved,
+                if the check continues a quick one.
 
         Returns:
-            None where the work was given up; what was worked out up to there is remembered.
+            None if it was given up; results up to there stay in the cache.
         """
         options = replace(self.options, enough=ENOUGH_AT_FIRST if quick else None)
         try:
@@ -147,5 +153,5 @@ class Analyst:
         return Analysis(checked)
 
     def forget(self) -> None:
-        """Remember nothing of what was."""
+        """Clear the cache."""
         self.memory.clear()

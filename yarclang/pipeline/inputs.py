@@ -1,4 +1,4 @@
-"""From a file's name and the options of a door to a syntax tree and a request."""
+"""From a file's name and the user's options to a syntax tree and a request."""
 
 from __future__ import annotations
 
@@ -31,12 +31,14 @@ from yarclang.units import DEG, MM
 
 @frozen
 class Options:
-    """What the user said besides the files: `start` in deg (mm for prismatic joints), `tm` in ms,
-    `tolerance` in mm and deg (None: the robot's own), `cell` the path of a cell.toml. `texts` are files that are open somewhere, by their absolute
-    paths: modules, cells and robots are read from there before what is saved. `memory` keeps what is worked out, for the
-    next time (pipeline/incremental.py makes one). `enough` is the number of lines in loops and SUBs after which a first look has seen enough (None: all).
-    `present` says where the parts of a cell are when the program starts (None: where its file has them). `avoid_effort` is how many ways round obstacles are looked
-    for, of which the quickest is taken.
+    """Options given by the user besides the files.
+
+    `start` is in deg (mm for prismatic joints), `tm` in ms, `tolerance` in mm and deg (None: the robot's
+    own); `cell` is the path of a cell.toml. `texts` are open files by their absolute paths: modules, cells
+    and robots are taken from there rather than from the disk. `memory` caches results for the next time (made
+    by pipeline/incremental.py). `enough` is the number of lines in loops and SUBs after which a quick check
+    stops (None: all). `present` returns the places of the cell's parts when the program starts (None: as in
+    its file). `avoid_effort` is the number of ways round obstacles to search, of which the quickest is taken.
     """
 
     robot: str | None = None
@@ -64,8 +66,8 @@ def open_program(path: str, options: Options) -> Result[Opened]:
     """Read and parse a program, and find its robot.
 
     Returns:
-        None where the file or the robot can't be read; syntax errors alone leave a value, so
-        that the rest can still be checked.
+        None if the file or the robot can't be read. With syntax errors alone there is a value, so that the
+        rest can still be checked.
     """
     read = read_source(path)
     if read.value is None:
@@ -75,7 +77,13 @@ def open_program(path: str, options: Options) -> Result[Opened]:
 
 
 def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Opened]:
-    """Parse a program that belongs to a folder, and find its robot."""
+    """Parse a program, and find its robot.
+
+    Args:
+        source: the program.
+        folder: folder of the program, in which modules, cells and yarc.toml are looked for.
+        options: the user's options.
+    """
     if source.text.startswith("; yarcc "):
         message = "this is controller text that yarcc has written, not a program"
         return Result(
@@ -128,7 +136,7 @@ def open_source(source: SourceFile, folder: Path, options: Options) -> Result[Op
 
 
 def _robot(module: Module, folder: Path, project: Project, options: Options) -> Result[Robot]:
-    """The command line and a ROBOT line, which must agree; else yarc.toml."""
+    """Return the robot of the command line or a ROBOT line, which must agree; else that of yarc.toml."""
     declared = declared_robot(module)
     if options.robot is not None:
         found = _on_command_line(options.robot, project, options)
@@ -155,7 +163,9 @@ def _robot(module: Module, folder: Path, project: Project, options: Options) -> 
 
 
 def _on_command_line(name_or_path: str, project: Project, options: Options) -> Result[Robot]:
-    """Return the robot of a name or path: of the library, at the path, or that of yarc.toml if it is called so."""
+    """Return the robot with a name or path: from the library, at the path, or from yarc.toml if it has this
+    name.
+    """
     if project.robot is not None and find_robot(name_or_path)[0] is None:
         own = _of_project(project, None, options).value
         if own is not None and own.name.lower() == name_or_path.lower():
@@ -164,7 +174,9 @@ def _on_command_line(name_or_path: str, project: Project, options: Options) -> R
 
 
 def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Robot]:
-    """The robot that is named, else that of the folder's yarc.toml: for work that has no program yet. `texts` are files that are open."""
+    """Return the named robot, or else that of the folder's yarc.toml, for work that has no program yet.
+    `texts` are open files.
+    """
     if name is not None:
         return named_robot(folder, name)
     project = find_project(folder, texts)
@@ -176,14 +188,18 @@ def robot_for(folder: Path, name: str | None, texts: Mapping[Path, SourceFile] =
 
 
 def named_robot(folder: Path, name_or_path: str) -> Result[Robot]:
-    """Return the robot of a name or path: of the library, at the path, or that of the folder's yarc.toml if it is called so."""
+    """Return the robot with a name or path: from the library, at the path, or from the folder's yarc.toml if
+    it has this name.
+    """
     if find_robot(name_or_path)[0] is None and (own := _own(folder, name_or_path)) is not None:
         return Result(own)
     return load_robot(name_or_path)
 
 
 def robot_made_for(folder: Path, name: str) -> Result[Robot]:
-    """Return the robot that a controller text or a log names: that of its folder's yarc.toml if it is called so, else that of the library."""
+    """Return the robot that a controller text or a log names: that of its folder's yarc.toml if it has this
+    name, else that of the library.
+    """
     own = _own(folder, name)
     return load_robot(name) if own is None else Result(own)
 
@@ -195,12 +211,12 @@ def _own(folder: Path, name: str) -> Robot | None:
 
 
 def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) -> Result[Array]:
-    """Where a robot stands, from an option: for work that has no program yet.
+    """Return a joint position from an option, for work that has no program yet.
 
     Args:
-        robot: that stands there.
-        values: one a joint, in deg (mm for prismatic joints); None: its home.
-        what: how messages speak of them.
+        robot: the robot.
+        values: one per joint, in deg (mm for prismatic joints); None: its home.
+        what: name of the values in messages.
     """
     if values is None:
         return Result(robot.home)
@@ -210,7 +226,7 @@ def joint_position(robot: Robot, values: tuple[float, ...] | None, what: str) ->
 
 
 def _of_project(project: Project, program: SourceFile | None, options: Options) -> Result[Robot]:
-    """The robot of yarc.toml, or a finding about the program that none was named anywhere."""
+    """Return the robot of yarc.toml, or a finding about the program that no robot is named anywhere."""
     if project.robot is not None:
         return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
@@ -225,7 +241,9 @@ def _named(
     span: Span | None,
     options: Options,
 ) -> Result[Robot]:
-    """The robot of a name or path that stands in a file; what is wrong with the name is said there."""
+    """Return the robot with a name or path from a file; a wrong name is reported at its place in
+    that file.
+    """
     found = _loaded(_placed(name, folder), options.texts, options.memory)
     placed = tuple(
         one if one.source is not None else replace(one, source=source, span=span) for one in found.diagnostics
@@ -234,7 +252,7 @@ def _named(
 
 
 def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory) -> Result[Robot]:
-    """The robot of a name or path; that of an open text where its robot.toml is open."""
+    """Return the robot with a name or path; if its robot.toml is an open file, the robot of that text."""
     path = find_robot(name_or_path)[0] if texts or memory is not NO_MEMORY else None
     text = texts.get(path.absolute()) if path is not None else None
 
@@ -245,7 +263,7 @@ def _loaded(name_or_path: str, texts: Mapping[Path, SourceFile], memory: Memory)
 
 
 def _placed(name_or_path: str, folder: Path) -> str:
-    """A path counts from the file that it stands in; a plain name stays a name."""
+    """Resolve a path relative to its file; a plain name stays a name."""
     if "/" in name_or_path or name_or_path.endswith(".toml"):
         return str(folder / name_or_path)
     return name_or_path
@@ -254,7 +272,7 @@ def _placed(name_or_path: str, folder: Path) -> str:
 def _start(
     robot: Robot, values: tuple[float, ...] | None, what: str, findings: Collector, span: Span | None
 ) -> Array | None:
-    """Joint values in deg (mm) as a joint position in SI, checked."""
+    """Check joint values in deg (mm), and return them as a joint position in SI."""
     if values is None:
         return None
     names = " ".join(robot.joint_names)
@@ -278,7 +296,9 @@ def _start(
 
 
 def tolerance_of(robot: Robot, asked: tuple[float, float | None] | None) -> Tolerance | None:
-    """Return a tolerance that was asked for [mm, deg], its angle the robot's if only a length is given; None without one."""
+    """Return a requested tolerance [mm, deg], with the robot's own angle if only a length is given; None
+    without a request.
+    """
     if asked is None:
         return None
     position, angle = asked

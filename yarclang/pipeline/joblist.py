@@ -1,4 +1,4 @@
-"""The jobs of a project: programs by their numbers, each of which may follow any other."""
+"""The jobs of a project: numbered programs, each of which may follow any other."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Listed:
-    """A job of a project: its number, its file, what it comes to (None with errors), and what is wrong with it."""
+    """A job of a project: its number, its file, its compiled program (None with errors), and its findings."""
 
     number: int
     file: str
@@ -35,11 +35,11 @@ class Listed:
 def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
     """Compile and prove the jobs of a project, in the order of their numbers.
 
-    Each has to begin where the first one begins, and to end there: then any may follow any other.
+    Each job must begin and end where the first one begins, so that any job may follow any other.
 
     Args:
-        project: its yarc.toml, with jobs.
-        options: of all of them.
+        project: yarc.toml with jobs.
+        options: options for all jobs.
     """
     first: tuple[int, Job] | None = None
     for number, file in sorted(project.jobs.items()):
@@ -61,7 +61,9 @@ def listed_jobs(project: Project, options: Options) -> Iterator[Listed]:
 
 
 def _ends(compiled: Compiled) -> list[Array]:
-    """Return where the robot may stand (n,) at the end of a program [rad or m]: at its last line, and at each STOP of its ways."""
+    """Return the positions (n,) in which the robot may end a program [rad or m]: at its last line, and at
+    each STOP in its branches.
+    """
     stands = {motion.step: motion.path.end for motion in compiled.plan.motions}
     walked = Ways(compiled.program.start)
     ends: list[Array] = []
@@ -78,7 +80,7 @@ def _ends(compiled: Compiled) -> list[Array]:
 def _apart(
     project: Project, number: int, job: Job, ends: list[Array], first: tuple[int, Job]
 ) -> Iterator[Diagnostic]:
-    """Yield what is wrong with the robot of a job, where it begins, and where it ends."""
+    """Yield the findings about a job's robot, its start, and its ends."""
     other, common = first
     if job.robot.folder != common.robot.folder:
         message = f"job {number} is for {job.robot.name}, job {other} for {common.robot.name}"

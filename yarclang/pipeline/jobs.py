@@ -1,4 +1,4 @@
-"""A certificate to a job that the runtime carries out."""
+"""From a certificate to a job that the runtime carries out."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ def job_of(
     offset: float = 0.0,
     clock: float = 0.0,
 ) -> Result[Job]:
-    """Make a job of a text that was judged: its lines are the very ones that the judge has read.
+    """Make a job from a verified text: its lines are the very ones that the judge has read.
 
     Args:
-        certificate: what was proved, without an error.
-        text: the whole text, for the log.
-        robot: whom it is for.
-        name: what people call the program.
-        papers: what goes with it.
-        offset: where it begins in the program that it is a part of [s].
-        clock: the latest known time at which it begins there [s].
+        certificate: certificate without an error.
+        text: whole text, for the log.
+        robot: robot that it is for.
+        name: name of the program for people.
+        papers: documents stored with it.
+        offset: start of the job in the program that it is a part of [s].
+        clock: latest known time at which it begins there [s].
 
     Returns:
-        None, with a finding, if the text isn't for being streamed.
+        None, with a finding, if the text isn't for streaming.
     """
     content = certificate.text
     found = backend_of(robot).sendable(content, robot)
@@ -100,7 +100,9 @@ def job_of(
 
 
 def _end_of(content: ControllerText, start: Array) -> Array:
-    """Return where the robot stands after the last line (n,) [axis units]; after ways that meet that is the point of the RAPID there."""
+    """Return where the robot stands after the last line (n,) [axis units]; after branches that meet, the
+    point of the RAPID there.
+    """
     for item in reversed(content.course):
         match item:
             case Run(points=points):
@@ -111,7 +113,11 @@ def _end_of(content: ControllerText, start: Array) -> Array:
 
 
 def in_pieces(content: dict[str, Any]) -> str:
-    """Return content as JSON, each item of its lists written by itself: one call for all keeps the interpreter from other threads, 0.1 s of a program of 400 commands."""
+    """Return content as JSON, encoding each item of its lists by itself.
+
+    One call for everything would block the interpreter for other threads: 0.1 s for a program of 400
+    commands.
+    """
     written = []
     for key, value in content.items():
         text = f"[{', '.join(map(json.dumps, value))}]" if isinstance(value, list) else json.dumps(value)
@@ -122,14 +128,14 @@ def in_pieces(content: dict[str, Any]) -> str:
 def job_of_compiled(
     compiled: Compiled, name: str, source: str | None = None, offset: float = 0.0, clock: float = 0.0
 ) -> Job:
-    """Make a job of a compiled program. One for a program buffer is no job.
+    """Make a job from a compiled program. A program for a program buffer can't become a job.
 
     Args:
         compiled: the program.
-        name: what people call it.
-        source: the text that goes into its log; None: its own.
-        offset: where it begins in the program that it is a part of [s].
-        clock: the latest known time at which it begins there [s].
+        name: name of the program for people.
+        source: text for its log; None: its own.
+        offset: start of the job in the program that it is a part of [s].
+        clock: latest known time at which it begins there [s].
     """
     text = compiled.program.source.text if source is None else source
     papers = Papers(text, in_pieces(compiled.certificate.to_json()))
@@ -144,8 +150,10 @@ def _has_barriers(content: ControllerText) -> bool:
 
 @frozen
 class _Making:
-    """What all parts of a text share: when each move line's motion or each dwell begins [s], the commands with their times; by their lines, what arms
-    the guard, sets a variable, and stands still [s].
+    """Data shared by all parts of a text.
+
+    It has the begin of each move line's motion or each dwell [s], the commands with their times, and, by
+    line, what arms the guard, sets a variable, or stands still [s].
     """
 
     common: Job
@@ -155,7 +163,7 @@ class _Making:
     sets: dict[int, tuple[str, float]]
     dwells: dict[int, float]
     searches: dict[int, Searched]
-    """By the first of their lines."""
+    """Searches, by the first of their lines."""
 
     def part(
         self,
@@ -165,8 +173,17 @@ class _Making:
         begin: float,
         end: float,
     ) -> Job:
-        """The job of some numbered lines; `start` (n,) [axis units], from `begin` to `end` [s]."""
+        """Return the job of some lines.
+
+        Args:
+            loaded: lines with their numbers.
+            runs: sequences of moves in these lines.
+            start: (n,) where the robot stands before them [axis units].
+            begin: program time at which the lines begin [s].
+            end: program time at which they end [s].
+        """
         robot = self.common.robot
+        # From the last line to the first: a line that takes no time has the time of the next one that does.
         times, following = np.empty(len(loaded)), end
         for row in range(len(loaded) - 1, -1, -1):
             following = self.begins.get(loaded[row][0], following)
@@ -212,7 +229,9 @@ def _legs(
     loaded: Sequence[tuple[int, str]],
     start: Array,
 ) -> Iterator[Leg]:
-    """What is streamed between two barriers. STOP itself isn't: whoever streams stops by not going on."""
+    """Yield the lines between two barriers. STOP itself isn't sent: the streaming code stops by not
+    continuing.
+    """
     entries = {entry.step: entry for entry in content.entries}
     first, runs, place, acts = 0, list[Run](), 0, False
     for number, item in enumerate((*content.course, None)):
@@ -262,12 +281,14 @@ def _barrier(item: Barred, entry: Entry) -> Barrier:
 
 
 def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
-    """Return when the motion towards each move line's point, and each dwell, begins [s], by the line's number."""
+    """Return when the motion towards each move line's point, and each dwell, begins [s], by the line's
+    number.
+    """
     begins: dict[int, float] = {}
     for item, now in zip(content.course, schedule.places, strict=False):
         match item:
             case Run():
-                # a sequence begins with a segment of its own (TUM 289)
+                # A sequence begins with a segment of its own (TUM 289).
                 begins |= {int(line): now + row * item.segment for row, line in enumerate(item.lines, 1)}
             case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
                 begins[line] = now
@@ -275,7 +296,7 @@ def _begins(content: ControllerText, schedule: Schedule) -> dict[int, float]:
 
 
 def _commands(content: ControllerText, schedule: Schedule) -> tuple[JobCommand, ...]:
-    """The motions with their times."""
+    """Return the motions with their times."""
     commands: list[JobCommand] = []
     moving = iter([entry for entry in content.entries if entry.first is not None])
     for run, begin, clock in zip(content.course, schedule.places, schedule.clocks, strict=False):

@@ -1,6 +1,6 @@
-"""Robots, cells and trajectories that were read before, as long as none of their files has changed.
+"""A cache of robots, cells and trajectories that stays valid as long as none of their files has changed.
 
-They are the same values then, so that what was worked out for them holds.
+The cache returns identical values, so that results derived from them stay valid.
 """
 
 from __future__ import annotations
@@ -23,12 +23,12 @@ Stamp = Hashable
 def robot_kept(
     memory: Memory, path: Path | None, text: str | None, load: Callable[[], Result[Robot]]
 ) -> Result[Robot]:
-    """Return the robot that was loaded before, else the one that `load` gives; a robot with errors is loaded each time.
+    """Return a robot from the cache, or else from `load`; a robot with errors is loaded each time.
 
     Args:
-        memory: keeps it.
-        path: its robot.toml; None where there is none.
-        text: what stands in it, where that isn't what is saved.
+        memory: the cache.
+        path: its robot.toml; None if there is none.
+        text: content of the file, if it differs from the saved one.
         load: reads it.
     """
     if path is None:
@@ -47,7 +47,7 @@ def robot_kept(
 def cell_kept(
     memory: Memory, path: Path, robot: Robot, text: str | None, load: Callable[[], Result[Cell]]
 ) -> Result[Cell]:
-    """Return the cell that was read before for the same robot; else as `robot_kept`."""
+    """Return a cell for the same robot from the cache; else as `robot_kept`."""
     key = ("cell", path, path.absolute(), robot, text)
     return _kept(memory, key, load, lambda: (path,), lambda cell: (path, *meshes_of(cell)))
 
@@ -55,7 +55,7 @@ def cell_kept(
 def trajectory_kept(
     memory: Memory, path: Path, text: str | None, load: Callable[[], Result[TrajectoryFile]]
 ) -> Result[TrajectoryFile]:
-    """Return the trajectory file that was read before; else as `robot_kept`."""
+    """Return a trajectory file from the cache; else as `robot_kept`."""
     files = (path,) if text is None else ()
     key = ("trajectory", path, path.absolute(), text)
     return _kept(memory, key, load, lambda: files, lambda _: files)
@@ -68,14 +68,15 @@ def _kept(
     begins_with: Callable[[], tuple[Path, ...]],
     made_of: Callable[[T], tuple[Path, ...]],
 ) -> Result[T]:
-    """Return what was loaded before as long as its files are as they were, else what `load` gives.
+    """Return a result from the cache as long as its files are unchanged, or else from `load`.
 
     Args:
-        memory: keeps it.
-        key: its name.
+        memory: the cache.
+        key: its key.
         load: reads it.
-        begins_with: the files that are known before: where one of them changes while it is read, the result isn't kept.
-        made_of: the files of a result.
+        begins_with: files that are known in advance: if one of them changes during reading, the result isn't
+            cached.
+        made_of: returns the files of a result.
     """
     if memory is NO_MEMORY:
         return load()
@@ -100,7 +101,7 @@ def _meshes(shapes: Iterable[Shape]) -> list[Path]:
 
 
 def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
-    """The files in some folders: a URDF may stand anywhere among them."""
+    """Return the files in some folders: a URDF may be any of them."""
     found: list[Path] = []
     for folder in folders:
         try:
@@ -111,7 +112,7 @@ def _beside(folders: Iterable[Path]) -> tuple[Path, ...]:
 
 
 _READ = frozenset([".toml", ".urdf", ".xml", ".srdf"])
-"""What a robot is read of, besides meshes."""
+"""Types of files from which a robot is read, besides meshes."""
 
 
 def stamp_of(files: Iterable[Path]) -> Stamp:

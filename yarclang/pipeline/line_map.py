@@ -1,7 +1,8 @@
-"""The way back from a line of controller text to the command that it belongs to, by the text's own comments.
+"""From a line of controller text back to its command, by the text's own comments.
 
-The header's map names every command, its line in the source, and the first and last of its moves. What stands between the moves
-is given to its command by the kind of controller that the header's target names (`Backend.purposes`). Nothing is proved here, and no robot is needed.
+The header's map names every command, its line in the source, and the first and last of its moves. Lines
+between the moves are assigned to a command by the kind of controller that the header's target names
+(`Backend.purposes`). Nothing is proved here, and no robot is needed.
 """
 
 from __future__ import annotations
@@ -18,10 +19,10 @@ from yarclang.frozen import frozen
 
 @frozen
 class LineMap:
-    """What each line of a text is for.
+    """The purpose of each line of a text.
 
-    `program` is the source's file name, `robot` and `fingerprint` are what the header says of the robot and the program,
-    `stretches` cover all lines, in order.
+    `program` is the source's file name, `robot` and `fingerprint` come from the header, and `stretches` cover
+    all lines, in order.
     """
 
     program: str
@@ -31,11 +32,11 @@ class LineMap:
     stretches: tuple[Stretch, ...]
 
     def at(self, line: int) -> Stretch | None:
-        """The stretch of a line (from 1); None where the text has no such line."""
+        """Return the stretch of a line (from 1); None if the text has no such line."""
         return next((one for one in self.stretches if one.first <= line <= one.last), None)
 
     def of(self, step: int) -> tuple[Stretch, ...]:
-        """The stretches of a command behind the header."""
+        """Return the stretches of a command after the header."""
         return tuple(
             one
             for one in self.stretches
@@ -47,12 +48,12 @@ HEADER = "it lists the command in the header"
 
 
 def is_compiled_text(text: str) -> bool:
-    """Whether a text begins as those that yarcc writes."""
+    """Return True if a text begins like those of yarcc."""
     return text.startswith("; yarcc ")
 
 
 def map_lines(text: str) -> LineMap:
-    """Read the comments of a text that yarcc has written. Of another text all lines are one stretch without a command."""
+    """Read the comments of a text of yarcc. All lines of another text are one stretch without a command."""
     lines = text.split("\n")[:-1] if text.endswith("\n") else text.split("\n") if text else []
     preamble = header_of(text)
     if isinstance(preamble, Unreadable):
@@ -77,7 +78,7 @@ def map_lines(text: str) -> LineMap:
 
 
 def _merged(stretches: Iterator[Stretch]) -> Iterator[Stretch]:
-    """Neighbours with one command and purpose as one stretch."""
+    """Merge neighbours with the same command and purpose."""
     last: Stretch | None = None
     for one in stretches:
         if last is not None and last.command is one.command and last.what == one.what:

@@ -1,4 +1,4 @@
-"""Where modules are: beside the program, else in the standard library."""
+"""Locations of modules: beside the program, or else in the standard library."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ SUFFIX = ".yarc"
 
 
 def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callable[[str], Result[Module]]:
-    """How modules of a program in `folder` are read: by name, in any case.
+    """Return a function that reads modules of a program in `folder`, by name in any case.
 
-    What is given takes a name in upper case, and gives the parsed module, or a finding that says what there is. `texts` are files that are
-    open somewhere, by their absolute paths: they go before what is saved.
+    The function takes a name in upper case, and returns the parsed module, or a finding that lists the
+    existing ones. `texts` are open files by their absolute paths: they take precedence over saved ones.
     """
 
-    @cache  # of one check: what is there by then
+    @cache  # for one check: files that appear later don't count
     def library() -> list[Path]:
         return modules_in(library_folder())
 
@@ -56,12 +56,12 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
 
 
 def library_folder() -> Path:
-    """The modules of the standard library."""
+    """Return the folder of the standard library's modules."""
     return stdlib_folder() / "modules"
 
 
 def modules_in(folder: Path) -> list[Path]:
-    """The files of a folder that may be modules; none where the folder can't be read."""
+    """Return the files of a folder that may be modules; none if the folder can't be read."""
     try:
         return sorted(path for path in folder.iterdir() if path.suffix == SUFFIX and path.is_file())
     except OSError:

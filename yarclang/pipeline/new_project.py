@@ -1,4 +1,6 @@
-"""The files of a new project: those of the standard library's `project` folder, filled in for a name and a robot."""
+"""The files of a new project: those of the standard library's `project` folder, with a name and a robot
+filled in.
+"""
 
 from __future__ import annotations
 
@@ -24,15 +26,15 @@ _FILES = {
     "vscode_settings.json": ".vscode/settings.json",
     "vscode_tasks.json": ".vscode/tasks.json",
 }
-"""Where each file of the template goes."""
+"""Destination of each file of the template."""
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,59}")
 _STEP = {"deg": 5.0, "mm": 50.0}
-"""What the first joint moves by in the first program."""
+"""Motion of the first joint in the first program."""
 
 
 def check_name(name: str) -> tuple[Diagnostic, ...]:
-    """A finding where a project can't have this name."""
+    """Return a finding if a project can't have this name."""
     help_ = (
         "a name has letters A to Z, digits, _ and -, a letter first, at most 60 of them: yarc new first_cell"
     )
@@ -47,7 +49,7 @@ def check_name(name: str) -> tuple[Diagnostic, ...]:
 
 
 def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
-    """A finding where there is something that a new project would mix with."""
+    """Return a finding if the folder has files that a new project would mix with."""
     try:
         if folder.is_dir():
             there = sorted(path.name for path in folder.iterdir())
@@ -65,16 +67,16 @@ def check_folder(folder: Path) -> tuple[Diagnostic, ...]:
 
 
 def project_files(name: str, robot: Robot, robot_entry: str) -> dict[str, str]:
-    """The texts of a project's files by their paths in its folder.
+    """Return the texts of a project's files by their paths in its folder.
 
     Args:
-        name: of the project and its program.
-        robot: which its program moves.
-        robot_entry: its name, or its path seen from the project's folder.
+        name: name of the project and its program.
+        robot: robot of its program.
+        robot_entry: the robot's name, or its path relative to the project's folder.
     """
     joint, unit = 0, robot.axis_unit_names[0]
     up, down = (robot.limits.upper - robot.home)[joint], (robot.home - robot.limits.lower)[joint]
-    # half of the way that is left, where there is little
+    # Half of the remaining range, if that is small.
     step = min(_STEP[unit], max(up, down) / 2 / robot.axis_units[joint]) * (1 if up >= down else -1)
     filled = {
         "@NAME@": name,

@@ -1,7 +1,8 @@
-"""The program that a controller text was made from: found again by its name, and known again by what it does.
+"""Finding the program of a controller text: by its name, and checked by its actions.
 
-The text's header has the program's file name and a hash of what the program does. A file of that name, beside the text or in the working
-folder, is that program if it does the same; comments and layout may have changed meanwhile.
+The text's header has the program's file name and a hash of its actions. A file with that name, beside the
+text or in the working folder, is that program if it has the same actions; comments and layout may have
+changed since.
 """
 
 from __future__ import annotations
@@ -25,15 +26,18 @@ _VALUE = r"(-?\d+(?:\.\d+)?)"
 
 @frozen(eq=False)
 class Origins:
-    """Where the commands of a text come from: `program`, or, where it is None, `missing`: why it isn't known."""
+    """The source of a text's commands: `program`, or, if it is None, `missing`: the reason why it isn't
+    known.
+    """
 
     program: Program | None
     missing: str = ""
 
     def of(self, index: str, name: str, source_line: int) -> Origin | None:
-        """The origin of a command by its place, its name and the line that the text gives it; None where it isn't known.
+        """Return the origin of a command by its place, its name and its line in the text's map; None if
+        unknown.
 
-        The line decides only between commands that are called the same.
+        The line decides only between commands with the same name.
         """
         if self.program is None:
             return None
@@ -46,7 +50,7 @@ class Origins:
         return next((one for one in found if one.span.line == source_line), found[0] if found else None)
 
     def of_listed(self, listed: Listed) -> Origin | None:
-        """The origin of a command of the text's own map."""
+        """Return the origin of a command of the text's own map."""
         return self.of(listed.index, listed.name, listed.source_line)
 
 
@@ -56,11 +60,11 @@ def origins_of_text(
     """Look for the program of a controller text.
 
     Args:
-        text: that yarcc has written.
-        folder: where it is.
-        robot: whom it is for.
-        source: the program's file, if somebody says which it is.
-        cell: the path of a cell.toml, if the program was compiled with one.
+        text: a text of yarcc.
+        folder: its folder.
+        robot: robot that it is for.
+        source: the program's file, if it is given.
+        cell: path of a cell.toml, if the program was compiled with one.
     """
     preamble = header_of(text)
     if isinstance(preamble, Unreadable):
@@ -83,7 +87,7 @@ def origins_of_text(
 
 
 def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str | None) -> Program | None:
-    """A program as it is checked for a robot; None where it can't be read."""
+    """Return a program, checked for a robot; None if it can't be read."""
     opened = open_program(path, Options(robot=str(robot.folder / "robot.toml"), start=start, cell=cell))
     if opened.value is None:
         return None
@@ -91,7 +95,9 @@ def _program(path: str, robot: Robot, start: tuple[float, ...] | None, cell: str
 
 
 def start_values(header: Header, robot: Robot) -> tuple[float, ...] | None:
-    """Return where a header says that the robot stands at first [deg or mm]; None if that isn't a position of this robot."""
+    """Return the robot's start according to a header [deg or mm]; None if that isn't a position of this
+    robot.
+    """
     form = "".join(re.escape(axis) + _VALUE for axis in robot.controller.axes)
     found = re.fullmatch(form, header.start)
     return None if found is None else tuple(float(one) for one in found.groups())

@@ -1,4 +1,4 @@
-"""Programs that a run needs besides the one that was written: a part of it, and the slow way to a start."""
+"""Programs that a run needs besides the written one: a part of it, and the slow motion to a start."""
 
 from __future__ import annotations
 
@@ -53,23 +53,24 @@ from yarclang.source import SourceFile, Span
 from yarclang.ways import Turn
 
 _PEAK = 1.5
-"""Largest speed of a motion with the default profile over its mean."""
+"""Ratio of the largest speed to the mean speed of a motion with the default profile."""
 
 _SHORTEST = 0.5
-"""No approach is quicker [s]."""
+"""Shortest duration of an approach [s]."""
 
 
 def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) -> Result[Compiled]:
-    """A certified motion of all joints at the robot's rapid share of its limits: straight where that is free, else a way round.
+    """Plan a certified motion of all joints at the robot's rapid share of its limits: straight if that is
+    free, else around obstacles.
 
     Args:
-        robot: whose.
+        robot: the robot.
         here: (n,) where it stands [rad or m].
-        there: (n,) where it shall go [rad or m].
-        cell: what is around; its parts are where they are when a program starts.
+        there: (n,) where it should go [rad or m].
+        cell: its surroundings; their parts are where they are when a program starts.
 
     Returns:
-        A finding instead, where there is no way.
+        A finding instead, if there is no way.
     """
     cell = around_start(cell)
     way = find_way(room_of(robot, cell, tool_frame(robot)), here, there)
@@ -95,12 +96,12 @@ def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Com
     goals = tuple(JointGoal(q) for q in points)
     move = SplineMove(origin, goals, DEFAULT_PROFILE, Timing(None, share=share))
     made = compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
-    # how it swings is worth a note only of what somebody has written
+    # Notes about its motion matter only for commands that someone has written.
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
 
 
 def _line(robot: Robot, name: str, points: list[Array], time: str) -> tuple[SourceFile, Origin]:
-    """The one command of an approach, as it would be written."""
+    """Return the one command of an approach, as text."""
     values = "; ".join(" ".join(f"{value:.6g}" for value in q / robot.axis_units) for q in points)
     text = f"P0001 {name} {values} [{time}] (deg,s)"
     source = SourceFile("<approach>", text)
@@ -130,15 +131,24 @@ def part(
     since: tuple[int, int, Cell] | None = None,
     step: int | None = None,
 ) -> Result[Compiled]:
-    """The motions number `first` to `last` (not included; None: to the end) of a plan, as a program of their own.
+    """Return a part of a plan as a program of its own.
 
-    What stands between two motions belongs to the first of them. What stands in front of them all, such as a WAIT, belongs to the
-    first motion, or to none (`with_lead`). The part begins with the step number `step`, if it is given, at which the robot stands
-    where the first motion begins. `since` is a motion, a step, and the cell with its parts as they were before that step, at which the robot stands where
-    that motion begins (None: they follow from the beginning of the plan).
+    Steps between two motions belong to the first of them. Steps before the first motion, such as a WAIT,
+    belong to it, or to none (`with_lead`).
+
+    Args:
+        plan: the plan.
+        request: settings for compiling the part.
+        first: number of the first motion.
+        last: number after the last motion; None: to the end of the plan.
+        with_lead: True if the steps before the first motion belong to the part.
+        since: a motion, a step, and the cell with its parts before that step, at which the robot stands where
+            that motion begins; None: the parts follow from the beginning of the plan.
+        step: the step with which the part begins, at which the robot stands where the first motion begins;
+            None: as `with_lead` says.
 
     Returns:
-        A finding instead, where a part would cut motions that flow into each other, or a WHEN.
+        A finding instead, if a part would cut motions that flow into each other, or a WHEN.
     """
     motion = plan.motions[first]
     steps = plan.program.steps
@@ -153,7 +163,7 @@ def part(
     chosen = steps[begin:end]
     if _cut_way(chosen) is not None:
         inside = _outermost_open(steps, begin) or _outermost_open(steps, end)
-        assert inside is not None  # a part of it is missing on one side or the other
+        assert inside is not None  # it is missing a part on one side or the other
         word = "CASE" if inside.origin.name == "OF" else inside.origin.name
         if isinstance(inside, Loop):
             message = (
@@ -166,7 +176,7 @@ def part(
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     around = _cells(plan) if since is None else _cells_since(plan, *since)
     if around is not None and plan.program.cell is not None:
-        # where its parts are is known from all that goes before
+        # The places of parts follow from all earlier steps.
         cells = {step - begin: cell for step, cell in around.items() if begin <= step < end}
         program = replace(program, cell=without_parts(plan.program.cell), cells=cells)
     return compiled_part(program, request)
@@ -175,7 +185,9 @@ def part(
 def steps_of(
     plan: MotionPlan, first: int, last: int | None = None, *, with_lead: bool = True, step: int | None = None
 ) -> tuple[int, int]:
-    """Return the steps that belong to the motions number `first` to `last` of a plan, as `part` does: the first of them, and that after the last."""
+    """Return the steps that belong to motions `first` to `last` of a plan, as in `part`: the first step, and
+    the one after the last.
+    """
     steps = plan.program.steps
     end = len(steps) if last is None or last >= len(plan.motions) else plan.motions[last].step
     begin = 0 if first == 0 and with_lead else plan.motions[first].step
@@ -183,7 +195,7 @@ def steps_of(
 
 
 def parts_before(plan: MotionPlan, step: int) -> Parts | None:
-    """Return where the parts are in front of a step of a plan; None if its cell has none."""
+    """Return the places of parts before a step of a plan; None if its cell has none."""
     whole = followed_plan(plan)
     if whole is None or plan.program.cell is None:
         return None
@@ -194,7 +206,9 @@ def parts_before(plan: MotionPlan, step: int) -> Parts | None:
 
 
 def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ...]:
-    """Return the gripper that the motion of a step leads out from its part, if the part is `now` as the plan has it there."""
+    """Return the gripper that the motion of a step moves away from its part, if the part is `now` where the
+    plan has it.
+    """
     whole, then = followed_plan(plan), parts_before(plan, step)
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     leads = handling.runs.away.get(step, ())
@@ -222,7 +236,9 @@ def _cells(plan: MotionPlan) -> Mapping[int, Cell | None] | None:
 
 
 def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mapping[int, Cell | None] | None:
-    """Return the cell during each motion from number `number` on; before the step `step` in front of it the parts were as they are in `cell`."""
+    """Return the cell during each motion from `number` on. Before the step `step`, which precedes it, the
+    parts were as in `cell`.
+    """
     handling = handling_of(plan.robot, cell, plan.program.steps[step:])
     if not handling.is_needed:
         return None
@@ -239,7 +255,7 @@ def ends_of(plan: MotionPlan) -> dict[int, Array]:
 
 
 def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
-    """The first part of a WHEN or a loop whose other parts aren't there."""
+    """Return the first part of a WHEN or a loop whose other parts are missing."""
     opened: list[Turn] = []
     for step in steps:
         match step:
@@ -255,7 +271,7 @@ def _cut_way(steps: tuple[Step, ...]) -> Turn | None:
 
 
 def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
-    """Return the first step of the outermost WHEN, CASE or loop in which a step stands; None if it stands in none."""
+    """Return the first step of the outermost WHEN, CASE or loop around a step; None if there is none."""
     opened: list[Turn] = []
     for step in steps[:at]:
         if isinstance(step, When | Loop):
@@ -266,23 +282,27 @@ def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
 
 
 def chain_begin(plan: MotionPlan, number: int) -> int:
-    """The number of the motion with which the robot starts from rest to get to motion `number` without a stop: mostly itself."""
+    """Return the number of the motion with which the robot must start from rest to reach motion `number`
+    without a stop; usually `number` itself.
+    """
     while number and plan.motions[number - 1].flows:
         number -= 1
     return number
 
 
 def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
-    """The motions from number `first` on in groups: in front of each the robot stands, and a program can begin there. The motions of a WHEN, a CASE or a loop belong to
-    one group with what stands in front of them.
+    """Group the motions from `first` on, so that before each group the robot stands, and a program can begin
+    there.
+
+    The motions of a WHEN, a CASE or a loop belong to one group, with the steps before them.
 
     Returns:
-        The first number of each group, and that behind its last.
+        The first and the last motion (exclusive) of each group, as numbers.
     """
     flows = [motion.flows for motion in plan.motions]
     inside = _in_ways(plan.program.steps)
     searches = {one.step for one in searches_of(plan.program)}
-    # what follows a search begins where that has ended
+    # What follows a search begins where the search has ended.
     searched = [motion.step in searches for motion in plan.motions]
     begins = [
         number
@@ -294,7 +314,7 @@ def chains(plan: MotionPlan, first: int = 0) -> list[tuple[int, int]]:
 
 
 def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
-    """Return for each step if it stands in a WHEN or a loop."""
+    """Return, for each step, if it is inside a WHEN or a loop."""
     depth, found = 0, []
     for step in steps:
         found.append(depth > 0)
@@ -303,13 +323,15 @@ def _in_ways(steps: tuple[Step, ...]) -> list[bool]:
 
 
 def chain_place(plan: MotionPlan, place: str) -> str:
-    """The place of the motion from which the robot gets to that at a place without a stop: mostly the same."""
+    """Return the place of the motion from which the robot reaches the motion at `place` without a stop;
+    usually `place` itself.
+    """
     number = motion_number(plan, place)
     return place if isinstance(number, Diagnostic) else _origin(plan, chain_begin(plan, number)).label
 
 
 def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
-    """Why motion `number` is no beginning, and that the one numbered `begin` is."""
+    """Return why a program can't begin with motion `number`, and that it can with `begin`."""
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
     message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
@@ -338,10 +360,11 @@ def _step_origin(plan: MotionPlan, at: int) -> Origin:
 
 
 def beginning(plan: MotionPlan, place: str) -> tuple[int, int] | Diagnostic:
-    """Return the first motion and the first step of a program that begins at a place: that of a motion, or of a WAIT, SET, HOLD or DWELL, at which the robot stands.
+    """Return the first motion and the first step of a program that begins at a place: that of a motion, or of
+    a WAIT, SET, HOLD or DWELL, at which the robot stands.
 
     Returns:
-        The numbers of the motion and of the step; a finding where a program can't begin there.
+        The numbers of the motion and of the step; a finding if a program can't begin there.
     """
     steps = plan.program.steps
     moves = {motion.step for motion in plan.motions}
@@ -374,17 +397,23 @@ def can_begin_at(plan: MotionPlan, place: str) -> bool:
 
 
 def stands_for(plan: MotionPlan, first: int, step: int) -> float:
-    """Return how long the robot stands by DWELLs from a step on before the motion number `first` [s]."""
+    """Return how long the robot stands by DWELLs before a motion [s].
+
+    Args:
+        plan: the plan.
+        first: number of the motion.
+        step: step from which on DWELLs count.
+    """
     between = plan.program.steps[step : plan.motions[first].step]
     return sum(one.duration for one in between if isinstance(one, Dwell))
 
 
 def motion_number(plan: MotionPlan, place: str) -> int | Diagnostic:
-    """The number of the motion at a place: an index such as P0010, or what leads to it among loops and calls, as a run tells it.
-    Of several, the first.
+    """Return the number of the motion at a place: an index such as P0010, or a place among loops and calls as
+    a run reports it. Of several, the first.
 
     Returns:
-        A finding that says which there are, where there is none.
+        A finding with the existing places, if there is none.
     """
     labels = {number: _origin(plan, number).label for number in range(len(plan.motions))}
     if found := matching(labels, place):

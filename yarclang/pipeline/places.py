@@ -1,4 +1,4 @@
-"""Commands by their places: an index, a place among loops and calls, or a part of one."""
+"""Commands by their places: an index, a place among loops and calls, or a part of such a place."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ class Part:
     loops: tuple[str, ...]
 
     def fits(self, wanted: Part) -> bool:
-        """Whether it is what is wanted: loops that aren't spoken of may stand anywhere."""
+        """Return True if this part matches `wanted`: loops that `wanted` omits may have any value."""
         return self.number == wanted.number and set(wanted.loops) <= set(self.loops)
 
 
 def parts_of(text: str) -> tuple[Part, ...] | None:
-    """The parts of a place, from outside in; None where the text is none."""
+    """Return the parts of a place, from outside in; None if the text is no place."""
     parts: list[Part] = []
     for piece in re.sub(r"\s+", "", text).split(">"):
         found = _PART.fullmatch(piece)
@@ -36,7 +36,7 @@ def parts_of(text: str) -> tuple[Part, ...] | None:
 
 
 def labels_of(program: Program) -> dict[int, str]:
-    """The place of each step that has one, by its number."""
+    """Return the place of each step that has one, by its number."""
     return {
         number: step.origin.label
         for number, step in enumerate(program.steps)
@@ -45,10 +45,11 @@ def labels_of(program: Program) -> dict[int, str]:
 
 
 def matching(labels: dict[int, str], text: str) -> tuple[int, ...]:
-    """The numbers of the places that a text means, in order.
+    """Return the numbers of the places that match a text, in order.
 
-    A whole place means itself. Else the text is the beginning of a place, as it stands in the program's own file (a CALL's index
-    means all commands that it leads to), or else its end, as in a SUB; loops that it leaves out may stand anywhere.
+    A whole place matches itself. Otherwise the text is the beginning of a place, as in the program's own file
+    (the index of a CALL matches all commands that it leads to), or else its end, as in a SUB; loops that it
+    omits may have any value.
     """
     wanted = parts_of(text)
     if wanted is None:

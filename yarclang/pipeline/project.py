@@ -1,4 +1,4 @@
-"""yarc.toml: what stands for options that are left out."""
+"""yarc.toml: defaults for options that are left out."""
 
 from __future__ import annotations
 
@@ -18,15 +18,18 @@ from yarclang.toml.places import find_places
 FILE_NAME = "yarc.toml"
 _KEYS = ("robot", "cell", "start", "teach", "jobs", "findings")
 _LARGEST_JOB = 65535
-"""The largest number that a group of inputs can be."""
+"""Largest value of a group of inputs, and so the largest number of a job."""
 _LEVELS = ("off", "note", "warning", "error")
 
 
 @frozen
 class Project:
-    """The settings of a yarc.toml: a robot's name or path (relative to `folder`), the path of a cell.toml that all its programs keep to (likewise), where the
-    robot stands [deg, mm for prismatic joints], whether its programs are for teaching at reduced speed, and how severe
-    findings are by their codes (`off`: they aren't told). `jobs` are programs by their numbers, as paths seen from `folder`.
+    """The settings of a yarc.toml.
+
+    They are a robot's name or path (relative to `folder`), the path of a cell.toml for all its programs
+    (likewise), the robot's start [deg, mm for prismatic joints], True if its programs are for teaching at
+    reduced speed, and the severity of findings by their codes (`off`: not reported). `jobs` are programs by
+    their numbers, as paths relative to `folder`.
     """
 
     folder: Path
@@ -39,12 +42,14 @@ class Project:
     jobs: Mapping[int, str] = field(default_factory=dict)
 
     def span_of(self, key: str) -> Span | None:
-        """Where a key's value stands in the file."""
+        """Return where a key's value is in the file."""
         return find_places(self.source).of_value((key,)) if self.source else None
 
 
 def find_project(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Result[Project]:
-    """The yarc.toml of a folder, or of the nearest one above it; empty settings where there is none. What is open in `texts` goes before what is saved."""
+    """Return the yarc.toml of a folder, or of the nearest folder above; empty settings if there is none. Open
+    files in `texts` take precedence over saved ones.
+    """
     folder = folder.resolve()
     open_ = {path.resolve(): text for path, text in texts.items() if path.name == FILE_NAME}
     for candidate in (folder, *folder.parents):
@@ -64,7 +69,7 @@ def _read(path: Path) -> Result[Project]:
 
 
 def read_project(source: SourceFile, folder: Path) -> Result[Project]:
-    """The settings of a yarc.toml's text that stands in a folder, for example of one that is being edited."""
+    """Parse the text of a yarc.toml in a folder, for example while it is being edited."""
     try:
         data = tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
@@ -113,7 +118,7 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
 
 
 def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[int, str]:
-    """The table [jobs]: programs by their numbers."""
+    """Parse the table [jobs]: programs by their numbers."""
     places = find_places(source)
 
     def say(path: tuple[str, ...], message: str, help_: str) -> None:
@@ -145,7 +150,7 @@ def _jobs(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[in
 
 
 def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[str, str]:
-    """The table [findings]: codes, beginnings of codes or names, and what becomes of those findings."""
+    """Parse the table [findings]: codes, beginnings of codes or names, and the severity of these findings."""
     if not table and isinstance(table, dict):
         return {}
     from yarclang.lint.registry import codes_of, everything
@@ -160,7 +165,7 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
         say(("findings",), "findings is a table", 'write [findings], and below it Y0611 = "off"')
         return levels
     known = [*everything(), *(one.name for one in everything().values())]
-    # what is more exact holds, wherever it stands
+    # A more specific key takes precedence, in any order.
     for word, level in sorted(table.items(), key=lambda entry: len(entry[0])):
         path = ("findings", word)
         codes = codes_of(word)
@@ -182,7 +187,7 @@ def _levels(table: Any, source: SourceFile, findings: list[Diagnostic]) -> dict[
 
 
 def _line_of(message: str) -> int:
-    """The line that a message of tomllib speaks of; the end of the file has none, and is called line 1."""
+    """Return the line that a message of tomllib names; line 1 if it names the end of the file."""
     _, _, tail = message.partition("at line ")
     digits = tail.partition(",")[0]
     return int(digits) if digits.isdigit() else 1

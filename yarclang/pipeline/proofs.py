@@ -1,4 +1,4 @@
-"""A compiled program to the proof that a small checker follows."""
+"""From a compiled program to the proof that a small checker verifies."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.pipeline.stages import Compiled, claims_of
 
 
 def proof_of(compiled: Compiled) -> Result[str]:
-    """Return the proof of a compiled text; None, with a finding, where there is none."""
+    """Return the proof of a compiled text; None, with a finding, if there is none."""
     robot, certificate = compiled.plan.robot, compiled.certificate
     backend = backend_of(robot)
     if backend.proof is None:

@@ -1,4 +1,6 @@
-"""The way from anywhere to a program: to its start, or to the nearest of its places that a proved motion leads to."""
+"""The way from anywhere to a program: to its start, or to the nearest of its places that a proved motion
+leads to.
+"""
 
 from __future__ import annotations
 
@@ -20,10 +22,10 @@ from yarclang.pipeline.stages import Compiled
 from yarclang.robot.model import Robot
 
 MOST_PLACES = 4
-"""So many places besides the start are tried: a way that isn't there takes seconds to be given up."""
+"""Number of places that are tried besides the start: finding out that there is no way takes seconds."""
 
 _SAME = 1e-6
-"""Places whose joint positions are nearer to each other are one place [rad or m]."""
+"""Distance within which places count as the same [rad or m]."""
 
 NOT_RECOVERED = "Y1660"
 """Code of a robot from which no proved motion leads to the program."""
@@ -33,8 +35,8 @@ NOT_RECOVERED = "Y1660"
 class Place:
     """A place at which a program may begin.
 
-    `index` is the place of its command, empty for the start; `title` is for people, `line` of the source is 0 if no command stands there. The robot stands at
-    `there` (n,) [rad or m], in front of motion `number` of the plan.
+    `index` is the place of its command, empty for the start; `title` is for people; `line` of the source is 0
+    if there is no command. The robot stands at `there` (n,) [rad or m], before motion `number` of the plan.
     """
 
     index: str
@@ -46,10 +48,12 @@ class Place:
 
 @frozen(eq=False)
 class Recovery:
-    """A place of a program, and the proved motion that leads there; `made` is None if the robot stands there.
+    """A place of a program, and the proved motion that leads to it; `made` is None if the robot is already
+    there.
 
-    `cell` is what the motion was proved in, with its parts; `assumed` names the parts of which nobody has said where they are: they are taken to be where the program has them at that place.
-    `refused` says why the start isn't the place, if it isn't.
+    `cell` is the cell of the proof, with its parts. `assumed` names the parts whose places are unknown: they
+    are assumed to be where the program has them at that place. `refused` is the reason if the place isn't the
+    start.
     """
 
     place: Place
@@ -69,16 +73,18 @@ def recovery(
     is_there: Callable[[Array], bool],
     nearest: bool = True,
 ) -> Result[Recovery]:
-    """Find the place to which the robot can go: the start if a motion there is proved, else the nearest place at which the program may begin.
+    """Find the place to which the robot can go: the start if a motion there is proved, else the nearest place
+    at which the program may begin.
 
     Args:
-        robot: that moves.
-        start: of the program, or the place that somebody has named.
+        robot: the robot.
+        start: start of the program, or the place that was named.
         here: where the robot stands (n,) [rad or m].
-        plan: of the program; None: only its start is known.
-        around: gives the cell, with its parts, for the way to a place, and True if somebody knows where these parts are.
+        plan: plan of the program; None: only its start is known.
+        around: returns the cell, with its parts, for the way to a place, and True if the places of these
+            parts are known.
         is_there: returns True if the robot stands at joint positions (n,) [rad or m].
-        nearest: False if no other place than `start` is wanted.
+        nearest: False if only `start` is wanted.
 
     Returns:
         A finding instead, if no motion is proved.
@@ -101,12 +107,12 @@ def recovery(
             refused = tuple(one for one in made.diagnostics if one.is_error)
         tried.append(place)
         if is_known and _is_blocked(robot, here, cell):
-            break  # no other place is nearer to something that the robot is in already
+            break  # the robot is already in contact: no other place helps
     return Result(None, (_no_way(tried, refused), *refused))
 
 
 def _beyond(robot: Robot, here: Array) -> Diagnostic | None:
-    """Return a finding if a joint stands beyond its limit; by less than `_SAME` is on it."""
+    """Return a finding if a joint is beyond its limit; less than `_SAME` counts as on the limit."""
     excess = np.maximum(robot.limits.lower - here, here - robot.limits.upper)
     joint = int(np.argmax(excess))
     if excess[joint] <= _SAME:
@@ -124,10 +130,10 @@ def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, num
     """Return the place at which a program begins.
 
     Args:
-        plan: of the program; None: it isn't known.
+        plan: plan of the program; None: unknown.
         there: where the robot stands then (n,) [rad or m].
-        step: the step that was named to begin with; None: none.
-        number: of the motion that comes first.
+        step: first step, if one was named; None: none.
+        number: number of the first motion.
     """
     if plan is None or step is None:
         return Place("", "the start", 0, there)
@@ -135,14 +141,24 @@ def start_of(plan: MotionPlan | None, there: Array, step: int | None = None, num
 
 
 def parts_at(plan: MotionPlan | None, place: Place, first: Parts | None) -> Parts | None:
-    """Return where a program has the parts at a place: at its start as they are `first`. None if its cell has none."""
+    """Return the places of a program's parts at one of its places; at its start they are as in `first`. None
+    if its cell has none.
+    """
     if plan is None or not place.number or not plan.motions:
         return first
     return parts_before(plan, plan.motions[place.number].step)
 
 
 def _others(plan: MotionPlan, start: Place, here: Array, robot: Robot) -> Iterator[Place]:
-    """Yield the places at which the program may begin, nearest first, by the time that the slowest joint needs."""
+    """Yield the places at which the program may begin, nearest first, by the time that the slowest joint
+    needs.
+
+    Args:
+        plan: plan of the program.
+        start: its start.
+        here: (n,) where the robot stands [rad or m].
+        robot: the robot.
+    """
     if not plan.motions:
         return
     begins = [first for first, _ in chains(plan)]
@@ -179,7 +195,16 @@ def _origin(plan: MotionPlan, number: int) -> Origin:
 def _way(
     robot: Robot, place: Place, here: Array, plan: MotionPlan | None, cell: Cell | None
 ) -> Result[Compiled]:
-    """Return a motion to a place: along the path if the robot was stopped on it beside a part, else straight, else round what is in the way."""
+    """Return a motion to a place: along the path if the robot was stopped on it beside a part, else straight,
+    else around obstacles.
+
+    Args:
+        robot: the robot.
+        place: the place.
+        here: (n,) where the robot stands [rad or m].
+        plan: plan of the program; None: unknown.
+        cell: the cell with its parts; None: there is none.
+    """
     if plan is not None and plan.motions and place.index:
         now = cell.present.parts if cell is not None and cell.present is not None else None
         along = along_the_path(plan, place.number, here, now)

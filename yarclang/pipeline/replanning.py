@@ -1,4 +1,4 @@
-"""What follows a motion that an input has ended on its way, planned and proved from where the robot stands."""
+"""The rest of a program after an input has ended a motion, planned and proved from where the robot stands."""
 
 from __future__ import annotations
 
@@ -32,20 +32,20 @@ from yarclang.runtime.actions import Replanned
 from yarclang.runtime.job import Job
 
 _SAME = 1e-6
-"""How far the end of what is planned anew may be from where the program has it [rad or m]."""
+"""Tolerance between the end of the new plan and the program's own place [rad or m]."""
 
 
 def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> Replanned | str:
-    """Return what is streamed behind a search, up to the end of the next motion.
+    """Return the lines to stream after a search, up to the end of the next motion.
 
     Args:
         plan: the program.
-        number: which motion of it was ended.
+        number: number of the motion that was ended.
         here: (n,) where the robot stands [rad or m].
-        request: the tolerance and the longest segment time that the program was planned with.
+        request: tolerance and longest segment time with which the program was planned.
 
     Returns:
-        Or why it can't be done.
+        A text with the reason instead, if it can't be done.
     """
     steps = plan.program.steps
     begin = _behind_when(steps, plan.motions[number].step + 1)
@@ -86,7 +86,7 @@ def _parts(steps: Sequence[Step], begin: int) -> Iterator[list[Step]]:
 
 
 def _behind_when(steps: tuple[Step, ...], first: int) -> int:
-    """Return the number of the step behind the WHEN that begins at `first`."""
+    """Return the number of the step after the WHEN that begins at `first`."""
     depth = 0
     for number in range(first, len(steps)):
         depth += isinstance(steps[number], When) - isinstance(steps[number], EndWhen)
@@ -108,7 +108,13 @@ def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, req
 
 
 def _length(plan: MotionPlan, number: int, here: Array) -> float:
-    """Return how far the frame of a line has come [m]; 0 of a motion of joints."""
+    """Return how far the frame of a line has moved [m]; 0 for a joint motion.
+
+    Args:
+        plan: the program.
+        number: number of the motion.
+        here: (n,) where the robot stands [rad or m].
+    """
     motion = plan.motions[number]
     step = plan.program.steps[motion.step]
     if not isinstance(step, LineMove):

@@ -1,4 +1,6 @@
-"""Ways along the path on which a run was stopped: beside a part that is taken or put down, only this path is known to be free."""
+"""Motions along the path on which a run was stopped: beside a part that is taken or put down, only this path
+is known to be free.
+"""
 
 from __future__ import annotations
 
@@ -28,22 +30,26 @@ from yarclang.semantics.names.commands import DEFAULT_PROFILE
 from yarclang.source import SourceFile, Span
 
 _ON_PATH = 2e-3
-"""How far from its path a robot may stand that goes along it [rad or m]: the way is proved from where it really stands."""
+"""Largest distance from its path of a robot that moves along it [rad or m]. The motion is proved from the
+robot's real position.
+"""
 
 _STEP = 1e-3
-"""Between places of a path that are compared with where the robot stands [s]."""
+"""Time between the places of a path that are compared with the robot's position [s]."""
 
 
 def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None = None) -> Compiled | None:
-    """Return a certified motion from a place on the path of a motion next to a SET of a gripper, to where motion `number` begins.
+    """Return a certified motion to the start of motion `number`, from a place on the path of a motion next to
+    a gripper's SET.
 
-    That is back on the path of this motion, or on to the end of the one before it. The parts are as they are on that motion, and what may touch there may touch.
+    The motion leads back on the path of motion `number`, or forward to the end of the one before. The parts
+    are as they are during that motion, and bodies that may touch then may touch.
 
     Args:
         plan: the program that was stopped.
-        number: the motion to begin with.
+        number: number of the motion to begin with.
         here: where the robot stands (n,) [rad or m].
-        now: where the parts are; None: where the program has them there.
+        now: places of the parts; None: as the program has them there.
 
     Returns:
         None if the robot doesn't stand on such a path, or if the motion can't be proved.
@@ -61,7 +67,14 @@ def along_the_path(plan: MotionPlan, number: int, here: Array, now: Parts | None
 
 
 def can_go_on(plan: MotionPlan, number: int, here: Array) -> bool:
-    """Return True if a robot that stands at `here` (n,) [rad or m] can get to where a motion begins, past the parts as the program has them there; without parts it isn't looked at."""
+    """Return True if a robot can reach the start of a motion without hitting parts. Without parts, this isn't
+    checked.
+
+    Args:
+        plan: the program; the parts are as it has them at the motion.
+        number: number of the motion.
+        here: (n,) where the robot stands [rad or m].
+    """
     if not plan.motions:
         return True
     cell, parts = plan.program.cell, parts_before(plan, plan.motions[number].step)
@@ -81,7 +94,9 @@ def _is_on_path(plan: MotionPlan, number: int, here: Array) -> bool:
 
 
 def _cells(plan: MotionPlan, number: int, now: Parts | None) -> Iterator[Cell]:
-    """Yield the cell as it is on a motion that leads in to a part or out from it, if the parts are as the program has them there."""
+    """Yield the cell during a motion that leads to or away from a part, if the parts are as the program has
+    them there.
+    """
     whole, cell, step = followed_plan(plan), plan.program.cell, plan.motions[number].step
     runs = handling_of(plan.robot, cell, plan.program.steps).runs
     around = None if whole is None else whole.cells[step]

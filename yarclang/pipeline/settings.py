@@ -1,4 +1,6 @@
-"""A robot's settings, judged, and what the runtime looks at before anything moves: the very items that were judged."""
+"""A robot's verified controller settings, and the items that the runtime checks before anything moves: the
+very ones that were verified.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,7 @@ from yarclang.source import SourceFile
 
 
 def settings_of(robot: Robot) -> Result[str]:
-    """Write the settings of a robot's controller, and judge them.
+    """Write the settings of a robot's controller, and verify them.
 
     Returns:
         The text; None, with findings, if something in it isn't proved.
@@ -41,14 +43,16 @@ def proved_settings(robot: Robot) -> str:
 
 
 def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
-    """Judge a settings text that was saved or edited, and tell where it differs from what `yarc settings` prints.
+    """Verify a settings text that was saved or edited, and report how it differs from the output of `yarc
+    settings`.
 
     Args:
-        source: the text, a character for each byte.
-        robot: whose controller it is for.
+        source: the text, with a character for each byte.
+        robot: robot whose controller it is for.
 
     Returns:
-        What was proved, in words, with a warning for each difference; None, with the errors, if something isn't proved.
+        What was proved, in words, with a warning for each difference; None, with the errors, if something
+        isn't proved.
     """
     settings = backend_of(robot).settings()
     judged, own = settings.judge(source, robot), settings_of(robot)
@@ -58,7 +62,8 @@ def check_settings(source: SourceFile, robot: Robot) -> Result[tuple[str, ...]]:
 
 
 def items_of(robot: Robot) -> tuple[Item, ...]:
-    """List what a controller must have been told about a robot: each line of `yarc settings` that stays, as a question.
+    """List the settings that a controller must have for a robot: each lasting line of `yarc settings`, as a
+    question.
 
     Raises:
         Trouble: the settings aren't proved.

@@ -1,4 +1,4 @@
-"""Bytes to source text."""
+"""From bytes to source text."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from yarclang.syntax.characters import NOT_TEXT, character_name
 STANDARD_INPUT = "-"
 
 LARGEST_PROGRAM = 20_000_000
-"""Bytes; a larger file is no program but something gone wrong."""
+"""Largest program [bytes]; a larger file is a mistake."""
 
 LARGEST_DATA = 400_000_000
-"""Bytes of what programs write: controller texts of hours, recordings."""
+"""Largest generated file [bytes]: controller texts of hours, recordings."""
 
-NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain one can be sent to another process
-"""No file is open anywhere: what is saved counts."""
+NO_TEXTS: Mapping[Path, SourceFile] = {}  # a plain dictionary can be sent to another process
+"""No open files: saved files count."""
 
 _REMEDIES = {
     errno.EFBIG: "if this is no program, check which file was given",
@@ -30,10 +30,10 @@ _REMEDIES = {
 }
 _PLAIN_CONTROLS = frozenset(b"\t\n\v\f\r")
 _NO_TEXT = "\ufffd"
-"""What stands for a byte that isn't text."""
+"""Replacement for a byte that isn't text."""
 
 _OTHER_MARKS = (
-    (codecs.BOM_UTF32_LE, "UTF-32"),  # before UTF-16, whose mark it begins with
+    (codecs.BOM_UTF32_LE, "UTF-32"),  # before UTF-16, whose mark is a prefix of this one
     (codecs.BOM_UTF32_BE, "UTF-32"),
     (codecs.BOM_UTF16_LE, "UTF-16"),
     (codecs.BOM_UTF16_BE, "UTF-16"),
@@ -43,11 +43,11 @@ _OTHER_MARKS = (
 def read_source(path: str, most: int = LARGEST_PROGRAM) -> Result[SourceFile]:
     """Read a program from a file, or from standard input (`-`).
 
-    A byte order mark is taken away; what isn't UTF-8 text is one finding at the first byte that isn't.
+    A byte order mark is removed. Content that isn't UTF-8 text gives one finding, at its first invalid byte.
 
     Args:
         path: the file's path, or `-`.
-        most: the largest number of bytes that is read.
+        most: maximum number of bytes to read.
     """
     content = read_content(path, most)
     if content.value is None:
@@ -56,7 +56,7 @@ def read_source(path: str, most: int = LARGEST_PROGRAM) -> Result[SourceFile]:
 
 
 def name_of(path: str) -> str:
-    """Return what findings call a file, or standard input."""
+    """Return the name of a file, or of standard input, for findings."""
     return "<stdin>" if path == STANDARD_INPUT else path
 
 
@@ -77,7 +77,7 @@ def read_content(path: str, most: int = LARGEST_PROGRAM) -> Result[bytes]:
 
 
 def decode_source(name: str, content: bytes) -> Result[SourceFile]:
-    """Bytes of a file called `name` as a source text."""
+    """Decode the bytes of a file called `name` as a source text."""
     content = content.removeprefix(codecs.BOM_UTF8)
     for mark, encoding in _OTHER_MARKS:
         if content.startswith(mark):
@@ -100,7 +100,7 @@ def decode_source(name: str, content: bytes) -> Result[SourceFile]:
 
 
 def _first_bad_byte(content: bytes) -> int | None:
-    """Where the text stops being text: a control character, or bytes that aren't UTF-8."""
+    """Return where the first invalid byte is: a control character, or bytes that aren't UTF-8."""
     end = len(content)
     try:
         content.decode("utf-8")

@@ -1,4 +1,4 @@
-"""Text to certified controller text."""
+"""From text to certified controller text."""
 
 from __future__ import annotations
 
@@ -36,19 +36,23 @@ from yarclang.source import SourceFile
 from yarclang.syntax.ast import Module
 
 CellNow = Callable[[Cell, Array], Cell | None]
-"""Gives a cell with its parts where they are now, for a program that starts at joint positions (n,); None: nobody knows better than the cell's file."""
+"""Returns a cell with its current parts, for a program that starts at joint positions (n,); None: only the
+cell's file is known.
+"""
 
 
 @frozen(eq=False)
 class Request:
-    """What a door asks for besides the program.
+    """Settings for compiling a program.
 
-    `start` (n,) [rad or m] is where the robot stands, whatever the program says; `fallback_start` where it stands if
-    the program doesn't say. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None: the robot's). `target` is what the text is for (empty: the first that the robot's controller has). `load` finds
-    the modules that the program uses, `load_cell` its cell, `load_table` its files of timetables; `cell` is the one that it keeps to even without a CELL line. `index_needed` says whether a command must have an index. `memory`
-    keeps what the stages work out, for the next time. `enough` is the number of lines in loops and SUBs after which a first look has seen enough. `present` gives
-    the program's cell with its parts where they are when it starts (None: nobody knows better than the cell's file). `avoid_effort` is how many ways round obstacles are
-    looked for, of which the quickest is taken.
+    `start` (n,) [rad or m] is the robot's position, overriding the program; `fallback_start` is its position
+    if the program has none. `tm` [ms] is the longest segment time to use, `tolerance` that of the path (None:
+    the robot's). `target` is the kind of text (empty: the first that the robot's controller has). `load`
+    reads the program's modules, `load_cell` its cell, `load_table` its timetables; `cell` is used even
+    without a CELL line. `index_needed` is True if every command must have an index. `memory` caches results
+    of the stages. `enough` is the number of lines in loops and SUBs after which a quick check stops.
+    `present` returns the program's cell with its parts where they are when it starts (None: as in the cell's
+    file). `avoid_effort` is the number of ways round obstacles to search, of which the quickest is taken.
     """
 
     robot: Robot
@@ -70,7 +74,7 @@ class Request:
 
 @frozen(eq=False)
 class Compiled:
-    """A compiled program: the text and all that led to it."""
+    """A compiled program: the text and all intermediate results."""
 
     text: str
     program: Program
@@ -79,7 +83,7 @@ class Compiled:
 
 
 def check_program(module: Module, request: Request) -> Result[Program]:
-    """Syntax tree to checked program."""
+    """Check a syntax tree, and return the program."""
     checked = check(module, context_of(request))
     program = checked.value
     if program is None or request.present is None or program.cell is None or not program.cell.parts:
@@ -89,7 +93,7 @@ def check_program(module: Module, request: Request) -> Result[Program]:
 
 
 def context_of(request: Request) -> Context:
-    """What the checks need to know of a request."""
+    """Return the parts of a request that the checks need."""
     return Context(
         request.robot,
         profile_names(),
@@ -106,7 +110,7 @@ def context_of(request: Request) -> Context:
 
 
 def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
-    """Checked program to motion plan, in segment times that the controller takes."""
+    """Plan a checked program, in segment times that the controller accepts."""
     settings = _settings(request)
     if settings.value is None:
         return Result(None, settings.diagnostics)
@@ -114,7 +118,7 @@ def plan_program(program: Program, request: Request) -> Result[MotionPlan]:
 
 
 def shown_plan(program: Program, request: Request) -> MotionPlan | None:
-    """As much of a program with errors as can be planned, to be shown; None where the settings are wrong."""
+    """Plan as much as possible of a program with errors, for display; None if the settings are wrong."""
     settings = _settings(request)
     return None if settings.value is None else plan_in_part(program, request.robot, settings.value)[0]
 
@@ -128,12 +132,12 @@ def _settings(request: Request) -> Result[Settings]:
 
 
 def plan_module(module: Module, request: Request) -> Result[MotionPlan]:
-    """Syntax tree to motion plan. A program with errors is planned as well, for what else is to be found."""
+    """Plan a syntax tree. A program with errors is planned as well, to find further errors."""
     return plan_checked(check_program(module, request), request)
 
 
 def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPlan]:
-    """What a check has given to motion plan, with the findings of both."""
+    """Plan the result of a check; returns the findings of both."""
     assert checked.value is not None  # a check always gives a program
     program = checked.value
     if has_errors(checked.diagnostics):
@@ -145,11 +149,13 @@ def plan_checked(checked: Result[Program], request: Request) -> Result[MotionPla
 
 
 ENOUGH_MOTIONS = 300
-"""Motions in loops and SUBs that are planned of a program with errors."""
+"""Number of motions in loops and SUBs that are planned for a program with errors."""
 
 
 def _shortened(program: Program) -> Program:
-    """Return a program with errors as far as it is planned: lines in loops and SUBs, which come again, up to a number of motions."""
+    """Return the part of a program with errors that is planned: repeated lines in loops and SUBs only up to a
+    number of motions.
+    """
     left, steps = ENOUGH_MOTIONS, list[Step]()
     for step in program.steps:
         if isinstance(step, Motion) and step.origin.place:
@@ -161,10 +167,10 @@ def _shortened(program: Program) -> Program:
 
 
 def compile_module(module: Module, request: Request) -> Result[Compiled]:
-    """Syntax tree to certified controller text.
+    """Compile a syntax tree to certified controller text.
 
     Returns:
-        None where a stage finds an error; a text that the certificate refuses is never returned.
+        None if a stage finds an error; a text that the certificate refuses is never returned.
     """
     planned = plan_module(module, request)
     if planned.value is None:
@@ -174,7 +180,7 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
 
 
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
-    """Motion plan to controller text, read back and proved."""
+    """Print a motion plan as controller text, read the text back, and prove it."""
     tolerance = request.tolerance or request.robot.tolerance
     tell("writing the controller's text", 0)
     backend = backend_of(planned.robot)
@@ -186,25 +192,31 @@ def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:
     header = _header(made.value, planned, request)
     tell("certifying: reading the text", 0)
     text = made.value.text(header.lines())
-    # of a long text it is as large as all that is proved of it
+    # For a long text, it is as large as everything that is proved of it.
     del made
     judged = proved(text, planned, request)
     if judged.value is None or has_errors(judged.diagnostics):
         return Result(None, judged.diagnostics)
-    # only two comments differ from the text that was judged
+    # Only two comments differ from the text that was verified.
     final = sealed(text, judged.value.summary())
     return Result(Compiled(final, planned.program, planned, judged.value), judged.diagnostics)
 
 
 def proved(text: str, planned: MotionPlan, request: Request) -> Result[Certificate]:
-    """Judge a controller text against the program: what it does, by the judge's own reading. The plan only gives claims that are checked."""
+    """Verify a controller text against the program, by the judge's own reading of both.
+
+    Args:
+        text: the controller text.
+        planned: plan of the program; it only gives claims, which are checked.
+        request: tolerance and other settings of the compilation.
+    """
     tolerance = request.tolerance or request.robot.tolerance
     return certify(text, planned.program, request.robot, tolerance, claims_of(planned), request.memory)
 
 
 @cache
 def _made_with(searches: bool) -> str:
-    """The packages that had a say, and their versions, which don't change while we run."""
+    """Return the packages that affect the result, and their versions, which don't change during a run."""
     import pinocchio
     import scipy
 
@@ -218,7 +230,7 @@ def _no_target(backend: Backend, target: str) -> Diagnostic:
 
 
 def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
-    """What a person who finds the text wants to know; certificate and seal come later."""
+    """Return the header, for a person who finds the text; certificate and seal are added later."""
     robot = planned.robot
     searches = any(isinstance(step, AvoidMove) for step in planned.program.steps)
     return Header(
@@ -240,7 +252,7 @@ def _header(written: Written, planned: MotionPlan, request: Request) -> Header:
 
 
 def _printable(name: str) -> str:
-    """A file's name in ASCII, on one line."""
+    """Return a file's name in ASCII, on one line."""
     return (
         "".join(one if one.isprintable() else "?" for one in name)
         .encode("ascii", "backslashreplace")
@@ -249,12 +261,12 @@ def _printable(name: str) -> str:
 
 
 def claims_of(planned: MotionPlan) -> Claims:
-    """Return all that the plan tells the judge: docs/certificate.md lists how each value is checked."""
+    """Return all claims of the plan for the judge; docs/certificate.md lists how each value is checked."""
     steps = planned.program.steps
     return Claims(
         witnesses={motion.step: np.asarray(motion.waypoints) for motion in planned.motions},
         laws={
-            # nobody asks for those of lines and arcs of a frame
+            # Laws of lines and arcs of a frame aren't needed.
             motion.step: motion.law
             for motion in planned.motions
             if not isinstance(steps[motion.step], LineMove | ArcMove)

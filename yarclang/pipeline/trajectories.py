@@ -1,4 +1,4 @@
-"""Where the files of timed trajectories are: in the folder of the program or module that names them."""
+"""Locations of timed trajectories' files: in the folder of the program or module that names them."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class TrajectoryLoader:
     """Reads the trajectory files of a program; a file that has changed is read again.
 
     Args:
-        folder: of the program.
-        texts: files that are open somewhere, as for modules.
-        memory: keeps what was read.
+        folder: folder of the program.
+        texts: open files, as for modules.
+        memory: cache of what was read.
     """
 
     def __init__(
@@ -35,11 +35,12 @@ class TrajectoryLoader:
         """Read the file of a line.
 
         Args:
-            path: as the line names it.
-            module: the module that the line stands in; None: the program.
+            path: path in the line.
+            module: module with the line; None: the program.
 
         Returns:
-            None with a finding without a place if the file isn't beside the program, or can't be read as text.
+            None, with a finding without a place, if the file isn't beside the program, or can't be read as
+            text.
         """
         folder = self._folder if module is None else Path(module.name).parent
         refusal = _refusal(path, folder)

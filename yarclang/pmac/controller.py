@@ -1,4 +1,4 @@
-"""How a robot hangs on a Turbo PMAC, as its robot.toml says."""
+"""The connection between a robot and its Turbo PMAC, as described in robot.toml."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ NAME = "turbo-pmac"
 
 @frozen
 class TurboPmac:
-    """How the robot hangs on its controller, and the controller's own settings.
+    """Assignment of a robot's joints to controller resources, and the controller's own settings.
 
-    `axes`, `motors` and `feedback` have one entry a joint (motor k is row k of the
-    actuation matrix). Times are in s, `ixx08` is the position scale factor, `rotary_words`
-    the least size of the rotary buffer, `i8` and `i10` the controller's I-variables.
+    `axes`, `motors` and `feedback` have one entry per joint (motor k is row k of the actuation matrix). Times
+    are in s. `ixx08` is the position scale factor, `rotary_words` the minimum size of the rotary buffer, and
+    `i8` and `i10` are the I-variables of the same name.
     """
 
     kind: str
@@ -38,33 +38,34 @@ class TurboPmac:
 
     @property
     def servo_period(self) -> float:
-        """The time between two servo interrupts [s]: I10 is in 1/8,388,608 ms (TSRM 43)."""
+        """Return the time between two servo interrupts [s]. I10 is in units of 1/8,388,608 ms (TSRM 43)."""
         return self.i10 / 8_388_608.0 * 1e-3
 
     @property
     def smallest_segment(self) -> float:
-        """The shortest segment that the controller calculates in time [s]: three real-time
-        interrupts, one each I8 + 1 servo periods.
+        """Return the shortest segment that the controller can calculate in time [s].
+
+        This is the duration of three real-time interrupts, which occur every I8 + 1 servo periods.
         """
         return 3.0 * (self.i8 + 1) * self.servo_period
 
     @property
     def text(self) -> str:
-        """The coordinate system, for people."""
+        """Return the name of the coordinate system, for people."""
         return f"coordinate system {self.coordinate_system}"
 
     @property
     def timing(self) -> str:
-        """The variables that the shortest segment follows from."""
+        """Return the variables that determine the shortest segment, as text."""
         return f"I8={self.i8} and I10={self.i10}"
 
     def signal(self, text: str) -> SignalVariable:
-        """Return what a text in upper case names as the variable of an input or output."""
+        """Return the variable that a text in upper case names for an input or output."""
         return signal_variable(text, self.feedback)
 
 
 def turbo_pmac(robot: Robot) -> TurboPmac:
-    """Return the controller of a robot that hangs on a Turbo PMAC."""
+    """Return the controller description of a robot that is driven by a Turbo PMAC."""
     controller = robot.controller
     assert isinstance(controller, TurboPmac)
     return controller

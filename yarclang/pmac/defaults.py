@@ -1,6 +1,7 @@
-"""Default values of the I-variables that matter, as after `$$$***` (TSRM 37-46, 95-98, 177-193).
+"""Default values of the relevant I-variables, as after `$$$***` (TSRM 37-46, 95-98, 177-193).
 
-What isn't here is 0. Values marked as assumed come from memory or from similar controllers.
+Variables that are not listed here default to 0. Values marked as assumed come from memory or from similar
+controllers.
 """
 
 MOTORS = 32
@@ -46,7 +47,9 @@ MOTOR: dict[int, float] = {
     28: 160,
     90: 1,
 }
-"""Ixx`number` of every motor. I100 alone is 1: motor 1 is activated. Ixx12, 19, 21, 22, 23, 28 and 90 are assumed."""
+"""Defaults of Ixx`number`, the same for every motor, except I100, which is 1: motor 1 is activated. Ixx12,
+19, 21, 22, 23, 28 and 90 are assumed.
+"""
 
 SYSTEM: dict[int, float] = {
     13: 0,
@@ -60,16 +63,16 @@ SYSTEM: dict[int, float] = {
     95: 1644,
     98: 1000,
 }
-"""Isx`number` of every coordinate system."""
+"""Defaults of Isx`number`, the same for every coordinate system."""
 
 HEXADECIMAL = frozenset({20, 21, 22, 23}) | {
     100 * motor + number for motor in range(1, 33) for number in (1, 2, 3, 4, 5, 10, 24, 25)
 }
-"""The I-variables that hold an address or bits: with I9 bit 1 they are reported as $hex."""
+"""I-variables that hold an address or bits. With I9 bit 1 set, the controller reports them as $hex."""
 
 
 def default_variables() -> dict[int, float]:
-    """All I-variables that aren't 0 after `$$$***`."""
+    """Return all I-variables that are not 0 after `$$$***`, by number."""
     values = {number: float(value) for number, value in GLOBAL.items()}
     for motor in range(1, MOTORS + 1):
         values |= {100 * motor + number: float(value) for number, value in MOTOR.items()}

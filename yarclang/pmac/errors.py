@@ -1,4 +1,7 @@
-"""The controller's error numbers (PSRM 25 and the tables of public clients for 1 to 19; 20 to 22 from one client)."""
+"""Error numbers of the controller.
+
+Sources: PSRM 25 and the tables of public clients for 1 to 19; one client for 20 to 22.
+"""
 
 BUSY_PROGRAM = 1
 DATA = 3

@@ -1,4 +1,4 @@
-"""A program for the controller, before it is text."""
+"""The structure of a program for the controller, before it is printed as text."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ LOADING: Mapping[Target, str] = MappingProxyType(
         "prog": "loading moves nothing; with all motors closed-loop, &{system}B1R runs it, from the start only",
     }
 )
-"""What a person who loads the text by hand must know; `{system}` is the coordinate system."""
+"""Instructions for a person who loads the text by hand; `{system}` is the coordinate system."""
 
 
 @frozen
 class SegmentTime:
-    """TM: the segment time of the moves that follow [ms], exactly as the controller keeps it."""
+    """TM: the segment time of the following moves [ms], exactly as the controller stores it."""
 
     milliseconds: float
 
 
 @frozen
 class Assignment:
-    """A variable takes a value when the controller gets there; the motion doesn't mind.
+    """Assignment of a value to a variable when execution gets there; the motion is not affected.
 
-    With `in_step`, when the move line behind it begins to move the robot, and not already when it is calculated (TUM, synchronous
-    assignments).
+    With `in_step`, the assignment takes effect when the next move line begins to move the robot, not when
+    that line is calculated (TUM, synchronous assignments).
     """
 
     variable: str
@@ -46,14 +46,18 @@ class Assignment:
 
 @frozen
 class Rest:
-    """DWELL: the sequence ends, and the robot stands for so long [ms]; what follows is calculated behind it."""
+    """DWELL: the sequence of moves ends, and the robot stands still for this time [ms]. The controller
+    calculates the following lines only after the dwell.
+    """
 
     milliseconds: float
 
 
 @frozen(eq=False)
 class Stand:
-    """The robot stands at `point` (axes,) [axis units]: a slow RAPID there, which is no motion if it does, and SPLINE1."""
+    """Stop at `point` (axes,) [axis units]: a slow RAPID to it, which moves nothing if the robot is already
+    there, then SPLINE1.
+    """
 
     point: NDArray[np.float64]
 
@@ -65,10 +69,14 @@ BarrierKind = Literal[
 
 @frozen
 class Barrier:
-    """Where the program may not go on by itself: it waits for an input or the operator, its ways part or meet, a loop begins, begins anew, is left or ends, a register changes, or it ends.
+    """A place that the program cannot pass by itself.
 
-    `wait` compares `variable` with `value`; `name` is the input's, the operator's text, or why the program ends. `timeout` is in s
-    (None: for ever). `condition` is that of a `when`, and what a `set` gives to which register, in canonical form.
+    At a barrier the program waits for an input or the operator; or its branches part or meet; or a loop
+    begins, repeats, is left or ends; or a register changes; or the program ends.
+
+    `wait` compares `variable` with `value`. `name` is the input's name, the text for the operator, or the
+    reason why the program ends. `timeout` is in s (None: no limit). `condition` is the condition of a `when`,
+    or the value and register of a `set`, in canonical form.
     """
 
     step: int
@@ -94,10 +102,10 @@ Item = SegmentTime | Assignment | Rest | Stand | Barrier | Moves
 
 @frozen
 class Command:
-    """What the map in the header says of a command of the program.
+    """Description of one command of the program in the map in the header.
 
-    `overlap` are the segments in which it flows into the next one, half of them after the end of its lines; None if it ends at rest. `any_jerk` says
-    that its law has no limit of the jerk.
+    `overlap` is the number of segments in which the command flows into the next one, half of them after the
+    end of its own lines; None if it ends at rest. `any_jerk` is True if its motion law has no jerk limit.
     """
 
     step: int
@@ -110,14 +118,16 @@ class Command:
 
 @frozen(eq=False)
 class PmacProgram:
-    """All that the text says.
+    """Everything that the text of a program contains.
 
-    `start` (axes,) is where the motion begins, in axis units; `start_counts` and `start_slack` are the
-    motors' positions there and how far each may be off [1/(Ixx08 32) count].
-    `full_lines` and `low_lines` are I17 and I16: the rotary counts as full from so many lines ahead on,
-    and as low below so many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs, and
-    what they become when the guard has held the motion. `rapid` says whether a rotary begins with a slow RAPID to the start; without it the motion begins
-    where the motors are commanded to stand. `registers` are those that the runtime keeps, `watches` the inputs that it looks at, and `searches` what ends which step on its way.
+    `start` (axes,) is where the motion begins, in axis units. `start_counts` and `start_slack` are the
+    motors' positions at the start and the allowed deviation of each motor [1/(Ixx08 32) count]. `full_lines`
+    and `low_lines` are I17 and I16: the rotary buffer counts as full from this many lines ahead on, and as
+    low below this many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs and
+    the values that they get after the guard has held the motion. `rapid` is True if a rotary program begins
+    with a slow RAPID to the start; otherwise the motion begins at the commanded positions of the motors.
+    `registers` are kept by the runtime, `watches` are the inputs that it observes, and `searches` are the
+    inputs that end a step early.
     """
 
     target: Target

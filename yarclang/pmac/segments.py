@@ -1,7 +1,7 @@
-"""What the controller keeps of a segment time (TSRM 463, 476; TUM 292)."""
+"""Limits on the segment time that the controller stores (TSRM 463, 476; TUM 292)."""
 
 QUANTUM = 1e-3 / 4096.0
-"""TM is fixed-point with 12 fraction bits of a millisecond: one step [s]."""
+"""Resolution of TM [s]: a fixed-point number with 12 fraction bits of a millisecond."""
 
 LARGEST = 4096e-3
-"""A longer TM is clipped: the motion would run faster than asked [s]."""
+"""Largest TM [s]. A longer one is clipped, and the motion would run faster than requested."""

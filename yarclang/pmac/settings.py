@@ -1,4 +1,4 @@
-"""What a controller is told once about a robot, before it is text."""
+"""The settings that a controller needs for a robot, before they are printed as text."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from yarclang.pmac.variables import ARMED, WATCHED
 
 @frozen
 class IVariable:
-    """An I-variable, its value as it is printed, and what it is for."""
+    """An I-variable, its value as printed, and its purpose."""
 
     name: str
     value: str
@@ -18,7 +18,7 @@ class IVariable:
 
     @property
     def line(self) -> str:
-        """The line of the text."""
+        """Return the line of the text."""
         return f"{self.name}={self.value} ; {self.remark}"
 
 
@@ -31,20 +31,20 @@ class AxisDefinition:
 
     @property
     def line(self) -> str:
-        """The line of the text."""
+        """Return the line of the text."""
         return f"#{self.motor}->{self.terms}"
 
 
 @frozen
 class MDefinition:
-    """An M-variable and the register that it stands for."""
+    """An M-variable and the register that it refers to."""
 
     variable: str
     address: str
 
     @property
     def line(self) -> str:
-        """The line of the text."""
+        """Return the line of the text."""
         return f"{self.variable}->{self.address}"
 
 
@@ -57,17 +57,18 @@ class Plc:
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """The lines of the text that load it."""
+        """Return the lines of the text that load the PLC program."""
         return (f"OPEN PLC {self.number} CLEAR", *self.listing, "CLOSE")
 
 
 @frozen
 class ControllerSettings:
-    """Everything that a controller is told once about a robot.
+    """All settings that a controller needs for a robot.
 
-    `robot`, `title` and `fingerprint` say whose settings these are; `system` is the coordinate system. `motors` are the I-variables of the motors,
-    `globals` those of the coordinate system and the controller. `feedback` computes the joint positions, `guard` holds the motion when the rotary
-    buffer runs low or the computer that streams falls silent, and `plcs` (I5) lets both run.
+    `robot`, `title` and `fingerprint` identify the robot; `system` is the coordinate system. `motors` are the
+    I-variables of the motors, `globals` those of the coordinate system and the controller. `feedback` is the
+    PLC that computes the joint positions, `guard` the PLC that holds the motion when the rotary buffer runs
+    low or the streaming computer falls silent, and `plcs` (I5) enables both.
     """
 
     robot: str
@@ -84,7 +85,7 @@ class ControllerSettings:
 
     @property
     def text(self) -> str:
-        """The text to download."""
+        """Return the text to download."""
         return "".join(f"{line}\n" for line in self._lines())
 
     def _lines(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Names of the bits in the status words of motors and coordinate systems (TSRM 281-287), and their addresses."""
+"""Names and addresses of the bits in the status words of motors and coordinate systems (TSRM 281-287)."""
 
 MOTOR_WORD_1: dict[str, int] = {
     "activated": 23,
@@ -31,8 +31,10 @@ MOTOR_WORD_2: dict[str, int] = {
     "warning following error": 1,
     "in position": 0,
 }
-"""The second word of `#n?`, at Y:$0000C0 + $80 (n - 1); bits 23 to 20 are the coordinate system less 1,
-19 to 16 the axis code."""
+"""The second word of `#n?`, at Y:$0000C0 + $80 (n - 1).
+
+Bits 23 to 20 are the number of the coordinate system minus 1; bits 19 to 16 are the axis code.
+"""
 
 SYSTEM_WORD_1: dict[str, int] = {
     "continuous motion request": 4,
@@ -41,8 +43,10 @@ SYSTEM_WORD_1: dict[str, int] = {
     "single step": 1,
     "running": 0,
 }
-"""The first word of `&n??`, at X:$002040 + $100 (n - 1). Each axis has a pair of bits: it is in the
-vector feedrate, and it is incremental."""
+"""The first word of `&n??`, at X:$002040 + $100 (n - 1).
+
+Each axis has a pair of bits: it takes part in the vector feedrate, and it is incremental.
+"""
 
 SYSTEM_WORD_2: dict[str, int] = {
     "lookahead": 23,
@@ -84,7 +88,7 @@ MODE_BITS: dict[str, int] = {
 INCREMENTAL_BITS: dict[str, int] = {
     axis: 22 - 2 * place for place, axis in enumerate(("Z", "Y", "X", "W", "V", "U", "C", "B", "A"))
 }
-"""The bit of the first word that says that an axis is incremental: the lower of its pair."""
+"""Bit of the first word that is set if the axis is incremental: the lower bit of the axis's pair."""
 
 AXIS_CODES: dict[str, int] = {
     "A": 1,
@@ -98,7 +102,10 @@ AXIS_CODES: dict[str, int] = {
     "Y": 7,
     "Z": 7,
 }
-"""Bits 19 to 16 of a motor's second word: how it is assigned (UVW and XYZ definitions share a code; assumed)."""
+"""Bits 19 to 16 of a motor's second word: the axis to which the motor is assigned.
+
+Definitions by UVW and by XYZ share a code (assumed).
+"""
 
 MOTOR_STATUS_1 = 0xB0
 MOTOR_STATUS_2 = 0xC0

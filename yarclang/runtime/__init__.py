@@ -1,8 +1,8 @@
-"""Talking to a controller.
+"""Communication with a controller.
 
-A run is made of scripts (`scripts.py`), generators that yield actions (`actions.py`) and share an operation
-(`operation.py`) with its state (`state.py`); each kind of controller brings its own, as `pmac/` does.
-`session.py` carries them out over `transports/`. What is run is a job (`job.py`) or a live motion
-(`live.py`). What is told: `notices.py`, `sample.py`, `signals.py`, `standing.py`, `inspection.py`,
-`outcome.py`; the log keeps it (`log.py`, `log_record.py`).
+A run consists of scripts (`scripts.py`): generators that yield actions (`actions.py`) and share an operation
+(`operation.py`) with its state (`state.py`). Each kind of controller brings its own scripts, as `pmac/` does.
+`session.py` executes them over `transports/`. A run executes a job (`job.py`) or a live motion (`live.py`).
+It reports `notices.py`, `sample.py`, `signals.py`, `standing.py`, `inspection.py` and `outcome.py`; the log
+stores these (`log.py`, `log_record.py`).
 """

@@ -1,4 +1,6 @@
-"""What was looked at on a controller before anything moves: what was found and wanted, and the remedy where they differ."""
+"""Result of looking at a controller before anything moves: what was found and wanted, and the remedy if these
+differ.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,11 @@ Verdict = Literal["ok", "warning", "error"]
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """One thing that the controller must have been told.
+    """One thing that must be set on the controller.
 
-    `question` is asked; `wanted` is what it should answer, compared as `kind` says: as a number, by its bits (all that are
-    wanted are set), as an axis definition, as the address of an M-variable, or as a program's listing.
+    `question` is sent to the controller. `wanted` is the expected answer, which is compared according to
+    `kind`: as a number, by its bits (all wanted bits are set), as an axis definition, as the address of an
+    M-variable, or as the listing of a program.
     """
 
     subject: str
@@ -28,7 +31,7 @@ class Item:
 
 @dataclass(frozen=True, slots=True)
 class Checked:
-    """What was found of one thing."""
+    """The answer to one question."""
 
     subject: str
     found: str
@@ -39,7 +42,11 @@ class Checked:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Inspection:
-    """All that was looked at. `joints` (n,) [rad or m] is where the robot is commanded to be, if that is known; `idle`: no program runs."""
+    """All results of an inspection.
+
+    `joints` (n,) [rad or m] is the commanded position of the robot, if it is known. `idle` is True if no
+    program runs.
+    """
 
     checked: tuple[Checked, ...]
     joints: Array | None
@@ -47,5 +54,5 @@ class Inspection:
 
     @property
     def errors(self) -> tuple[Checked, ...]:
-        """What keeps a program from being run."""
+        """Return the answers that prevent a program from being run."""
         return tuple(one for one in self.checked if one.verdict == "error")

@@ -1,4 +1,6 @@
-"""What is streamed: a program's lines, when each of them is executed, and which command it belongs to."""
+"""A job for streaming: a program's lines, when each of them is executed, and to which command
+each belongs.
+"""
 
 from __future__ import annotations
 
@@ -15,9 +17,10 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True)
 class JobCommand:
-    """A motion command and when it is executed, from `begins` to `ends` [s of the program].
+    """A motion command and its time of execution, from `begins` to `ends` [s of the program].
 
-    `clock` is the latest known time at which it begins [s]: `begins` counts the ways of a WHEN one after the other, of which only one is taken.
+    `clock` is the latest known time at which the command begins [s]. It differs from `begins`, which counts
+    both branches of a WHEN in sequence although only one is taken.
     """
 
     index: str
@@ -29,23 +32,32 @@ class JobCommand:
 
     @property
     def title(self) -> str:
-        """`P0010 MOVEL_RPY_LSPB`, or the name alone."""
+        """Return the label and name, such as `P0010 MOVEL_RPY_LSPB`, or the name alone."""
         return f"{self.index} {self.name}" if self.index and self.index != "-" else self.name
 
 
 def clock_at(commands: Sequence[JobCommand], time: float) -> float:
-    """Return the latest known time [s] at which a program gets to a time that counts the ways of a WHEN one after the other."""
+    """Return the latest known time at which a program reaches one of its times [s].
+
+    Args:
+        commands: the motions of the program.
+        time: program time, which counts the branches of a WHEN in sequence [s].
+    """
     command = next((one for one in commands if time <= one.ends), commands[-1] if commands else None)
     return time if command is None else time + command.clock - command.begins
 
 
 @dataclass(frozen=True, slots=True)
 class Barrier:
-    """What stands between two legs of a program: it waits for an input or the operator, or its ways part or meet.
+    """The barrier between two legs of a program: it waits for an input or the operator, or branches part or
+    meet there.
 
-    `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort; a wait compares `variable` with `value`; `name` is the input's, or the operator's
-    text; `label` and `source_line` are the command's. `timeout` is in s (None: for ever). `decided` is the condition of a when, or of a wait that has no `variable`, decided with what the last when has read if `again`;
-    of a set it is the number that `register` or `output` gets. `word` is the command's name: of a when, OF in a CASE.
+    `kind` is wait, hold, when, else, end, loop, next, exit, endloop, set, say, stop or abort. A wait compares
+    `variable` with `value`. `name` is the input's name, or the text for the operator; `label` and
+    `source_line` are those of the command. `timeout` is in s. `decided` is the condition of a `when`, or of a
+    wait without `variable`; with `again`, it is evaluated with the values that the last `when` has read. For
+    a `set`, `decided` is the number that `register` or `output` gets. `word` is the command's name: for a
+    `when`, OF inside a CASE.
     """
 
     kind: str
@@ -64,7 +76,9 @@ class Barrier:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """What a leg is to the program that is carried out: whether legs were `begun` before, and the title of the barrier that it leads to (empty: the end)."""
+    """The position of a leg in the program: `begun` is True if earlier legs were started; `leads_to`
+    is the title of the barrier at its end (empty: the program's end).
+    """
 
     begun: bool
     leads_to: str
@@ -72,8 +86,10 @@ class Part:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """What is streamed up to a barrier (None: nothing but outputs and dwells could stand there, and none does), and the barrier
-    behind it (None: the program's end). `ends` is when it ends [s of the job], and `clock` the latest known time of that.
+    """The lines that are streamed up to a barrier, and the barrier at their end (None: the program's end).
+
+    The job is None if only outputs and dwells could be there and none are. `ends` is when the leg ends [s of
+    the job], and `clock` the latest known time of that.
     """
 
     job: Job | None
@@ -87,34 +103,37 @@ class Job:
     """A certified program, ready to be streamed.
 
     Attributes:
-        name: of the program, for people.
-        robot: whom it is for.
-        lines: what the controller is sent of the motion, in order.
-        times: (len(lines),) the program time [s] at which the motion towards each line's point begins, or the dwell of a line; of a line
-            that takes no time, that of the next that does. Motions and dwells count, with the ways of a WHEN one after the other.
+        name: name of the program, for people.
+        robot: the robot that the program is for.
+        lines: lines of the motion that are sent to the controller, in order.
+        times: (len(lines),) program time [s] at which the motion towards a line's point begins, or at which
+            the dwell of the line begins; for a line that takes no time, that of the next line that does.
+            Motions and dwells count, with the branches of a WHEN in sequence.
         commands: the motions, in order.
-        start: (n,) where it starts [rad or m].
-        end: (n,) where it ends [rad or m].
-        slack: (n,) how far off the start a joint may be [rad or m].
-        segment: the shortest segment time [s].
-        duration: the last of these times [s]. `lasting` is how long the program takes.
-        capacity: how many lines surely fit into the controller's buffer.
-        guarded: whether the controller holds by itself when it hears no more of this computer in the middle.
+        start: (n,) position where the program starts [rad or m].
+        end: (n,) position where the program ends [rad or m].
+        slack: (n,) allowed deviation of each joint from the start [rad or m].
+        segment: shortest segment time [s].
+        duration: program time at which the last line has been executed [s].
+        capacity: number of lines that surely fit into the controller's buffer.
+        guarded: True if the controller holds by itself when this computer falls silent in the middle.
         text: the whole controller text.
         source: the program's own text, or empty.
         certificate: what was proved, as plain JSON text.
-        offset: where it begins in the program that it is a part of [s]; `clock` is the latest known time at which it begins, with both ways of a WHEN at once.
-        behind: the known time [s] from its end to the end of the job that it is a leg of, along the longest ways.
-        lasting: how long it takes, with the number of its waits.
-        outputs: variables of outputs, and what they become at any stop, hold or fault.
-        sets: which lines set a variable: the row in `lines`, the variable, the value.
-        dwells: which lines stand still: the row in `lines`, how long [s].
-        legs: of a program with barriers, what is streamed one after the other; else empty.
-        part: of a leg that is carried out; else None.
-        registers: of a program with barriers, the integers that it keeps while it is carried out.
+        offset: start of this job in the program that it is a part of [s].
+        clock: latest known time at which this job begins, with both branches of a WHEN in parallel [s].
+        behind: known time [s] from the end of this leg to the end of the job, along the longest branches.
+        lasting: duration of the program, including the number of its waits.
+        outputs: variables of outputs, and their values at any stop, hold or fault.
+        sets: lines that set a variable: row in `lines`, variable, value.
+        dwells: lines that stand still: row in `lines`, duration [s].
+        legs: for a program with barriers, the parts that are streamed in sequence; else empty.
+        part: for a leg that is being carried out; else None.
+        registers: for a program with barriers, the integers that the program keeps while it runs.
         watches: inputs that hold the motion while they have a value.
-        searches: of a program, its motions that inputs end; `search` is that of a leg.
-        own: what else the rooms of its kind of controller need.
+        searches: for a program, the motions that inputs end.
+        search: for a leg, the motion that an input ends.
+        own: anything else that the rooms of the controller's kind need.
     """
 
     name: str
@@ -149,27 +168,27 @@ class Job:
 
     @property
     def lines_per_second(self) -> float:
-        """What it needs at its fastest."""
+        """Return the largest number of lines per second that the job needs."""
         return 1.0 / self.segment
 
     @property
     def fits(self) -> bool:
-        """Whether all of it is loaded before it begins."""
+        """Return True if all lines are loaded before the job begins."""
         return len(self.lines) <= self.capacity
 
     @property
     def longest_dwell(self) -> float:
-        """The longest time that a line stands still [s]."""
+        """Return the longest time that a line stands still [s]."""
         return max((seconds for _, seconds in self.dwells), default=0.0)
 
     def time_of(self, executed: int) -> float:
-        """The program time [s] when so many lines have been executed."""
+        """Return the program time [s] at which `executed` lines have been executed."""
         if executed >= len(self.lines):
             return self.duration
         return float(self.times[max(executed, 0)])
 
     def command_at(self, time: float) -> JobCommand | None:
-        """The command that is executed at a program time [s]; None where there is none."""
+        """Return the command that is executed at a program time [s]; None if there is none."""
         if not self.commands:
             return None
         ends = np.array([command.ends for command in self.commands])
@@ -178,7 +197,7 @@ class Job:
 
 @dataclass(frozen=True, slots=True)
 class Papers:
-    """What goes with a job into its log: the program's text and the certificate as JSON."""
+    """Documents that are stored with a job in its log: the program's text and the certificate as JSON."""
 
     source: str = ""
     certificate: str = ""

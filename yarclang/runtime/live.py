@@ -1,4 +1,4 @@
-"""A motion whose lines are made while it goes on."""
+"""A motion whose lines are computed while it is running."""
 
 from __future__ import annotations
 
@@ -9,24 +9,29 @@ from yarclang.robot.model import Array
 from yarclang.runtime.job import Job
 
 MADE_ON_THE_WAY = "live motion: its lines were made on the way"
-"""The first comment of a live motion's text, which has no lines."""
+"""First comment of a live motion's text, which has no lines."""
 
 
 class Source(Protocol):
-    """Makes the lines; each of them was proved."""
+    """Generator of the lines of a live motion; each line was proved."""
 
     ended: bool
-    """Whether the text ends at rest, for good."""
+    """True if the text ends at rest, for good."""
 
     @property
     def end(self) -> Array:
-        """(n,) where it ends so far [rad or m]."""
+        """Return where the lines so far end (n,) [rad or m]."""
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """`count` lines or a few more behind those that were given before; fewer only where the text ends."""
+        """Return further lines.
+
+        Args:
+            now: the host's clock [s].
+            count: number of lines wanted; there may be a few more, and fewer only if the text ends.
+        """
 
     def expired(self, now: float) -> bool:
-        """Whether nobody has said for too long what is wanted."""
+        """Return True if no one has ordered anything for too long."""
 
     def finish(self) -> None:
         """Come to rest, and end the text there."""
@@ -34,8 +39,10 @@ class Source(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Live:
-    """What is streamed: `job` has the robot, the setup and where it starts, but no lines; `opening` are those before the first move; `lead` lines
-    are kept ahead; `source` makes them.
+    """A live motion, ready to be streamed.
+
+    `job` has the robot, the setup and the start, but no lines. `opening` has the lines before the first move,
+    `lead` is the number of lines to keep ahead, and `source` generates the lines.
     """
 
     job: Job

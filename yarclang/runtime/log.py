@@ -1,7 +1,9 @@
-"""The log of a run: an MCAP file that a thread of its own writes, so that neither a slow nor a full disk delays the robot.
+"""The log of a run: an MCAP file that is written by its own thread, so that neither a slow nor a full disk
+delays the robot.
 
-MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.runs.log` reads it back. The program's text, the controller's and the
-certificate are attached, with what is needed of the robot: a log can be read when all of them have changed.
+MCAP (mcap.dev) is read by Foxglove and others; `yarclang.report.runs.log` reads the file back. The program's
+text, the controller's text and the certificate are attached, together with the necessary facts about the
+robot: a log stays readable after all of these have changed.
 """
 
 from __future__ import annotations
@@ -28,25 +30,26 @@ from yarclang.runtime.outcome import Ended
 from yarclang.runtime.transports.promptness import shares_the_interpreter
 
 FOLDER = Path("yarc-runs")
-"""Where logs go if nobody says where."""
+"""Folder of logs if none is given."""
 
 FLUSH_EACH = 0.5
-"""A process that is killed loses the messages of this time at most [s]."""
+"""Time between two flushes [s]. A process that is killed loses at most the messages of this time."""
 
 _LONGEST_CLOSE = 10.0
-"""A disk that doesn't answer for so long is given up [s]."""
+"""Longest time to wait for a disk when closing [s]."""
 
 _LONGEST_STEM = 50
-"""Characters: with four bytes each, a name may have 255."""
+"""Longest stem of a file name [characters]. With four bytes per character, a name may have 255 bytes."""
 
 
 class RunLog:
-    """Writes what a run tells; `take` is a listener of notices. Made by `open`.
+    """The log of a run. It is made by `open`; `take` listens to notices.
 
     Attributes:
-        path: of the file.
-        failure: why nothing is written any more; None while all is well.
-        loss: what has happened to the file, known once the log is closed; empty if it is where it was made.
+        path: the file.
+        failure: why nothing is written any more; None if all is well.
+        loss: what has happened to the file, known once the log is closed; empty if the file is where it was
+            made.
     """
 
     def __init__(
@@ -69,7 +72,7 @@ class RunLog:
         self._on_failure = on_failure
         self._queue: SimpleQueue[Item | None] = SimpleQueue()
         self._written = 0
-        # the sum over all of it tells of any bit that turns later
+        # The checksum over all data detects any bit that changes later.
         self._writer = Writer(stream, enable_data_crcs=True)
         self._record = Record(self._writer, job, anchor)
         self._record.begin(
@@ -99,22 +102,23 @@ class RunLog:
         anchor: Anchor | None = None,
         client: str = "",
     ) -> RunLog:
-        """Make a log and write what doesn't change into it.
+        """Create a log and write everything that does not change.
 
         Args:
-            place: the file; or a folder, for a new file named after the program and the time. None: `FOLDER`. A file that is there
-                is never overwritten: the new one gets -2, -3 and so on.
+            place: the file; or a folder, for a new file named after the program and the time; None: `FOLDER`.
+                An existing file is never overwritten: the new one gets -2, -3 and so on.
             job: the whole program.
-            address: of the controller, for people.
-            version: of yarclang.
-            on_failure: called once, from another thread, with the reason, when nothing can be written any more.
-            pace: of the session.
-            clock: the time of the session [s]; None: that of the host, at its pace.
-            anchor: when the run starts; now, if it isn't given. It goes before `pace` and `clock`.
+            address: address of the controller, for people.
+            version: version of yarclang.
+            on_failure: called once, from another thread, with the reason, when nothing can be written any
+                more.
+            pace: pace of the session.
+            clock: time of the session [s]; None: the host's clock at the session's pace.
+            anchor: when the run starts; None: now. If given, `pace` and `clock` are ignored.
             client: who ordered the first motion, for people; empty: not known.
 
         Raises:
-            OSError: the file can't be made or written; none is left behind.
+            OSError: the file can't be made or written. No file is left.
         """
         now = time.monotonic() * pace if clock is None else clock
         anchor = anchor or Anchor(now, time.time_ns(), pace)
@@ -142,23 +146,30 @@ class RunLog:
         self._put(notice)
 
     def begin(self, job: Job) -> None:
-        """From here on, this job is performed: the program once more, a part of it, or the way to its start."""
+        """Record that this job is performed from here on: the program again, a part of it, or the way to its
+        start.
+        """
         self._put(Begun(job))
 
     def ordered(self, time: float, order: Order) -> None:
-        """Log what a person ordered, at a time of the notices' clock [s]."""
+        """Log a person's order.
+
+        Args:
+            time: time of the order on the notices' clock [s].
+            order: the order.
+        """
         self._put(Ordered(time, order))
 
     @property
     def problem(self) -> str:
-        """The fault of the log, as a sentence without a full stop; empty if there is none."""
+        """Return the fault of the log, as a sentence without a full stop; empty if there is none."""
         if self.loss:
             return f"the log is lost: {self.path} {self.loss}"
         return "" if self.failure is None else f"the log can't be written: {self.failure}"
 
     @property
     def remedy(self) -> str:
-        """The remedy for the problem."""
+        """Return the remedy for the problem."""
         return (
             "keep the folder of the log as it is during a run, or choose another one with --log PATH"
             if self.loss
@@ -166,7 +177,7 @@ class RunLog:
         )
 
     def close(self, ended: Ended | None = None) -> None:
-        """Write what is left, and how the run has ended; may be called again, and after a failure."""
+        """Write what is left, and how the run has ended. May be called again, and after a failure."""
         if ended is not None:
             self._put(ended)
         self._queue.put(None)
@@ -179,10 +190,10 @@ class RunLog:
             self._thread.join(_LONGEST_CLOSE)
 
     def lost(self, size: int = 0) -> str:
-        """Look whether what is written can be found.
+        """Check that the written file still exists.
 
         Args:
-            size: how much the file must have [bytes].
+            size: minimum size of the file [bytes].
 
         Returns:
             What has happened to the file, as the end of a sentence; empty if all is well.
@@ -218,12 +229,12 @@ class RunLog:
                 self._write_all()
             self._writer.finish()  # type: ignore[no-untyped-call]  # the library's
             self._stream.flush()
-            # as long as it is open, no other file can have its number
+            # While the file is open, no other file can have its inode number.
             self.loss = self.lost(self._stream.tell())
             self._stream.close()
         except OSError as error:
             self._fail((error.strerror or str(error)).lower())
-        except Exception as error:  # a bug of ours must end the log, not the robot's motion, and be told of
+        except Exception as error:  # a bug of ours: report it, and let the robot move on
             self._fail(f"{type(error).__name__}: {error}")
 
     def _write_all(self) -> None:
@@ -253,13 +264,13 @@ class RunLog:
         with contextlib.suppress(OSError):
             self._stream.close()
         if self._on_failure is not None:
-            # whoever wanted to know may have ended meanwhile
+            # The listener may have ended meanwhile.
             with contextlib.suppress(RuntimeError):
                 self._on_failure(reason)
 
 
 def _create(place: Path | None, program: str, wall: int) -> tuple[Path, BinaryIO]:
-    """A new file."""
+    """Create a new file."""
     if place is None or place.is_dir():
         stem = re.sub(r"[^\w.+-]+", "_", PurePath(program).stem).strip("_.")[:_LONGEST_STEM] or "program"
         started = datetime.fromtimestamp(wall / 1e9).astimezone()

@@ -1,6 +1,7 @@
-"""What stands in the log of a run: its attachments, its channels, and what of a run goes into which message. No I/O.
+"""Content of a run's log: its attachments, its channels, and how notices become messages. No I/O.
 
-Every name of a number ends in its unit. Times `time_s` count from the log's start, in the clock of the notices.
+Every name of a number ends in its unit. Times `time_s` count from the log's start, in the clock of the
+notices.
 """
 
 from __future__ import annotations
@@ -22,21 +23,22 @@ from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnd
 from yarclang.runtime.values import values_text
 
 FORMAT = "1"
-"""Of what stands in the messages; another one can't be read as this one is."""
+"""Version of the messages' format. A log with another version can't be read with this module."""
 
 METADATA = "yarc run"
 PROGRAM, TEXT, CERTIFICATE, JOB = "program.yarc", "program.pmc", "certificate.json", "job.json"
 """Names of the attachments."""
 
 _DIGITS = 7
-"""Decimals of joint positions [deg or mm] and of times [s]: far below a count and an exchange."""
+"""Decimals of joint positions [deg or mm] and of times [s]: far finer than a count and an exchange."""
 
 
 @dataclass(frozen=True, slots=True)
 class Anchor:
-    """One instant on two clocks: `clock` [s] that of the notices, `wall` [ns] since 1970 in UTC.
+    """One instant on two clocks: `clock` [s] is that of the notices, `wall` [ns] is UTC since 1970.
 
-    `pace` is how many seconds of the first pass in one of the second: 1, but for a simulator.
+    `pace` is the number of seconds on the notices' clock per second on the wall clock: 1, except for a
+    simulator.
     """
 
     clock: float
@@ -44,20 +46,20 @@ class Anchor:
     pace: float = 1.0
 
     def wall_at(self, clock: float) -> int:
-        """The wall clock [ns] at a time of the notices' clock [s]."""
+        """Return the wall clock [ns] at a time of the notices' clock [s]."""
         return max(0, self.wall + round((clock - self.clock) / self.pace * 1e9))
 
 
 @dataclass(frozen=True, slots=True)
 class Begun:
-    """From here on, this job is performed."""
+    """Record that this job is performed from here on."""
 
     job: Job
 
 
 @dataclass(frozen=True, slots=True)
 class Ordered:
-    """A person wants something, at a time of the notices' clock [s]."""
+    """An order of a person, at a time of the notices' clock [s]."""
 
     time: float
     order: Order
@@ -67,7 +69,7 @@ Item: TypeAlias = Notice | Begun | Ordered | Ended
 
 
 class Record:
-    """What of a run stands in which message."""
+    """The mapping from a run's notices to messages."""
 
     def __init__(self, writer: Writer, job: Job, anchor: Anchor) -> None:
         self._writer = writer
@@ -78,7 +80,9 @@ class Record:
         self._planned = 0
 
     def begin(self, facts: dict[str, str]) -> None:
-        """The header, attachments, channels, and metadata: these facts and what is known of the job."""
+        """Write the header, attachments, channels, and metadata: these facts and the known facts about the
+        job.
+        """
         writer, job, wall = self._writer, self._job, self._anchor.wall
         writer.start()
         facts = {
@@ -104,7 +108,7 @@ class Record:
             self._channels[topic] = writer.register_channel(f"/{topic}", "json", schema_id, motors)
 
     def write(self, item: Item) -> None:
-        """One message; it isn't on the disk yet."""
+        """Write one message; it isn't on the disk yet."""
         match item:
             case Sample():
                 self._message("positions", item.time, self._positions(item))
@@ -154,7 +158,7 @@ class Record:
         }
 
     def _begun(self, job: Job) -> dict[str, Any]:
-        # an approach has a text of its own; a part has that of the program
+        # An approach has a text of its own; a part has the text of the program.
         belongs = (job.name, job.source) == (self._job.name, self._job.source)
         return {
             "job": job.name,
@@ -188,7 +192,7 @@ _COUNTS = {"type": "array", "items": _NUMBER}
 
 
 def _schemas(robot: Robot) -> dict[str, dict[str, Any]]:
-    """The properties of the messages of each topic."""
+    """Return the properties of each topic's messages."""
     joints = {"type": "object", "properties": dict.fromkeys(_joint_keys(robot), _NUMBER)}
     return {
         "positions": {
@@ -232,13 +236,13 @@ def _joint_keys(robot: Robot) -> list[str]:
 
 
 def _by_joint(robot: Robot, joints: Array) -> dict[str, float]:
-    """Joint positions (n,) [rad or m] by `J1_deg` and so on."""
+    """Return joint positions (n,) [rad or m] by name, `J1_deg` and so on."""
     values = np.round(joints / robot.axis_units, _DIGITS).tolist()
     return dict(zip(_joint_keys(robot), values, strict=True))
 
 
 def _described(job: Job) -> dict[str, Any]:
-    """What a reader has to know of the job and its robot."""
+    """Return everything that a reader must know about the job and its robot."""
     robot = job.robot
     limits = np.column_stack((robot.limits.lower, robot.limits.upper)) / robot.axis_units[:, None]
     return {
@@ -278,5 +282,5 @@ def _order_text(order: Order) -> str:
 
 
 def _clean(text: str) -> str:
-    """Without halves of characters, which names of files may have and UTF-8 can't."""
+    """Remove surrogates, which file names may contain and UTF-8 can't encode."""
     return text.encode("utf-8", "replace").decode()

@@ -1,4 +1,6 @@
-"""What a run tells those who watch it, and what they may order. Plain values; times are those of the host's clock [s]."""
+"""Notices that a run sends to its listeners, and orders that it accepts. Plain values; times are those of the
+host's clock [s].
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from yarclang.runtime.state import State
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What the operator is asked for: an integer from `low` to `high`, which register gets it (`into`)."""
+    """A question to the operator: an integer from `low` to `high` is wanted for the register `into`."""
 
     text: str
     into: str
@@ -24,7 +26,8 @@ class Question:
 class Wanted:
     """Values that the program takes from outside while it waits.
 
-    `number` counts what was asked for; `place` is that of the command. `registers` may be filled, each within `low` and `high`; a message must have all that are `needed`.
+    `number` counts the requests; `place` is the place of the command. `registers` may be filled, each within
+    `low` and `high`; a message must have all that are `needed`.
     """
 
     number: int
@@ -35,7 +38,7 @@ class Wanted:
 
 @dataclass(frozen=True, slots=True)
 class ValuesWanted:
-    """The program takes values from outside from now on, or, with None, takes no more."""
+    """The program takes values from outside from now on, or, with None, no longer."""
 
     time: float
     wanted: Wanted | None
@@ -43,7 +46,11 @@ class ValuesWanted:
 
 @dataclass(frozen=True, slots=True)
 class Changed:
-    """The state is another one now, and why; if something went wrong, the code of the finding, and what to do. With `asks` it goes on with an answer only."""
+    """The state has changed, and why.
+
+    If something went wrong, `code` is the finding and `remedy` what to do. With `asks`, the run continues
+    only after an answer.
+    """
 
     time: float
     state: State
@@ -55,9 +62,10 @@ class Changed:
 
 @dataclass(frozen=True, slots=True)
 class Progress:
-    """How far the program is: the known seconds done, those to go at the present override, and the command that is executed.
+    """Progress of the program: the known seconds done, those left at the present override, and the current
+    command.
 
-    Motions and dwells count. Of a program whose ways part, `done` and `left` are those of the longer way.
+    Motions and dwells count. If the program has branches, `done` and `left` follow the longer one.
     """
 
     time: float
@@ -69,7 +77,7 @@ class Progress:
 
 @dataclass(frozen=True, slots=True)
 class Remark:
-    """Something worth knowing, in words; with `begins_pass` a loop begins anew."""
+    """Information in words; with `begins_pass`, a loop repeats."""
 
     time: float
     text: str
@@ -79,7 +87,9 @@ class Remark:
 
 @dataclass(frozen=True, slots=True)
 class Reached:
-    """The robot stands at a command that waits for an input or the operator: its place in the program, such as P0020(I=2)>P0010."""
+    """The robot stands at a command that waits for an input or the operator. The place in the program is
+    given as P0020(I=2)>P0010.
+    """
 
     time: float
     place: str
@@ -87,7 +97,9 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """What follows a search was planned and proved: its controller text, and its certificate as JSON."""
+    """The rest of the program after a search was planned and proved: its controller text, and its certificate
+    as JSON.
+    """
 
     time: float
     text: str
@@ -99,12 +111,12 @@ Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | ValuesWant
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Come to rest on the path, ready to go on."""
+    """Come to rest on the path, ready to continue."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resume:
-    """Go on behind a hold; `answer` is what the operator says if that was asked."""
+    """Continue after a hold; `answer` is the operator's answer, if a question was asked."""
 
     answer: int | None = None
 
@@ -116,19 +128,22 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Abort:
-    """Each motor comes to rest at once, off the path, and the program ends."""
+    """Bring each motor to rest at once, off the path, and end the program."""
 
 
 @dataclass(frozen=True, slots=True)
 class Override:
-    """Another pace: `percent` of the programmed speed, 1 to 100."""
+    """Set the override: `percent` of the programmed speed, 1 to 100."""
 
     percent: float
 
 
 @dataclass(frozen=True, slots=True)
 class Fill:
-    """Registers get these values from outside, all at once; `client` gives them. Whoever orders it has checked the values against what is wanted."""
+    """Set registers to these values from outside, all at once; `client` sends them.
+
+    The sender has checked the values against what is wanted.
+    """
 
     values: tuple[tuple[str, int], ...]
     client: str
@@ -136,7 +151,9 @@ class Fill:
 
 @dataclass(frozen=True, slots=True)
 class Fail:
-    """Something outside failed (the log can't be written, say): come to rest on the path; it is a fault."""
+    """Come to rest on the path as a fault, because something outside failed (for example, the log can't be
+    written).
+    """
 
     what: str
     remedy: str = ""

@@ -1,6 +1,8 @@
-"""What all scripts of a run share, whatever the controller: its clock, its state, its orders, what it tells. No I/O.
+"""State that all scripts of a run share, for any controller: its clock, its state, its orders and its
+notices. No I/O.
 
-Whoever drives a script sets `now` before each step. Orders wait here until the script looks at them. How a controller is asked is in the rooms of its kind.
+The driver of a script sets `now` before each step. Orders wait here until the script looks at them. The
+questions to a controller are in the package of its kind.
 """
 
 from __future__ import annotations
@@ -25,40 +27,42 @@ from yarclang.runtime.notices import (
 from yarclang.runtime.state import Event, State, after
 
 SILENCE = 0.4
-"""For how long this computer may be silent, before its controller holds [s], until a look has found what the link allows."""
+"""Longest silence of this computer before its controller holds [s], until the inspection has found what the
+link allows.
+"""
 
 URGENT = (Hold, Stop, Abort, Fail)
-"""Orders that don't wait for anything but the reply that is on its way."""
+"""Orders that wait only for the reply that is on its way."""
 
 LONGEST_SLEEP = 10.0
-"""A process that stood still for longer doesn't go on with a motion by itself [s]."""
+"""Longest sleep of the process after which a motion may continue by itself [s]."""
 
 POSITIONS_EACH = 0.04
-"""Time between two looks at the positions [s]: 25 Hz, if nobody wants them more often."""
+"""Time between two position queries [s]: 25 Hz, unless someone wants them more often."""
 
 
 class Interrupted(Exception):  # noqa: N818 - an event that scripts unwind for
-    """An order that can't wait has come: nothing was asked."""
+    """An order that can't wait has come, so nothing was asked."""
 
 
 class MotorState(Protocol):
-    """A motor, as its controller has told of it."""
+    """The state of a motor, as reported by its controller."""
 
     @property
     def closed_loop(self) -> bool:
-        """True if its loop is closed."""
+        """Return True if the motor's loop is closed."""
 
     @property
     def homed(self) -> bool:
-        """True if its position means something."""
+        """Return True if the motor's position is valid."""
 
     @property
     def trouble(self) -> str:
-        """What keeps it from moving, in words; empty where nothing does."""
+        """Return what keeps the motor from moving, in words; empty if nothing does."""
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """What the controller says of it, by the names that its manual has."""
+        """Return the motor's status flags, by their names in the manual."""
 
 
 class Operation:
@@ -66,24 +70,26 @@ class Operation:
 
     Attributes:
         state: see `yarclang.runtime.state`.
-        orders: what people want, oldest first.
-        notices: what is to be told, oldest first; whoever tells it takes it away.
-        watch: orders that interrupt a script at its next request, so that a stop never waits for more than one reply.
-        override: the pace that people want, 1 at 100 %; it stays from one job to the next.
+        orders: orders of people, oldest first.
+        notices: notices to be sent, oldest first; the sender removes them.
+        watch: orders that interrupt a script at its next request, so that a stop never waits for more than
+            one reply.
+        override: requested pace, 1 at 100 %; it stays from one job to the next.
         longest_sleep: when the clock jumps by more [s], this process stood still.
-        slept: by how much it has jumped then [s]; 0 once that was looked at.
-        positions_each: time between two looks at the positions [s], if the link allows.
-        silence: for how long this computer may be silent, before its controller holds [s].
+        slept: size of such a jump [s]; 0 once it was handled.
+        positions_each: time between two position queries [s], if the link allows.
+        silence: longest silence of this computer before its controller holds [s].
         wanted_silence: that time, if a person has chosen it [s].
-        slowest: the slowest reply since the last look began [s].
-        latest: how long the last reply took [s].
-        motors: the motors as they were heard of last, in the robot's order.
-        ahead: lines in the controller's buffer as they were counted last; None if nothing is streamed.
-        outputs: the names of outputs, by their variables; those of others aren't known.
-        searches: whether a motor searches its home: no hold stops it, only an abort.
-        wants: values that the program takes from outside; None: none, or they were given and not looked at yet.
-        asked_for: how often values were wanted.
-        unattended: whether nobody is there who could resume a hold that no person has asked for: such a hold ends the run.
+        slowest: slowest reply since the last inspection began [s].
+        latest: duration of the last reply [s].
+        motors: the motors' last reported states, in the robot's order.
+        ahead: last count of lines in the controller's buffer; None if nothing is streamed.
+        outputs: names of outputs, by their variables; only outputs with a name are listed.
+        searches: True if a motor searches its home: no hold stops it, only an abort.
+        wants: values that the program takes from outside; None: none, or they were given and not handled yet.
+        asked_for: number of requests for values so far.
+        unattended: True if no one is there to resume a hold that no person has asked for; such a hold ends
+            the run.
     """
 
     def __init__(self, now: float = 0.0) -> None:
@@ -110,12 +116,12 @@ class Operation:
 
     @property
     def now(self) -> float:
-        """The host's clock [s]."""
+        """Return the host's clock [s]."""
         return self._now
 
     @now.setter
     def now(self, now: float) -> None:
-        # between two steps of a script lies one reply, or a short wait
+        # Between two steps of a script there is only one reply, or a short wait.
         if now - self._now > self.longest_sleep:
             self.slept = max(self.slept, now - self._now)
         self._now = now
@@ -123,34 +129,40 @@ class Operation:
     def go(
         self, event: Event, why: str = "", code: str = "", remedy: str = "", asks: Question | None = None
     ) -> None:
-        """Change the state as the table says, and tell it.
+        """Change the state according to the table, and report it.
 
         Args:
-            event: that changes it.
-            why: in words.
-            code: of the finding, if something went wrong.
+            event: the event that changes the state.
+            why: reason in words.
+            code: code of the finding, if something went wrong.
             remedy: what to do then.
-            asks: what the operator is asked for.
+            asks: question to the operator.
         """
         before, self.state = self.state, after(self.state, event)
         if self.state is not before or why:
             self.notices.append(Changed(self.now, self.state, why, code, remedy, asks))
 
     def remark(self, text: str, *, warning: bool = False, begins_pass: bool = False) -> None:
-        """Tell something."""
+        """Send a remark.
+
+        Args:
+            text: the remark.
+            warning: True if someone should react.
+            begins_pass: True if a loop repeats.
+        """
         self.notices.append(Remark(self.now, text, warning, begins_pass))
 
     def want(self, wanted: Wanted | None) -> None:
-        """Take values from outside from now on, or none any more."""
+        """Take values from outside from now on, or no longer."""
         if wanted is not None or self.wants is not None:
             self.wants = wanted
             self.notices.append(ValuesWanted(self.now, wanted))
 
     def give_way(self) -> None:
-        """Let an order that is watched for come first.
+        """Let an order in `watch` come first.
 
         Raises:
-            Interrupted: there is one.
+            Interrupted: there is such an order.
         """
         if any(isinstance(order, self.watch) for order in self.orders):
             raise Interrupted

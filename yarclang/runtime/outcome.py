@@ -1,4 +1,4 @@
-"""How a run has ended."""
+"""The outcome of a run."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from yarclang.robot.model import Array
 
 @dataclass(frozen=True, slots=True)
 class Concerned:
-    """The command that a fault is about, as the controller's text calls it: its place, its name, its line in the source."""
+    """The command that a fault concerns, by its place, name and source line in the controller's text."""
 
     index: str
     name: str
@@ -18,9 +18,11 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Where that command stands: `file`, line and columns (from 1, the last one behind it), and the `text` of the line.
+    """Where that command is in the source: `file`, line and columns (from 1, the last one exclusive), and the
+    `text` of the line.
 
-    Where the source isn't known, `file` is empty, and `note` says why. Of a command in a module, the line is the one that calls, and `note` the module's.
+    If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module, the
+    line is the one with the call, and `note` names the module's line.
     """
 
     file: str = ""
@@ -33,13 +35,19 @@ class Where:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ended:
-    """How a run has ended.
+    """The outcome of a run.
 
-    `what` says why it didn't end well, `remedy` what to do; `joints` (n,) [rad or m] is where the robot is commanded to stand (None: not
-    known), `command` what was executed, `done` how far the program was [s], with the ways of a WHEN one after the other. Of a fault, `code` is that of the finding, `concerns` the
-    command that it is about, and `where` its place in the source, which whoever knows the source fills in. `ways` says of each WHEN that was passed, in order, if its first way was taken;
-    `barriers` counts what was passed at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers` are their names and what they held.
-    `finished` is True if the program has ended in one of its ways: nothing that stands after it is carried out. `found` is True if an input has ended a motion on its way.
+    `what` is the reason if the run didn't end well, and `remedy` what to do. `joints` (n,) [rad or m] is the
+    robot's commanded position (None: not known), `command` the command that was executed, and `done` the
+    progress of the program [s], with the branches of a WHEN in sequence.
+
+    For a fault, `code` is the code of the finding, `concerns` the command, and `where` its place in the
+    source, which is filled in by those who know the source.
+
+    `ways` states for each passed WHEN, in order, if its first branch was taken. `barriers` counts the passed
+    barriers at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers`
+    are the names and values of registers. `finished` is True if the program has ended in one of its branches:
+    nothing after it is carried out. `found` is True if an input has ended a motion early.
     """
 
     well: bool
@@ -62,5 +70,7 @@ class Ended:
 
     @property
     def reached(self) -> float:
-        """The latest known time at which a run gets there [s], with both ways of a WHEN at once: what people are told."""
+        """Return the latest known time at which a run gets there [s], with both branches of a WHEN in
+        parallel, as reported to people.
+        """
         return self.done if self.clock is None else self.clock

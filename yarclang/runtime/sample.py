@@ -1,4 +1,4 @@
-"""Where a robot is, as its controller has told it."""
+"""The position of a robot, as reported by its controller."""
 
 from __future__ import annotations
 
@@ -10,10 +10,12 @@ from yarclang.robot.model import Array, Robot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """Where the robot is: `actual` and `following` (n,) [counts] of its motors, at `time` [s] of the host's clock.
+    """The position of a robot: `actual` and `following` (n,) [counts] of its motors, at `time` [s] of the
+    host's clock.
 
-    `program_time` [s] is how far the program is, as far as the buffer tells: to a segment or two. It has the ways of a WHEN one after the other; `clock`
-    [s] has both at once (None: there are none).
+    `program_time` [s] is the progress of the program, accurate to a segment or two since it comes from the
+    buffer. It counts the branches of a WHEN in sequence; `clock` [s] counts them in parallel (None: there are
+    none).
     """
 
     time: float
@@ -24,14 +26,16 @@ class Sample:
 
     @property
     def reached(self) -> float:
-        """How far the program is [s], with both ways of a WHEN at once: what people are told."""
+        """Return the progress of the program [s], with both branches of a WHEN in parallel, as reported to
+        people.
+        """
         return self.program_time if self.clock is None else self.clock
 
     @property
     def commanded(self) -> Array:
-        """(n,) [counts]."""
+        """Return the commanded positions of the motors (n,) [counts]."""
         return self.actual + self.following
 
     def joints(self, robot: Robot) -> Array:
-        """The actual joint positions (n,) [rad or m]."""
+        """Return the actual joint positions (n,) [rad or m]."""
         return from_counts(robot, self.actual)

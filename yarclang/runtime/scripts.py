@@ -1,4 +1,6 @@
-"""What a kind of controller brings to a run: how bytes are exchanged with it, and the scripts that look at it, move it and bring it to rest."""
+"""The interface of a kind of controller: how bytes are exchanged with it, and the scripts that look at it,
+move it and bring it to rest.
+"""
 
 from __future__ import annotations
 
@@ -18,38 +20,48 @@ from yarclang.runtime.outcome import Ended
 
 
 class Exchange(Protocol):
-    """One connection, seen from here, without a socket and without a clock: a request becomes bytes, and bytes that came become events.
+    """One connection, without a socket and without a clock: requests become bytes, and received bytes become
+    events.
 
     One request is in flight at a time. Times are in s, on any clock that only goes forward.
     """
 
     @property
     def lost(self) -> bool:
-        """True if nothing more can be asked on this connection."""
+        """Return True if nothing more can be asked on this connection."""
 
     @property
     def deadline(self) -> float | None:
-        """When `check` is due [s]; None while nothing is in flight."""
+        """Return when `check` is due [s]; None if nothing is in flight."""
 
     def send(self, request: Any, now: float, timeout: float) -> bytes:
-        """Begin a request that may wait for `timeout` [s] for each part of its answer; return all bytes to send now."""
+        """Begin a request.
+
+        Args:
+            request: the request.
+            now: the time [s].
+            timeout: longest wait for each part of its answer [s].
+
+        Returns:
+            All bytes to send now.
+        """
 
     def outgoing(self) -> bytes:
         """Return bytes to send now, each once."""
 
     def receive(self, data: bytes, now: float) -> tuple[Any, ...]:
-        """Take bytes that came, in any chopping."""
+        """Process received bytes, however they are split."""
 
     def check(self, now: float) -> tuple[Any, ...]:
-        """Return what a deadline says that is over."""
+        """Return the events of an expired deadline."""
 
     def close(self) -> tuple[Any, ...]:
-        """Take note that the other end has closed the connection."""
+        """Record that the other end has closed the connection."""
 
 
 @dataclass(frozen=True, slots=True)
 class Measured:
-    """How fast the link is, in sentences, and by numbers with their units in their names."""
+    """The speed of the link, in sentences, and as numbers with units in their names."""
 
     lines: tuple[str, ...]
     values: Mapping[str, Any]
@@ -57,7 +69,9 @@ class Measured:
 
 @dataclass(frozen=True, slots=True)
 class JointPlace:
-    """Where a joint is, in `unit`: `commanded`, and `actual` as the controller reckons; None where it can't be asked."""
+    """The position of a joint, in `unit`: `commanded`, and `actual` as computed by the controller; None if it
+    can't be asked.
+    """
 
     name: str
     unit: str
@@ -67,7 +81,9 @@ class JointPlace:
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """What a controller says of itself: of what kind it is, what of a program, its pace [%], the guard as a value and in words, each motor in words."""
+    """The state of a controller: its kind, the state of the program, its pace [%], the guard as a value and
+    in words, and each motor in words.
+    """
 
     kind: str
     firmware: str
@@ -81,15 +97,15 @@ class Picture:
 
 @dataclass(frozen=True, slots=True)
 class HomeSearch:
-    """What a home search of a motor would do.
+    """The expected effect of a motor's home search.
 
     Attributes:
-        motor: its number.
-        joint: the name of the joint that it moves.
-        unit: of that joint, deg or mm.
-        speed: how fast the controller searches, with its sign [unit/s].
-        longest: how long it may take [s].
-        refused: why it isn't done here; empty: it may be.
+        motor: number of the motor.
+        joint: name of the joint that the motor moves.
+        unit: unit of that joint, deg or mm.
+        speed: speed of the search, with its sign [unit/s].
+        longest: longest duration of the search [s].
+        refused: why it isn't done here; empty: it may be done.
         closed: True if the motor's loop is closed.
     """
 
@@ -104,7 +120,9 @@ class HomeSearch:
 
 @dataclass(frozen=True, slots=True)
 class Sent:
-    """How many lines of the settings were taken, of how many; what ended it before, empty if nothing did, and what to do."""
+    """Number of settings lines that were taken, out of how many; the reason if sending ended early (else
+    empty), and what to do.
+    """
 
     sent: int
     of: int
@@ -114,17 +132,17 @@ class Sent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Services:
-    """Scripts that get a controller ready, at rest.
+    """Scripts that prepare a controller, at rest.
 
     Attributes:
-        enable: closes the loops of the motors that are open; what isn't as it must be.
-        disable: opens all loops; likewise.
-        searches: what home searches would do.
+        enable: closes the open loops of motors; returns what is wrong afterwards.
+        disable: opens all loops; returns what is wrong afterwards.
+        searches: returns what home searches would do.
         home: lets a motor search its home.
-        end_search: ends a search that nobody watches.
-        check_open: raises `Trouble` where settings may not be sent.
+        end_search: ends a search that no one watches.
+        check_open: raises `Trouble` if settings may not be sent.
         send: sends settings, line by line.
-        save: lets the controller keep them.
+        save: stores the settings in the controller.
     """
 
     enable: Callable[[Any, Robot], Script[str]]
@@ -138,10 +156,14 @@ class Services:
 
 
 class EndWhatRuns(Protocol):
-    """Ends what a controller does without a job of ours."""
+    """Script that ends what a controller does without a job of ours."""
 
     def __call__(self, operation: Any, robot: Robot, /, *, abort: bool) -> Script[Array | None]:
-        """Hold it (or abort it), and end it at rest; return where the robot stands then (n,) [rad or m], None if nobody knows."""
+        """Hold it (or abort it), and end it at rest.
+
+        Returns:
+            Where the robot stands then (n,) [rad or m]; None if it isn't known.
+        """
 
 
 def _reads_nothing(operation: Any, variables: Sequence[str]) -> Script[tuple[float, ...]]:  # noqa: ARG001
@@ -161,26 +183,28 @@ def _measures_nothing(operation: Any, robot: Robot) -> Script[Measured]:  # noqa
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scripts:
-    """All that a run asks of a kind of controller. The first argument of each script is what `operation` has made.
+    """All scripts of a kind of controller. The first argument of each script is the result of `operation`.
 
     Attributes:
-        operation: makes what the scripts of a session share.
-        exchange: makes a connection's end.
-        last_words: bytes that hold (or abort) all motion on a connection whose answers can't be trusted any more.
-        connect: makes a connection, and the form of its answers sure.
-        look: looks at everything that must be so before a motion; nothing moves.
-        idle: tells where the robot is, until something is wanted.
-        stands_at: where the joints are commanded to be (n,) [rad or m].
+        operation: makes the state that the scripts of a session share.
+        exchange: makes the connection object.
+        last_words: returns the bytes that hold (or abort) all motion on a connection whose answers can't be
+            trusted any more.
+        connect: makes a connection, and sets the form of its answers.
+        look: checks everything that must be true before a motion; nothing moves.
+        idle: reports where the robot is, until something is wanted.
+        stands_at: returns the commanded position (n,) [rad or m].
         perform: carries a job out, to its end or to rest.
-        perform_live: likewise a live motion; None: the kind has none.
-        end_leftovers: ends a program that was left in the middle, where the robot stands; whether there was one.
-        end_what_runs: see there.
-        picture: what a controller says of itself; whatever it does isn't disturbed.
-        patience: how long a controller may be busy before that is a fault [s].
-        read: the values of variables; without it, the kind has none.
-        write: gives a variable a value, at rest; without it, the kind has none.
-        measured: how fast the link is; without it, nobody measures it.
-        services: what gets a controller ready; None: the kind has none.
+        perform_live: carries out a live motion; None: the kind has none.
+        end_leftovers: ends a program that was left in the middle, where the robot stands; returns True if
+            there was one.
+        end_what_runs: see `EndWhatRuns`.
+        picture: returns the controller's state without disturbing what it does.
+        patience: longest time that a controller may be busy without a fault [s].
+        read: returns the values of variables; None: the kind has none.
+        write: sets a variable, at rest; None: the kind has none.
+        measured: measures the link; None: not measured.
+        services: scripts that prepare a controller; None: the kind has none.
     """
 
     operation: Callable[[], Operation]

@@ -1,6 +1,6 @@
-"""A run over a real connection: drives the scripts with a socket and a clock, and tells those who watch.
+"""A run over a real connection: runs the scripts with a socket and a clock, and informs listeners.
 
-The only module of the runtime, with `transports/`, that knows time and the network.
+Together with `transports/`, this is the only module of the runtime that uses the clock and the network.
 """
 
 from __future__ import annotations
@@ -32,14 +32,15 @@ from yarclang.runtime.transports.tcp import Wire, connect
 T = TypeVar("T")
 Listener = Callable[[Notice], None]
 Connector = Callable[[str, int, float], Awaitable[Wire]]
-"""Makes a connection: to a host and a port, within a time [s]."""
+"""Opens a connection to a host and a port, within a time [s]."""
 
 
 class Leash(Protocol):
-    """The time of a simulator in this process, which waits for the session that has it (`yarclang.simulator.network.leash`).
+    """The clock of a simulator in this process, which waits for its session
+    (`yarclang.simulator.network.leash`).
 
     Attributes:
-        until: up to when its time may pass [s]; None: nobody has it.
+        until: time up to which the clock may run [s]; None: no session has it.
     """
 
     until: float | None
@@ -49,10 +50,14 @@ class Leash(Protocol):
 
 
 _EXCHANGE = 0.02
-"""Longest time of a leashed simulator from one step of a script to the next, besides what the script waits for [s]: less than half of the watchdog's passes in the longest row of questions."""
+"""Longest step of a leashed simulator between two steps of a script, besides the time that the script waits
+for [s].
+
+It is less than half of the watchdog's time, in the longest row of questions.
+"""
 
 REPLY_TIME = 1.0
-"""A reply that takes longer is lost [s]."""
+"""Longest time for a reply [s]; a later reply is lost."""
 
 _TURN = 0.005
 
@@ -60,7 +65,7 @@ _SHORTEST = 0.0002
 """Shortest wait [s of the wall clock]."""
 
 CONNECT_TIME = 5.0
-"""A connection that takes longer can't be made [s]."""
+"""Longest time for connecting [s]."""
 
 
 class Session:
@@ -68,16 +73,19 @@ class Session:
 
     Args:
         host: of the controller.
-        port: likewise.
-        reply_time: after so long a reply is lost [s].
-        pace: how fast the controller's time passes: 1, but for a simulator.
-        connector: makes connections; TCP, but where a controller lives in this very process.
-        leash: the time of a simulator that waits for this session, which is the session's as well; None: the controller waits for nobody.
-        scripts: those of the controller's kind; None: of the kind that a robot.toml means that says none.
+        port: of the controller.
+        reply_time: longest time for a reply [s].
+        pace: seconds of the controller per second: 1, except for a simulator.
+        connector: makes connections; TCP, except for a controller in this process.
+        leash: clock of a simulator that waits for this session, which then is the session's clock as well;
+            None: the controller waits for no one.
+        scripts: scripts of the controller's kind; None: those of the default kind of a robot.toml.
 
     Attributes:
-        keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is kept.
-        replanner: plans what follows a search, from where it has ended; None: nobody here knows the program.
+        keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is
+            kept.
+        replanner: plans the rest after a search, from where the search has ended; None: the program isn't
+            known here.
     """
 
     def __init__(
@@ -108,31 +116,31 @@ class Session:
         self._connection = self.scripts.exchange()
 
     def listen(self, listener: Listener) -> None:
-        """Call a function with each notice from now on. It must not wait."""
+        """Add a listener, which is called with each notice from now on. It must not wait."""
         self._listeners.append(listener)
 
     def unlisten(self, listener: Listener) -> None:
-        """Call a function no more; nothing where it isn't called."""
+        """Remove a listener; does nothing if it isn't registered."""
         if listener in self._listeners:
             self._listeners.remove(listener)
 
     def order(self, order: Order) -> None:
-        """Something that a person wants, at once."""
+        """Give an order of a person, at once."""
         self.operation.orders.append(order)
         self.wake()
 
     def wake(self) -> None:
-        """End the wait of the script that is carried out, if it waits: there is something to look at."""
+        """End the wait of the running script, if it waits: there is something to look at."""
         self._woken.set()
 
     async def perform(self, script: Script[T]) -> T:
-        """Carry a script out.
+        """Run a script.
 
         Returns:
-            What it gives.
+            The script's result.
 
         Raises:
-            Trouble: as the script does.
+            Trouble: as raised by the script.
         """
         operation = self.operation
         outcome: Outcome = None
@@ -162,7 +170,9 @@ class Session:
             self._allow(None)
 
     async def order_given(self, kind: type[Order]) -> None:
-        """Wait, with nothing moving, until an order of a kind is given; a stop or an abort ends the wait, too, and stays."""
+        """Wait, with nothing moving, until an order of a kind is given. A stop or an abort also ends the
+        wait, and stays in the queue.
+        """
         orders = self.operation.orders
         while not any(isinstance(order, kind | Stop | Abort) for order in orders):
             self._woken.clear()
@@ -171,33 +181,40 @@ class Session:
             orders.clear()
 
     def close(self) -> None:
-        """End the connection; if something still moves, hold it."""
+        """Close the connection; if something still moves, hold it."""
         if self._wire is not None:
             self._last_words()
             self._wire.close()
             self._wire = None
 
     def now(self) -> float:
-        """Return the host's clock, at the controller's pace [s]; of a leashed simulator its own time, from which is left out when this process was kept from its work."""
+        """Return the host's clock at the controller's pace [s]; with a leashed simulator, the simulator's
+        time.
+
+        The time during which this process was prevented from working does not count.
+        """
         return self._passed() if self._leash is None else self._leash.now()
 
     def _passed(self) -> float:
-        """Return the host's clock with nothing left out [s]."""
+        """Return the host's clock [s], without subtracting anything."""
         return asyncio.get_running_loop().time() * self.pace
 
     def _step(self) -> float:
-        """Return the time of a script's next step [s]; until the one after it a leashed simulator goes on by no more than `_EXCHANGE`."""
+        """Return the time of a script's next step [s].
+
+        Until the step after it, a leashed simulator advances by no more than `_EXCHANGE`.
+        """
         now = self.now()
         self._allow(now + _EXCHANGE)
         return now
 
     def _allow(self, until: float | None) -> None:
-        """Let the time of a leashed simulator pass until then [s]; None: it isn't looked after."""
+        """Let a leashed simulator run until a time [s]; None: release it."""
         if self._leash is not None:
             self._leash.until = until
 
     def _later(self, delay: float, event: asyncio.Event) -> asyncio.TimerHandle:
-        """Set an event after a time of that clock [s]."""
+        """Set an event after a delay on the session's clock [s]."""
         return asyncio.get_running_loop().call_later(max(0.0, delay) / self.pace, event.set)
 
     def _tell(self) -> None:
@@ -208,31 +225,31 @@ class Session:
                 try:
                     listener(notice)
                 except Exception as error:
-                    # whoever only watches must not leave a moving robot to itself
+                    # Whoever only watches must not leave a moving robot to itself.
                     self._listeners.remove(listener)
                     self.order(
                         Fail(f"what watches this run has failed: {error!r}", "this is a bug: report it")
                     )
 
     async def _wait(self, until: float) -> None:
-        """Until a time, or until somebody orders something."""
+        """Wait until a time, or until an order is given."""
         self._woken.clear()
         if until <= self.now():
             await asyncio.sleep(0)
             return
         self._allow(until + _EXCHANGE)
         while not self._woken.is_set() and (left := until - self.now()) > 0.0:
-            # a leashed simulator may need longer
+            # A leashed simulator may need longer.
             await self._woken_within(max(left / self.pace, _SHORTEST))
 
     async def _woken_within(self, seconds: float) -> None:
-        """Wait until somebody wakes this session, but no longer than some seconds of the wall clock."""
+        """Wait until this session is woken, but no longer than `seconds` of the wall clock."""
         with contextlib.suppress(TimeoutError):
             async with asyncio.timeout(seconds):
                 await self._woken.wait()
 
     async def _keep(self, register: str, value: int) -> Outcome:
-        """Keep a register's value. A disk may take its time: everything else goes on meanwhile."""
+        """Keep a register's value. A disk may be slow: everything else continues meanwhile."""
         if self.keeper is None:
             return None
         try:
@@ -242,7 +259,7 @@ class Session:
         return None
 
     async def _replan(self, wanted: Replan) -> Outcome:
-        """Have what follows a search planned. The robot stands, and everything else goes on meanwhile."""
+        """Have the rest after a search planned. The robot stands, and everything else continues meanwhile."""
         if self.replanner is None:
             return "only the program says what follows, and the text was run without it"
         return await asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
@@ -258,7 +275,7 @@ class Session:
         return Connected()
 
     async def _exchange(self, request: Any) -> Outcome:
-        """A request, and the event that ends it."""
+        """Send a request, and return the event that ends it."""
         wire, connection = self._wire, self._connection
         if wire is None or connection.lost:
             self._last_words()
@@ -273,7 +290,8 @@ class Session:
             if not events and wire.closed:
                 events = connection.close()
             if not events and not data:
-                # a process that has slept past the deadline finds its reply only in the next turn of the loop
+                # If the process has slept past the deadline, the reply is available only in the next turn of
+                # the loop.
                 await asyncio.sleep(_TURN)
                 data = wire.take()
                 now = self._passed()
@@ -288,7 +306,9 @@ class Session:
         return event
 
     def _last_words(self) -> None:
-        """What is said on a connection whose replies can't be trusted any more: hold, or abort if that was asked for."""
+        """Send the last bytes on a connection whose replies can't be trusted: hold, or abort if that was
+        ordered.
+        """
         operation = self.operation
         if self._wire is None or not (operation.searches or operation.state in (State.MOVE, State.HOLD)):
             return

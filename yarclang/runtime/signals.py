@@ -1,4 +1,6 @@
-"""What a run tells of inputs and outputs: outputs that are set, inputs that are waited for, simulated inputs that change. Plain values; times are those of the host's clock [s]."""
+"""Notices about inputs and outputs: outputs that are set, inputs that are waited for, simulated inputs that
+change. Plain values; times are those of the host's clock [s].
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,9 @@ from typing import TypeAlias
 
 @dataclass(frozen=True, slots=True)
 class OutputSet:
-    """The program has set an output. Told once the controller has taken the line that does so, up to 50 ms later."""
+    """The program has set an output. Sent once the controller has taken the line that sets it, up to 50 ms
+    later.
+    """
 
     time: float
     name: str
@@ -18,7 +22,7 @@ class OutputSet:
 
 @dataclass(frozen=True, slots=True)
 class WaitBegan:
-    """The robot stands at a WAIT, at `place` in the program: the input is to be `wanted`, and is `value`."""
+    """The robot stands at a WAIT, at `place` in the program: the input should be `wanted`, and is `value`."""
 
     time: float
     place: str
@@ -30,7 +34,9 @@ class WaitBegan:
 
 @dataclass(frozen=True, slots=True)
 class WaitEnded:
-    """A WAIT is over, after `waited` [s]: the input is as it was to be, or the time of the WAIT is over (`met` is false)."""
+    """A WAIT is over, after `waited` [s]. If `met`, the input has the wanted value; otherwise the time of the
+    WAIT is over.
+    """
 
     time: float
     place: str
@@ -61,7 +67,10 @@ def state_text(value: float) -> str:
 
 
 def signal_text(signal: Signal) -> str:
-    """Return a signal in words; empty for a wait that begins, whose end tells it all."""
+    """Return a signal in words.
+
+    Empty for the start of a wait, since the notice at its end contains everything.
+    """
     match signal:
         case OutputSet(name=name, value=value):
             return f"SET {name} {state_text(value)}"

@@ -1,4 +1,4 @@
-"""Where a robot stands, and how far that is from where a job starts, in words."""
+"""Descriptions of where a robot stands, and of its distance from a job's start."""
 
 from __future__ import annotations
 
@@ -9,7 +9,12 @@ from yarclang.runtime.job import Job
 
 
 def off_the_start(job: Job, joints: Array) -> str:
-    """How far each joint is from the start of a job; empty where all are near enough."""
+    """Return how far each joint is from a job's start, in words; empty if all are near enough.
+
+    Args:
+        job: the job.
+        joints: (n,) where the robot stands [rad or m].
+    """
     robot = job.robot
     off = joints - job.start
     if (np.abs(off) <= job.slack).all():
@@ -25,7 +30,12 @@ def off_the_start(job: Job, joints: Array) -> str:
 
 
 def described(robot: Robot, joints: Array) -> str:
-    """Joint positions for people: `J1 10.000 deg, ...`."""
+    """Return joint positions for people: `J1 10.000 deg, ...`.
+
+    Args:
+        robot: the robot.
+        joints: (n,) the positions [rad or m].
+    """
     return ", ".join(
         f"{name} {value / unit:.3f} {unit_name}"
         for name, value, unit, unit_name in zip(

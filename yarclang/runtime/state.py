@@ -1,4 +1,6 @@
-"""What a run may be doing, and what leads from one to the other (the paper's Fig. 2, with Hold, Fault and Disconnected)."""
+"""States of a run, and the events that change them (Fig. 2 of the paper, with Hold, Fault and
+Disconnected).
+"""
 
 from __future__ import annotations
 
@@ -8,32 +10,32 @@ from types import MappingProxyType
 
 
 class State(Enum):
-    """What the robot does for us; the value is what people read."""
+    """The state of the robot in a run; the value is the text for people."""
 
     DISCONNECTED = "disconnected"
-    """No connection: the controller is on its own, and its guard holds what we don't feed."""
+    """No connection: the controller is on its own, and its guard holds a motion that is no longer fed."""
     STOP = "stop"
-    """Connected, and no motion of ours: the controller is being looked at, or has nothing to do."""
+    """Connected, and no motion of ours: the controller is being looked at, or is idle."""
     INIT = "init"
     """The controller takes the first lines of a program; nothing moves."""
     MOVE = "move"
-    """The controller executes what we stream."""
+    """The controller executes streamed lines."""
     HOLD = "hold"
-    """Held on the path; it can go on."""
+    """Held on the path; the motion can continue."""
     FAULT = "fault"
-    """Something went wrong: the program is ended, and nothing moves before somebody has looked."""
+    """Something went wrong: the program is ended, and nothing moves before someone has looked."""
 
 
 class Event(Enum):
-    """What changes the state."""
+    """Event that changes the state."""
 
     CONNECTED = "connected"
     LOAD = "load"
-    """Everything was looked at and fits: the program is loaded."""
+    """Everything was checked and is as required: the program is loaded."""
     BEGIN = "begin"
-    """R."""
+    """R was sent."""
     HOLD = "hold"
-    """A person's hold, or the buffer runs low."""
+    """A person orders a hold, or the buffer runs low."""
     RESUME = "resume"
     END = "end"
     """All motions have ended, and the robot stands where the program ends."""
@@ -65,7 +67,7 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         },
         _S.INIT: {
             _E.BEGIN: _S.MOVE,
-            _E.HOLD: _S.HOLD,  # an input that the program watches
+            _E.HOLD: _S.HOLD,  # by an input that the program watches
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
@@ -80,7 +82,7 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         _S.HOLD: {
             _E.HOLD: _S.HOLD,
             _E.RESUME: _S.MOVE,
-            _E.END: _S.STOP,  # of a barrier
+            _E.END: _S.STOP,  # at a barrier
             _E.STOP: _S.STOP,
             _E.FAULT: _S.FAULT,
             _E.LOST: _S.DISCONNECTED,
@@ -88,18 +90,18 @@ TRANSITIONS: Mapping[State, Mapping[Event, State]] = MappingProxyType(
         _S.FAULT: {_E.CLEAR: _S.STOP, _E.STOP: _S.FAULT, _E.FAULT: _S.FAULT, _E.LOST: _S.FAULT},
     }
 )
-"""Every change that there is: from each state, by each event. STOP is legal everywhere."""
+"""All transitions: from each state, by each event. STOP is legal everywhere."""
 
 
 class TransitionError(RuntimeError):
-    """A change that the table doesn't have: a bug of ours."""
+    """A transition that is not in the table: a bug in yarclang."""
 
 
 def after(state: State, event: Event) -> State:
-    """The state that an event leads to.
+    """Return the state that an event leads to.
 
     Raises:
-        TransitionError: the table has no such change.
+        TransitionError: the table has no such transition.
     """
     try:
         return TRANSITIONS[state][event]

@@ -1,4 +1,4 @@
-"""Values from outside: what a message may hold, decided before anything of it gets into a register. No I/O."""
+"""Values from outside: checks on a message before any of its values gets into a register. No I/O."""
 
 from __future__ import annotations
 
@@ -10,19 +10,21 @@ from yarclang.runtime.actions import Trouble
 from yarclang.runtime.notices import Wanted
 
 NOT_WANTED, OUT_OF_RANGE, NOT_UNDERSTOOD = "Y1661", "Y1662", "Y1663"
-"""Codes of values that come early, late or again; of one beyond its register's range; of what is no value of a register."""
+"""Codes for values that come early, late or again; for a value out of its register's range; for something
+that is no value of a register.
+"""
 
 _SHOWN = 60
-"""Characters of a strange value that are shown."""
+"""Longest text of a strange value that is shown [characters]."""
 
 
 def values_text(values: tuple[tuple[str, int], ...]) -> str:
-    """Return values as people read them: `X = 12, Y = 5`."""
+    """Return values for people: `X = 12, Y = 5`."""
     return ", ".join(f"{name} = {value}" for name, value in values)
 
 
 def range_text(wanted: Wanted) -> str:
-    """Return what may be filled: `X 0..500, Y 0..300`."""
+    """Return the registers that may be filled and their ranges: `X 0..500, Y 0..300`."""
     return ", ".join(f"{name} {low}..{high}" for name, low, high in wanted.registers)
 
 
@@ -33,11 +35,11 @@ def checked_values(
 
     Args:
         wanted: what the program takes; None: nothing.
-        number: of the question that is answered; None: of the one that is asked.
-        values: by the names of registers, as somebody has sent them.
+        number: number of the question that is answered; None: the current one.
+        values: values by the names of registers, as they were sent.
 
     Raises:
-        Trouble: the message isn't taken, and nothing of it is.
+        Trouble: the message is refused as a whole.
     """
     if wanted is None:
         raise Trouble(
@@ -91,6 +93,6 @@ def _shown(value: object) -> str:
     """Return a strange value as one short line of ASCII."""
     try:
         text = ascii(value)
-    except (ValueError, RecursionError):  # an integer of thousands of digits, or lists in each other
+    except (ValueError, RecursionError):  # an integer of thousands of digits, or deeply nested lists
         text = f"such a {type(value).__name__}"
     return text if len(text) <= _SHOWN else text[:_SHOWN] + "..."

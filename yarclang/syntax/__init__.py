@@ -1,1 +1,1 @@
-"""Text to syntax tree and back; knows no command."""
+"""From text to syntax tree and back. This package knows no command of the language."""

@@ -1,7 +1,7 @@
-"""The syntax tree: what stands in the text, with nothing looked up.
+"""The syntax tree: the content of the text, with no name resolved.
 
-A place is relative to its statement, so that an unchanged statement is the same value
-wherever it moves in the file; `Statement.span` gives the place in the file.
+A place is relative to its statement, so that an unchanged statement has the same value wherever it moves in
+the file; `Statement.span` gives the place in the file.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ __all__ = [
 
 @frozen
 class Computed:
-    """An expression that stands for a number, as written: `$NAME` or `$(expression)`."""
+    """An expression instead of a number, as written: `$NAME` or `$(expression)`."""
 
     text: str
     expression: Expression
@@ -48,7 +48,7 @@ class Computed:
 
 @frozen
 class ComputedPercent:
-    """An expression that stands for the number of a percentage, as written: `$SHARE%`."""
+    """An expression instead of the number of a percentage, as written: `$SHARE%`."""
 
     text: str
     expression: Expression
@@ -56,12 +56,14 @@ class ComputedPercent:
 
 
 Value = Number | Word | Text | Other | Computed | FrameName | Quantity | Parameter
-"""What stands between blanks. Frames and quantities stand only among CALL's arguments, frames and parameters
-in the head of a SUB."""
+"""An item between blanks.
+
+Frames and quantities occur only among CALL's arguments; frames and parameters only in the head of a SUB.
+"""
 
 
 Item = Value | Percent | ComputedPercent
-"""What stands at a way-point, its time among it."""
+"""An item of a way-point, including its time."""
 
 
 @frozen
@@ -73,7 +75,7 @@ class Rate:
 
     @property
     def place(self) -> Place:
-        """From the word to the last value of the same row."""
+        """Return the place from the word to the last value in the same row."""
         row = self.word.place.row
         last = [value.place for value in self.values if value.place.row == row]
         return Place(row, self.word.place.start, (last[-1] if last else self.word.place).end)
@@ -81,10 +83,11 @@ class Rate:
 
 @frozen
 class WayPoint:
-    """The values between two semicolons; the words, arguments or parameters of a line that has no way-points.
+    """The values between two semicolons; also the words, arguments or parameters of a line without
+    way-points.
 
-    `time` is the way-point's own time in square brackets, `velocity` and `acceleration` what stands behind it (VEL, ACC). The time of
-    the last way-point is the motion time of its statement, and stands there.
+    `time` is the way-point's own time in square brackets, `velocity` and `acceleration` are the VEL and ACC
+    after it. The time of the last way-point is the motion time of its statement, and is stored there.
     """
 
     values: tuple[Value, ...]
@@ -94,7 +97,7 @@ class WayPoint:
 
     @property
     def items(self) -> tuple[Item, ...]:
-        """All that stands at the way-point: values, its time, velocities, accelerations."""
+        """Return all items of the way-point: values, its time, velocities, accelerations."""
         if self.time is None and self.velocity is None:  # nearly always
             return self.values
         rates = [rate.values for rate in (self.velocity, self.acceleration) if rate is not None]
@@ -102,7 +105,7 @@ class WayPoint:
 
     @property
     def place(self) -> Place:
-        """From the first value to the last of the same row."""
+        """Return the place from the first value to the last in the same row."""
         first, last = self.values[0].place, self.values[-1].place
         if last.row != first.row:
             last = [value.place for value in self.values if value.place.row == first.row][-1]
@@ -111,7 +114,7 @@ class WayPoint:
 
 @frozen
 class Time:
-    """What stands in square brackets; the `<=` of `[V<=500]` is an item."""
+    """The content of square brackets; the `<=` of `[V<=500]` is an item."""
 
     items: tuple[Number | Word | Percent | Other | Computed | ComputedPercent, ...]
     place: Place
@@ -119,7 +122,7 @@ class Time:
 
 @frozen
 class Units:
-    """What stands in round brackets."""
+    """The content of round brackets."""
 
     items: tuple[Word | Number | Other, ...]
     place: Place
@@ -127,7 +130,11 @@ class Units:
 
 @frozen
 class Option:
-    """An option behind the base frame, and its argument; `at_most` says that less will do (`BLEND <=10`), `state` what an input is (`UNTIL TOUCH OFF`)."""
+    """An option after the base frame, and its argument.
+
+    `at_most` is True if the argument is an upper bound (`BLEND <=10`); `state` is the state of an input
+    (`UNTIL TOUCH OFF`).
+    """
 
     word: Word
     argument: Number | Word | Percent | Other | Computed | ComputedPercent | None
@@ -147,9 +154,9 @@ class Comment:
 class Statement:
     """A command (with an index) or a declaration: its parts in the order of the language.
 
-    `line` is the number of its first line in the file, `rows` how many lines it has. Names and values that
-    are no way-points stand in `waypoints` all the same, as one: SUB's name and parameters, CALL's name and
-    arguments, the name of a LET. `expression` is what LET says of it, and the condition of an IF.
+    `line` is the number of its first line in the file, `rows` the number of its lines. Names and values that
+    are no way-points are also stored in `waypoints`, as a single one: SUB's name and parameters, CALL's name
+    and arguments, the name of a LET. `expression` is the value of a LET, or the condition of an IF.
     """
 
     line: int
@@ -166,7 +173,7 @@ class Statement:
     comments: tuple[Comment, ...]
 
     def at_line(self, line: int) -> Statement:
-        """The same statement in another line."""
+        """Return the same statement in another line."""
         return Statement(
             line,
             self.rows,
@@ -183,32 +190,35 @@ class Statement:
         )
 
     def span(self, place: Place) -> Span:
-        """The place in the file."""
+        """Return a place's span in the file."""
         line = self.line + place.row
         return Span(line, place.start, line, place.end)
 
     @property
     def waits_else(self) -> bool:
-        """True of a WAIT with an ELSE, and of a motion that has one behind its UNTIL: the lines up to its END are carried out if what is waited or searched for doesn't come."""
+        """Return True for a WAIT with an ELSE, and for a motion with an ELSE after its UNTIL.
+
+        The lines up to its END are carried out if the awaited or searched event doesn't occur.
+        """
         names = [one.word.name for one in self.options]
         return names[-1:] == ["ELSE"] and (self.name.name == "WAIT" or "UNTIL" in names)
 
     @property
     def head_span(self) -> Span:
-        """The index (if there is one) and the name."""
+        """Return the span of the index (if there is one) and the name."""
         first = self.index.place if self.index else self.name.place
         return Span(self.line, first.start, self.line, self.name.place.end)
 
     @property
     def whole_span(self) -> Span:
-        """From the first part to the end of the last."""
+        """Return the span from the first part to the end of the last."""
         start = self.index.place.start if self.index else self.name.place.start
         last = self._last_place
         return Span(self.line, start, self.line + last.row, last.end)
 
     @property
     def _last_place(self) -> Place:
-        """The place of the last part: they stand in one order."""
+        """Return the place of the last part; parts have a fixed order."""
         if self.options:
             option = self.options[-1]
             return (option.state or option.argument or option.word).place
@@ -226,8 +236,9 @@ class Statement:
 class Block:
     """The statements from a SUB, REPEAT, IF or WHEN to its END.
 
-    `otherwise` is what stands behind ELSE, None where there is no ELSE; of a WAIT with an ELSE all of it. `otherwise_head` and `end` are the
-    statements ELSE and END themselves; they are None where there is none, or none that can be read.
+    `otherwise` has the statements after ELSE, None if there is no ELSE; for a WAIT with an ELSE, all of its
+    statements. `otherwise_head` and `end` are the statements ELSE and END themselves; they are None if they
+    are missing or unreadable.
     """
 
     head: Statement
@@ -242,8 +253,8 @@ Node = Statement | Block
 
 @frozen
 class Module:
-    """A file's statements in order, the first lines of those that couldn't be read, and its
-    comment lines by line number.
+    """A file's statements in order, the first lines of those that couldn't be read, and its comment lines by
+    line number.
     """
 
     source: SourceFile

@@ -1,4 +1,6 @@
-"""A file's statements arranged in blocks: SUB, REPEAT, IF, WHEN, CASE, LOOP and WHILE, each up to its END or UNTIL."""
+"""Arranging a file's statements in blocks: SUB, REPEAT, IF, WHEN, CASE, LOOP and WHILE, each up to its END or
+UNTIL.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from yarclang.syntax.words import BLOCK_ENDS, BLOCK_HEADS, DECLARATIONS, DECLARA
 from yarclang.words.registry import word_specs
 
 DEEPEST_BLOCK = 100
-"""Blocks inside each other."""
+"""Maximum depth of nested blocks."""
 
 _WORD = re.compile(r"\s*(?:[Pp][0-9]+\s+)?([A-Za-z]+)(?![^\s;\[\](){}!,\"])")
 _TOP_LEVEL = DECLARATIONS - DECLARATIONS_IN_BLOCKS - BLOCK_HEADS - BLOCK_ENDS - {"ELSE"} | {"SUB"}
@@ -24,10 +26,10 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
     """Arrange a module's statements in blocks.
 
     Returns:
-        The statements and blocks in order, and a finding for each that stands where it can't stand; never None.
-        A missing END is taken to stand at the end of the file, or before a line that shows that it is missing.
-        An END or ELSE without a block is left out, and so is what stands in a block whose first line couldn't be
-        read, or beyond the deepest block. Where a block holds what it can't hold, that stays there.
+        The statements and blocks in order, and a finding for each misplaced one; never None. A missing END is
+        assumed at the end of the file, or before a line that shows that it is missing. An END or ELSE without
+        a block is dropped, and so is the content of a block whose first line couldn't be read, or beyond the
+        deepest block. A statement that its block can't hold stays there.
     """
     if not module.unreadable_lines and not any(map(_needs_arranging, module.statements)):
         return Result(module.statements)
@@ -47,7 +49,9 @@ def arrange(module: Module) -> Result[tuple[Node, ...]]:
 
 
 def _needs_arranging(statement: Statement) -> bool:
-    """Whether a statement belongs to a block, or is a declaration that has an index: of a long program's lines hardly any."""
+    """Return True if a statement belongs to a block, or is a declaration with an index; in a long program,
+    hardly any line does.
+    """
     word = statement.name.name
     return (word in _ARRANGED and (statement.index is not None or word in _OF_BLOCKS)) or statement.waits_else
 
@@ -57,14 +61,14 @@ _ARRANGED = DECLARATIONS | _OF_BLOCKS
 
 
 def _word(line: str) -> str:
-    """The word with which a line that couldn't be read begins."""
+    """Return the first word of a line that couldn't be read."""
     match = _WORD.match(code_of(line))
     return match.group(1).upper() if match else ""
 
 
 @dataclass(slots=True)
 class _Open:
-    """A block whose END hasn't come yet; `head` is None where the block's first line couldn't be read."""
+    """A block whose END hasn't come yet; `head` is None if the block's first line couldn't be read."""
 
     word: str
     line: int
@@ -75,16 +79,16 @@ class _Open:
 
     @property
     def nodes(self) -> list[Node]:
-        """Where the next statement goes."""
+        """Return the list for the next statement."""
         return self.body if self.otherwise is None else self.otherwise
 
     @property
     def takes_else(self) -> bool:
-        """Whether an ELSE may follow."""
+        """Return True if an ELSE may follow."""
         return self.otherwise is None and word_specs()[self.word].takes_else
 
     def closed(self, end: Statement | None) -> tuple[Block, ...]:
-        """The finished block, if there is one."""
+        """Return the finished block, if there is one."""
         if self.head is None:
             return ()
         otherwise = None if self.otherwise is None else tuple(self.otherwise)
@@ -92,20 +96,20 @@ class _Open:
 
 
 class _Arrangement:
-    """What is complete, and the blocks that are open, innermost last."""
+    """The finished nodes, and the blocks that are open, innermost last."""
 
     def __init__(self, source: SourceFile) -> None:
         self.findings = Collector(source)
         self.nodes: list[Node] = []
         self.open: list[_Open] = []
         self.missing = 0
-        """How many END are too few from here to the end of the file."""
+        """Number of missing ENDs from here to the end of the file."""
         self.too_deep = 0
-        """How many blocks are open beyond the deepest."""
+        """Number of open blocks beyond the deepest level."""
         self.too_deep_told = False
 
     def add(self, line: int, word: str, statement: Statement | None) -> None:
-        """The next line; `statement` is None where it couldn't be read."""
+        """Add the next line; `statement` is None if it couldn't be read."""
         if word in DECLARATIONS and statement is not None and statement.index is not None:
             span = statement.span(statement.index.place)
             self.findings.add("Y0117", f"{word} is no command and has no index", span, "take the index away")
@@ -123,7 +127,7 @@ class _Arrangement:
             self._nodes().append(statement)
 
     def finish(self) -> Result[tuple[Node, ...]]:
-        """What is arranged when no line is left."""
+        """Return the arrangement after the last line."""
         while self.open:
             self._close("the end of the file")
         return Result(tuple(self.nodes), tuple(sorted(self.findings.found, key=_place)))
@@ -152,13 +156,13 @@ class _Arrangement:
             block = self.open.pop()
             self._nodes().extend(block.closed(statement))
         else:
-            self.missing += 1  # it was counted as the END of something
+            self.missing += 1  # it was counted as the END of another block
             if statement is not None:
                 help_ = "take it away, or write the REPEAT, IF, WHEN, CASE, LOOP, WHILE or SUB that it ends"
                 self._refuse("Y0114", "this END ends nothing: no block is open", statement, help_)
 
     def _until(self, statement: Statement | None) -> None:
-        """The end of the innermost LOOP; blocks in it that are open have no END."""
+        """End the innermost LOOP; open blocks inside it lack their END."""
         if self.too_deep:
             self.too_deep -= 1
             return
@@ -168,7 +172,7 @@ class _Arrangement:
                 self._close(f"this UNTIL in line {statement.line}" if statement else "UNTIL")
             self._end(statement)
         elif statement is not None:
-            self.missing += 1  # it was counted as the end of something
+            self.missing += 1  # it was counted as the end of another block
             what = (
                 f"the {self.open[-1].word} of line {self.open[-1].line} is open here"
                 if self.open
@@ -206,7 +210,9 @@ class _Arrangement:
         self._refuse("Y0115", message, statement, help_)
 
     def _leave_blocks(self, statement: Statement) -> None:
-        """A line that no block holds: either the END of the open ones is missing, or the line stands wrong."""
+        """Handle a line that no block can hold: either the END of the open blocks is missing, or the line is
+        misplaced.
+        """
         word = statement.name.name
         if len(self.open) <= self.missing:
             while self.open:
@@ -218,7 +224,7 @@ class _Arrangement:
         self._refuse("Y0116", message, statement, help_)
 
     def _close(self, before: str) -> None:
-        """The innermost block, whose END is missing."""
+        """Close the innermost block, whose END is missing."""
         block = self.open.pop()
         self.missing -= 1
         if block.head is not None:

@@ -1,4 +1,4 @@
-"""Lark's tree to a statement. The nodes of its expressions are there already (nodes.py)."""
+"""From Lark's tree to a statement. The nodes of its expressions exist already (nodes.py)."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ _NUMBER = re.compile(r"\S+")
 
 
 Rows = Sequence[str]
-"""The rows of a statement's text; none where no expression stands in it."""
+"""The rows of a statement's text; empty if it has no expression."""
 
 
 def statement(text: str, tree: Any) -> Statement:
-    """The statement that Lark has read; `line` is 0 until the caller sets it.
+    """Build the statement from Lark's tree; `line` is 0 until the caller sets it.
 
     Raises:
-        FaultError: something is wrong that the grammar doesn't see.
+        FaultError: there is an error that the grammar doesn't detect.
     """
     index: Word | None = None
     name: Word | None = None
@@ -106,7 +106,9 @@ def statement(text: str, tree: Any) -> Statement:
 
 
 def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | None]:
-    """The way-points with all that is said of each, and the time of the last one, which is the motion's."""
+    """Build the way-points, each with its time, velocity and acceleration, and the time of the last one,
+    which is the motion's.
+    """
     waypoints: list[WayPoint] = []
     parts: dict[str, Any] = {}
     for child in children:
@@ -125,7 +127,7 @@ def _waypoints(rows: Rows, children: Any) -> tuple[tuple[WayPoint, ...], Time | 
 
 
 def _items(rows: Rows, children: Any) -> list[Any]:
-    """Tokens and small trees as leaves; a run of numbers becomes its numbers."""
+    """Build leaves from tokens and small trees; a run of numbers becomes single numbers."""
     found: list[Any] = []
     computed = False
     for child in children:
@@ -147,7 +149,7 @@ def _items(rows: Rows, children: Any) -> list[Any]:
 
 
 def _ceiling(token: Any) -> list[Word | Other]:
-    """The V and the `<=` of `[V<=250]`."""
+    """Build the V and the `<=` of `[V<=250]`."""
     place = place_of(token)
     word = Word(str(token)[0], Place(place.row, place.start, place.start + 1))
     return [word, Other("<=", Place(place.row, place.end - 2, place.end))]
@@ -181,7 +183,7 @@ _LEAVES: dict[str | None, Any] = {
 
 
 def _numbers(token: Any) -> list[Number]:
-    """The numbers of a run with blanks between."""
+    """Split a run of numbers at its blanks."""
     row, column = token.line - 1, token.column
     return [
         Number(match.group(), float(match.group()), Place(row, column + match.start(), column + match.end()))
@@ -208,7 +210,7 @@ def _computed_percent(rows: Rows, children: list[Any]) -> list[ComputedPercent]:
 
 
 def _measured(rows: Rows, children: list[Any]) -> list[Number | Quantity]:  # noqa: ARG001  (called as its siblings)
-    """Numbers of which the last has a unit."""
+    """Build numbers of which the last has a unit."""
     *others, number = _numbers(children[0])
     unit = Word(str(children[2]), place_of(children[2]))
     return [*others, Quantity(number, unit, from_to(number.place, place_of(children[3])))]
@@ -231,7 +233,7 @@ _SMALL_TREES: dict[str, Callable[[Rows, list[Any]], list[Any]]] = {
 
 
 def _check_blanks(values: list[Any]) -> None:
-    """A blank stands behind the bracket of what is computed."""
+    """Check that a blank follows the bracket of a computed value."""
     for one, following in pairwise(values):
         near = one.place.row == following.place.row and one.place.end == following.place.start
         if near and isinstance(one, Computed):
@@ -247,7 +249,7 @@ def _check_blanks(values: list[Any]) -> None:
 
 
 def _sound(expression: Expression) -> Expression:
-    """An expression that isn't too deep."""
+    """Return the expression if it isn't too deep; else raise a fault."""
     if is_too_deep(expression):
         message = f"more than {DEEPEST_EXPRESSION} operators, functions and brackets stand inside each other"
         raise FaultError(Fault("Y0112", message, "give parts of it a name with LET", expression.place))
@@ -255,20 +257,20 @@ def _sound(expression: Expression) -> Expression:
 
 
 def _bracket(children: list[Any]) -> Place:
-    """From an opening bracket to the closing one, in the first one's row."""
+    """Return the place from an opening bracket to the closing one, in the opening bracket's row."""
     first, last = children[0], children[-1]
     same = first.line == last.line
     return Place(first.line - 1, first.column, last.column + 1 if same else first.column + 1)
 
 
 def _check_comment(comment: Comment) -> None:
-    """What follows an expression is no half of it."""
+    """Check that the comment after an expression isn't a part of it."""
     if fault := unequal(comment.text, comment.place.row, comment.place.start):
         raise FaultError(fault)
 
 
 def _option(items: list[Any], *, at_most: bool) -> Option:
-    """An option of its word, `<=` if less will do, and its argument."""
+    """Build an option from its word, `<=` if it is an upper bound, and its argument."""
     word, *values = items
     if at_most:
         sign, *values = values
@@ -284,7 +286,7 @@ def _option(items: list[Any], *, at_most: bool) -> Option:
 
 
 def comments_of(text: str) -> tuple[Comment, ...]:
-    """The comments of a statement."""
+    """Return the comments of a statement."""
     return tuple(_comments(text)) if "!" in text else ()
 
 

@@ -1,8 +1,9 @@
-"""The characters of a program: which may stand in its code, in comments and in texts, and what to write instead of others.
+"""The characters of a program: which are allowed in code, comments and texts, and substitutes for the others.
 
-Code is made of blanks, tabs and the printable characters of ASCII. Any other character looks like one of these (a no-break space, a minus
-sign), or can't be seen at all, and would be read otherwise than people read it. Comments and texts may hold any character that shows what is read:
-no line ends that only some editors know, no characters that change the direction of writing, no control characters.
+Code consists of blanks, tabs and the printable characters of ASCII. Any other character either looks like one
+of these (a no-break space, a minus sign) or is invisible, so that people would read it differently from the
+compiler. Comments and texts may have any character that shows what is read: no line ends that only some
+editors know, no characters that change the direction of writing, no control characters.
 """
 
 from __future__ import annotations
@@ -20,20 +21,20 @@ _PLAIN = re.compile(r"[\t\n -~]*+")
 _FOREIGN = re.compile(r"[^\t\n -~]")
 
 _BREAKS = frozenset("\v\f\u0085\u2028\u2029")
-"""Characters at which some programs end a line. The compiler doesn't."""
+"""Characters at which some programs end a line, but the compiler doesn't."""
 
 _UNSEEN = frozenset("\u00ad\u034f\u061c\u180e\u200b\u200c\u200d\u200e\u200f\u2060\ufeff")
-"""Characters that are nothing to look at, and change nothing of what is around them."""
+"""Characters that are invisible, and don't change the text around them."""
 
 _TURNS = frozenset("\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Characters that make an editor show a line in another order than it is read."""
+"""Characters that make an editor show a line in a different order from that in which it is read."""
 
 _ALIKE = {
     **dict.fromkeys("\u2010\u2011\u2012\u2013\u2014\u2015\u2212\ufe63", "-"),
     **dict.fromkeys("\u201c\u201d\u201e\u201f", '"'),
     **{chr(code): chr(code - 0xFEE0) for code in range(0xFF01, 0xFF5F)},
 }
-"""Characters that can't be told from one of ASCII, or hardly, and mean the same."""
+"""Characters that can hardly be distinguished from one of ASCII, and mean the same."""
 
 _CONTROLS = {
     0x00: "null",
@@ -51,13 +52,13 @@ _CONTROLS = {
     0x85: "next line",
     0xFEFF: "byte order mark",
 }
-"""Names of characters that the Unicode standard gives none, or none that people know."""
+"""Names of characters for which the Unicode standard has no name, or none that people know."""
 
 NOT_TEXT = "save the program as UTF-8 text; or another file was meant"
 
 
 def is_plain(text: str) -> bool:
-    """Return True if a text has no character but those of code."""
+    """Return True if a text has only characters of code."""
     return _PLAIN.fullmatch(text) is not None
 
 
@@ -74,12 +75,12 @@ def character_name(character: str) -> str:
 
 
 def is_not_text(character: str) -> bool:
-    """Return True for control characters and halves of characters, which no text has."""
+    """Return True for control characters and surrogates, which no text has."""
     return (character < " " and character not in "\t\n\r\v\f") or character == "\x7f" or _is_half(character)
 
 
 def instead_of(character: str) -> str | None:
-    """Return what to write instead of a character that isn't plain: perhaps nothing at all. None if nobody can say."""
+    """Return the substitute for a character that isn't plain; it may be empty. None if there is none."""
     if character in _BREAKS or unicodedata.category(character) == "Zs":
         return " "
     if character in _UNSEEN or character in _TURNS:
@@ -92,7 +93,7 @@ def instead_of(character: str) -> str | None:
 
 @frozen
 class _Found:
-    """A character that can't stand where it stands: in code, or in a comment or a text (`where`)."""
+    """A misplaced character: in code, or in a comment or a text (`where`)."""
 
     character: str
     row: int
@@ -101,7 +102,7 @@ class _Found:
 
 
 def fault_in(text: str) -> Fault | None:
-    """Return a fault for the first character of a statement that can't stand where it stands, with a fix for all of them."""
+    """Return a fault for the first misplaced character of a statement, with a fix for all of them."""
     if is_plain(text):
         return None
     rows = text.split("\n")
@@ -118,7 +119,7 @@ def fault_in(text: str) -> Fault | None:
 
 
 def _in_row(number: int, row: str) -> Iterator[_Found]:
-    """Yield the characters of a line that can't stand where they stand."""
+    """Yield the misplaced characters of a line."""
     if is_plain(row):
         return
     code = code_of(row)
@@ -136,7 +137,7 @@ def _in_row(number: int, row: str) -> Iterator[_Found]:
 
 
 def _shows_what_is_read(character: str) -> bool:
-    """Return True if a character may stand in comments and texts."""
+    """Return True if a character is allowed in comments and texts."""
     return (
         unicodedata.category(character) != "Cc"
         and not _is_half(character)
@@ -150,7 +151,7 @@ def _is_half(character: str) -> bool:
 
 
 def _called(character: str) -> str:
-    """Return a character for a sentence: its glyph, if there is something to see, and its name."""
+    """Return a character for a sentence: its glyph, if it is visible, and its name."""
     name = character_name(character)
     if character.isprintable() and not character.isspace() and character not in _UNSEEN:
         return f"`{character}` ({name})"
@@ -178,7 +179,9 @@ def _help(found: _Found) -> str:
 
 
 def _ends(row: str) -> frozenset[int]:
-    """Return the line ends of a line that only some editors know, as far as they become real ones: a statement follows."""
+    """Return those line ends in a line that only some editors know, and that become real ones because a
+    statement follows.
+    """
     found: list[int] = []
     opens: bool | None = None
     word = len(row)
@@ -194,10 +197,12 @@ def _ends(row: str) -> frozenset[int]:
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:
-    """Return the title of a fix and its edits, one a line; no edits if one of the characters has no safe substitute."""
+    """Return the title of a fix and its edits, one per line; no edits if one of the characters has no safe
+    substitute.
+    """
     pieces: dict[int, list[_Found]] = {}
     for one in found:
-        # what an editor showed behind a line end of its own may have been meant as code
+        # Text that an editor showed after its own line end may have been meant as code.
         if is_not_text(one.character) or (one.where and one.character in _BREAKS):
             return "", ()
         if instead_of(one.character) is None:

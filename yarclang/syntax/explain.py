@@ -1,4 +1,4 @@
-"""What is wrong with a statement that can't be parsed: one sentence, its place, and a help."""
+"""Explanation of a statement that can't be parsed: one sentence, its place, and a help."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _CUT_FRAME = re.compile(r'([^{}!"]*+[!"])[^{}]*+\}')
 
 
 def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence[Any]) -> Fault:
-    """One sentence for a token that can't stand where it stands."""
+    """Explain an unexpected token in one sentence."""
     place = end_of(text) if token.type == "$END" else place_of(token)
     kinds = [kind_of(one) for one in stack]
     before = kinds[-1] if kinds else ""
@@ -62,7 +62,7 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
 
 
 def unexpected_character(text: str, place: Place, expected: Collection[str]) -> Fault:
-    """A character that begins no token: a brace or quote without its partner, or a `$`."""
+    """Explain a character that begins no token: a brace or quote without its partner, or a `$`."""
     row = text.split("\n")[place.row]
     character = row[place.start - 1]
     if character == "{":
@@ -100,7 +100,7 @@ def _no_name(token: Any, place: Place) -> Fault:
 
 
 def _place_in_function(kinds: Sequence[str]) -> str:
-    """Return where in the head of a FUNC something stands that doesn't belong there."""
+    """Return a description of the misplaced item's position in the head of a FUNC."""
     if "RPAR" in kinds and "LPAR" in kinds:
         return "behind the parameters of a FUNC: its `=` is missing"
     return (
@@ -157,7 +157,7 @@ def _incomplete(place: Place, expected: Collection[str], stack: Sequence[Any]) -
 
 
 def _dollar(text: str, place: Place) -> Fault | None:
-    """Values that run into a `$`."""
+    """Explain values that run into a `$`."""
     row = text.split("\n")[place.row]
     match = _RUN.match(row, place.start - 1)
     run = match.group() if match else ""

@@ -1,7 +1,7 @@
-"""Expressions as they are written: nothing is looked up, nothing is computed.
+"""Expressions as they are written: no name is resolved, no value is computed.
 
-An operator's operands are what the precedence of the language gives it. Brackets are nodes of their own,
-so that a tree can be printed as it was written.
+The language's precedence determines an operator's operands. Brackets are nodes of their own, so that a tree
+can be printed as it was written.
 """
 
 from __future__ import annotations
@@ -15,8 +15,9 @@ UnaryOperator = Literal["NOT", "+", "-"]
 BinaryOperator = Literal["OR", "AND", "=", "<>", "<", "<=", ">", ">=", "+", "-", "*", "/", "%", "**"]
 
 DEEPEST_EXPRESSION = 100
-"""Operators, functions and brackets inside each other; a deeper expression is a fault, so that whoever walks
-through a tree needs no more than this many calls."""
+"""Maximum depth of operators, functions and brackets. A deeper expression is a fault, which limits the
+recursion of code that walks through a tree.
+"""
 
 
 @frozen
@@ -28,7 +29,7 @@ class Name:
 
     @property
     def name(self) -> str:
-        """The name in the form in which names are compared."""
+        """Return the name in the form in which names are compared."""
         return self.text.upper()
 
 
@@ -69,7 +70,7 @@ class Function:
 
     @property
     def name(self) -> str:
-        """The function's name in upper case."""
+        """Return the function's name in upper case."""
         return self.word.name
 
 
@@ -84,7 +85,7 @@ class Element:
 
 @frozen
 class Applied:
-    """A FUNC of the program or of a module, and what it is given: `MID(A, B)`."""
+    """A FUNC of the program or of a module, and its arguments: `MID(A, B)`."""
 
     function: Name
     arguments: tuple[Expression, ...]
@@ -95,7 +96,7 @@ Expression = Number | Quantity | Name | Bracket | Unary | Binary | Function | El
 
 
 def is_too_deep(expression: Expression) -> bool:
-    """Whether an expression is deeper than DEEPEST_EXPRESSION."""
+    """Return True if an expression is deeper than DEEPEST_EXPRESSION."""
     if expression.place.end - expression.place.start <= DEEPEST_EXPRESSION:
         return False  # each level takes a character
     level = [expression]
@@ -107,7 +108,7 @@ def is_too_deep(expression: Expression) -> bool:
 
 
 def parts_of(expression: Expression) -> tuple[Expression, ...]:
-    """The expressions that an expression is made of, from left to right."""
+    """Return the direct subexpressions, from left to right."""
     match expression:
         case Binary():
             return expression.left, expression.right

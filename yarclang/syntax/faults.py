@@ -1,7 +1,7 @@
-"""A syntax error, and the words for what the parser has in hand when it finds one.
+"""A syntax error, and descriptions of the parser's state when it finds one.
 
-The parser tells which token can't stand where it stands, which kinds of token could (`expected`), and what it
-has read and not yet put together (`stack`: tokens and finished parts).
+The parser reports the unexpected token, the kinds of tokens that were possible (`expected`), and what it has
+read but not yet put together (`stack`: tokens and finished parts).
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _CLOSING = {"[": "]", "(": ")", "$(": ")", "{": "}"}
 class Fault:
     """A syntax error, its place relative to the statement.
 
-    `edits` are a safe fix: what is put in which places; `title` says what they do. There are none for most errors.
+    `edits` are a safe fix: pairs of a place and its new text; `title` describes them. Most errors have none.
     """
 
     code: str
@@ -41,12 +41,12 @@ class FaultError(Exception):
 
 
 def kind_of(one: Any) -> str:
-    """The kind of a token, or the name of a rule whose text has been read."""
+    """Return the kind of a token, or the name of a rule whose text has been read."""
     return str(getattr(one, "type", None) or getattr(one, "data", ""))
 
 
 def shown(token: Any) -> str:
-    """A token's text, of several numbers the first."""
+    """Return a token's text; for a run of numbers, the first."""
     text = str(token)
     if token.type == "NUMBERS" and text.split():
         text = text.split(maxsplit=1)[0]
@@ -54,7 +54,7 @@ def shown(token: Any) -> str:
 
 
 def called(token: Any) -> str:
-    """A token as it is called in a sentence."""
+    """Return a token's description for a sentence."""
     text = shown(token)
     names = {
         "FRAME": f"the frame {text}",
@@ -74,7 +74,7 @@ def called(token: Any) -> str:
 
 
 def open_brackets(stack: Sequence[Any]) -> list[Any]:
-    """The brackets `(` and `$(` that are open, innermost last."""
+    """Return the brackets `(` and `$(` that are open, innermost last."""
     brackets: list[Any] = []
     for one in stack:
         if kind_of(one) in {"LPAR", "OPEN"}:
@@ -85,11 +85,11 @@ def open_brackets(stack: Sequence[Any]) -> list[Any]:
 
 
 def unclosed(stack: Sequence[Any]) -> Fault:
-    """The innermost bracket that is open; one is."""
+    """Return the fault of the innermost open bracket; there must be one."""
     brackets = [one for one in stack if kind_of(one) == "LSQB"] + open_brackets(stack)
     return not_closed(str(brackets[-1]), place_of(brackets[-1]))
 
 
 def not_closed(opening: str, place: Place) -> Fault:
-    """A bracket without its partner."""
+    """Return the fault of a bracket without its partner."""
     return Fault("Y0102", f"this `{opening}` is not closed", f"close it with `{_CLOSING[opening]}`", place)

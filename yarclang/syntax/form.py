@@ -1,4 +1,4 @@
-"""The usual form of a program, as `yarc fmt` writes it, and the proof that it says the same."""
+"""The standard form of a program, as `yarc fmt` writes it, and the proof that its meaning is the same."""
 
 from __future__ import annotations
 
@@ -22,18 +22,18 @@ from yarclang.syntax.renumber import renumbered
 _INDEX = re.compile(r"^\s*[Pp][0-9]+(?![^\s;\[\](){}!,\"])")
 _TOO_LONG = "is longer than any line that is read"
 _WITHOUT_MEANING = frozenset(["place", "line", "rows", "comments"])
-"""Fields of a tree that tell where something stands, not what it says."""
+"""Fields of a tree that have a position, not a meaning."""
 
 
 def usual_form(source: SourceFile, renumber: tuple[int, int] | None = None) -> Result[str]:
-    """Bring a program into its usual form, and prove that it says the same.
+    """Bring a program into its standard form, and prove that its meaning is the same.
 
     Args:
-        source: the program. Most of its lines decide whether lines end with CRLF or LF in the result.
-        renumber: the first number of the commands and the step to the next; None: they keep theirs.
+        source: the program. The result has CRLF or LF at line ends like most lines of the program.
+        renumber: first number of the commands and the step to the next; None: they keep theirs.
 
     Returns:
-        None if the program has syntax errors, or if the result isn't proved to say the same.
+        None if the program has syntax errors, or if the result isn't proved to have the same meaning.
     """
     parsed = parse(source)
     if parsed.value is None or parsed.diagnostics:
@@ -61,7 +61,9 @@ def _unproved(source: SourceFile, line: int, what: str) -> Diagnostic:
 
 @frozen
 class _Row:
-    """A line that isn't empty: its code as it is written (without an index, if indices are new), and its comment."""
+    """A line that isn't empty: its code as written (without an index, if indices are new), and
+    its comment.
+    """
 
     line: int
     code: str
@@ -69,12 +71,12 @@ class _Row:
 
 
 def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int, str] | None:
-    """Find the first line of a program whose usual form says something else.
+    """Find the first line of a program whose standard form has another meaning.
 
     Args:
         original: the program.
         meant: the program, with new indices if they are wanted.
-        after: its usual form.
+        after: its standard form.
 
     Returns:
         None if there is no such line; else the number of the line, and what is wrong with its form.
@@ -105,7 +107,7 @@ def _difference(original: Module, meant: Module, after: SourceFile) -> tuple[int
         if was is None or now is None:
             return original.statements[-1].line, "is read otherwise"
         is_rewritten = any(line in rewritten for line in range(was.line, was.line + was.rows))
-        if is_rewritten and meaning(one) != meaning(now):  # the same code is read alike
+        if is_rewritten and meaning(one) != meaning(now):  # equal code is parsed equally
             return was.line, "is read otherwise"
     again = SourceFile(after.name, print_module(parsed.value))
     if again.text != after.text:
@@ -137,7 +139,9 @@ def _squeezed(code: str) -> str:
 
 
 def meaning(part: Any) -> Any:
-    """Return what a part of a tree says, wherever it stands: numbers as they are written, names as they are compared."""
+    """Return the meaning of a part of a tree, without its position: numbers as written, names as they are
+    compared.
+    """
     if isinstance(part, tuple):
         return tuple(map(meaning, part))
     if isinstance(part, Number):
@@ -152,6 +156,8 @@ def meaning(part: Any) -> Any:
 
 @cache
 def _telling(kind: Any) -> tuple[str, ...]:
-    """Return the fields of a kind of tree that say something. A computed value is compared by its expression, not by its text."""
+    """Return the fields of a kind of tree that have a meaning. A computed value is compared by its
+    expression, not by its text.
+    """
     left_out = _WITHOUT_MEANING | ({"text"} if issubclass(kind, Computed | ComputedPercent) else set())
     return tuple(field.name for field in fields(kind) if field.name not in left_out)

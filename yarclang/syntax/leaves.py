@@ -1,4 +1,4 @@
-"""The leaves of the syntax tree: what one token says, and where it stands."""
+"""The leaves of the syntax tree: the value of one token, and its place."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from yarclang.frozen import frozen
 
 @frozen
 class Place:
-    """Columns `start` to `end` (not included, from 1) of the statement's line number `row` (from 0)."""
+    """Columns `start` to `end` (exclusive, from 1) of the statement's line number `row` (from 0)."""
 
     row: int
     start: int
@@ -17,13 +17,13 @@ class Place:
 
 
 def place_of(token: Any) -> Place:
-    """Where a token of the parser stands."""
+    """Return the place of a parser's token."""
     column = token.column
     return Place(token.line - 1, column, column + len(token))
 
 
 def from_to(first: Place, last: Place) -> Place:
-    """From the beginning of one place to the end of another in its row."""
+    """Return the place from the beginning of one place to the end of another in its row."""
     return Place(first.row, first.start, last.end)
 
 
@@ -54,7 +54,7 @@ class Word:
 
     @property
     def name(self) -> str:
-        """The name in the form in which names are compared."""
+        """Return the name in the form in which names are compared."""
         return self.text.upper()
 
 
@@ -68,7 +68,7 @@ class Text:
 
 @frozen
 class Other:
-    """Something that is none of the above (`30-5`, `0,5`): checked where it stands."""
+    """Any other text (`30-5`, `0,5`), which is checked where it is used."""
 
     text: str
     place: Place
@@ -83,7 +83,7 @@ class FrameName:
 
     @property
     def name(self) -> str:
-        """The name without braces, in upper case."""
+        """Return the name without braces, in upper case."""
         return self.text[1:-1].strip().upper()
 
 
@@ -97,13 +97,13 @@ class Quantity:
 
     @property
     def text(self) -> str:
-        """The number and its unit in their usual form."""
+        """Return the number and its unit in their standard form."""
         return f"{self.number.text} ({self.unit.text})"
 
 
 @frozen
 class Parameter:
-    """A name in the head of a SUB, and the unit in which it counts there."""
+    """A name in the head of a SUB, and its unit."""
 
     word: Word
     unit: Word | None
@@ -111,5 +111,5 @@ class Parameter:
 
     @property
     def text(self) -> str:
-        """The name and its unit in their usual form."""
+        """Return the name and its unit in their standard form."""
         return f"{self.word.text} ({self.unit.text})" if self.unit else self.word.text

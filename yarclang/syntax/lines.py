@@ -1,4 +1,4 @@
-"""A line and its comment."""
+"""Separation of a line from its comment."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ _TEXT = re.compile(r'"[^"]*"?')
 
 
 def code_of(line: str) -> str:
-    """Return a line without its comment: what stands before the first `!` outside quotes.
+    """Return a line without its comment, which begins with the first `!` outside quotes.
 
-    Brackets and braces don't matter: no token of the grammar but a text in quotes has a `!` in it.
+    Brackets and braces don't matter: no token of the grammar except a text in quotes has a `!` in it.
     """
     if "!" not in line:
         return line
@@ -26,17 +26,21 @@ def code_of(line: str) -> str:
 
 
 def texts_of(code: str) -> list[re.Match[str]]:
-    """Return the texts in quotes of a line without its comment. One that isn't closed runs to the end."""
+    """Return the texts in quotes of a line without its comment. A text that isn't closed extends
+    to the end.
+    """
     return list(_TEXT.finditer(code))
 
 
 def opens_statement(code: str) -> bool:
-    """Return True if a line begins with an index or with the word of a declaration: it never goes on with the one before."""
+    """Return True if a line begins with an index or with the word of a declaration: it never continues the
+    line before.
+    """
     return _OPENS_STATEMENT.match(code) is not None
 
 
 def end_of(text: str) -> Place:
-    """The place behind the last character of a statement that is no comment."""
+    """Return the place after the last character of a statement outside of comments."""
     rows = text.split("\n")
     end = len(code_of(rows[-1]).rstrip()) + 1
     return Place(len(rows) - 1, end, end + 1)

@@ -1,4 +1,4 @@
-"""The nodes of expressions, made as soon as Lark has read what they are made of."""
+"""The nodes of expressions, built as soon as Lark has read their parts."""
 
 from __future__ import annotations
 
@@ -22,43 +22,45 @@ from yarclang.syntax.words import CONSTANTS, FUNCTIONS, OPERATORS
 
 
 class Nodes:
-    """The nodes of expressions, each made by the rule or alias of its name in the grammar."""
+    """The nodes of expressions, each built by the method with the name of its rule or alias in
+    the grammar.
+    """
 
     def name(self, children: list[Any]) -> Name:
-        """A name that stands for a number."""
+        """Build a name that stands for a number."""
         (token,) = children
         return named(str(token), place_of(token))
 
     def number(self, children: list[Any]) -> Number:
-        """A number."""
+        """Build a number."""
         (token,) = children
         return Number(str(token), float(token), place_of(token))
 
     def quantity(self, children: list[Any]) -> Quantity:
-        """A number with its unit."""
+        """Build a number with its unit."""
         number, _, unit, end = children
         value = self.number([number])
         return Quantity(value, Word(str(unit), place_of(unit)), from_to(value.place, place_of(end)))
 
     def bracket(self, children: list[Any]) -> Bracket:
-        """An expression in brackets."""
+        """Build an expression in brackets."""
         opening, inner, closing = children
         return Bracket(inner, from_to(place_of(opening), place_of(closing)))
 
     def unary(self, children: list[Any]) -> Unary:
-        """A sign or NOT, and its operand."""
+        """Build a sign or NOT, and its operand."""
         sign, operand = children
         operator = cast("UnaryOperator", str(sign).upper())
         return Unary(operator, operand, from_to(place_of(sign), operand.place))
 
     def binary(self, children: list[Any]) -> Binary:
-        """An operator between two operands."""
+        """Build an operator between two operands."""
         left, sign, right = children
         operator = cast("BinaryOperator", str(sign).upper())
         return Binary(operator, left, right, from_to(left.place, right.place))
 
     def function(self, children: list[Any]) -> Function | Applied:
-        """A function and its arguments: one of the language, as many as it takes; or one of the program."""
+        """Build a function of the language, whose number of arguments is checked, or one of the program."""
         token, _, *arguments, closing = children
         word = Word(str(token), place_of(token))
         place = from_to(word.place, place_of(closing))
@@ -69,7 +71,7 @@ class Nodes:
         return Function(word, values, place)
 
     def element(self, children: list[Any]) -> Element:
-        """A number of a table, with its index or indices."""
+        """Build a number of a table, with its index or indices."""
         token, *indices, closing = children
         place = place_of(token)
         table = named(str(token)[:-1], Place(place.row, place.start, place.end - 1))
@@ -78,7 +80,7 @@ class Nodes:
 
 
 def named(text: str, place: Place) -> Name:
-    """The node of a name.
+    """Build the node of a name.
 
     Raises:
         FaultError: it is a function or an operator.

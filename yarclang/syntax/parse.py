@@ -1,7 +1,7 @@
-"""Text to syntax tree, one statement at a time.
+"""From text to syntax tree, one statement at a time.
 
-This is the only module that knows Lark. Each statement is parsed for itself, so that a
-fault costs one finding and nothing else, and an unchanged statement is parsed once.
+This is the only module that knows Lark. Each statement is parsed by itself, so that a fault costs one finding
+and nothing else, and an unchanged statement is parsed once.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ from yarclang.syntax.plain import GRAMMAR, plain_statement
 from yarclang.syntax.words import LONGEST_INDEX
 
 LONGEST_LINE = 100_000
-"""Characters; a longer line is no program line but a file gone wrong."""
+"""Longest line [characters]; a longer one is a damaged file."""
 
 _EVERY = 16
-"""Statements between two reports: one that can't be read takes a millisecond."""
+"""Number of statements between two progress reports; an unreadable statement takes a millisecond."""
 
 LONGEST_TEXT = 20_000_000
-"""Characters; a longer text isn't read at all."""
+"""Longest text that is read [characters]."""
 
 
 def parse(source: SourceFile) -> Result[Module]:
     """Parse a program.
 
     Returns:
-        The tree of all statements that could be read, and a finding for each that couldn't.
-        The value is never None.
+        The tree of all statements that could be read, and a finding for each that couldn't. The value is
+        never None.
     """
     if len(source.text) > LONGEST_TEXT:
         return Result(Module(source, (), (), ()), (_too_long_text(source),))
@@ -61,7 +61,7 @@ def parse(source: SourceFile) -> Result[Module]:
             continue
         try:
             parsed = _placed(text, line)
-        except Exception as error:  # a bug of ours: the other lines are read all the same
+        except Exception as error:  # a bug of ours: the other lines are still read
             diagnostics.append(internal_error(error, source, Span.on_line(line, 1, 2)))
             unreadable.append(line)
             continue
@@ -84,7 +84,9 @@ def parse(source: SourceFile) -> Result[Module]:
 
 
 def _read_in_place(text: str, line: int) -> Statement | Fault | None:
-    """The statement of a text in its line; None where it has nothing but a comment. While a program is edited, most lines stay where they are."""
+    """Return the statement of a text in its line; None if it has only a comment. While a program is edited,
+    most lines stay where they are.
+    """
     if not code_of(text).strip():
         return fault_in(text)
     parsed = parse_statement(text)
@@ -102,14 +104,14 @@ def _fix(line: int, fault: Fault) -> Fix | None:
 
 
 _KEPT = 1024
-"""Statements that are kept at least; of longer texts all."""
+"""Minimum number of cached statements; for longer texts, all are cached."""
 
 _placed = Lately(_read_in_place, _KEPT)
 
 
 def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
-    """The statements' texts with the number of their first line; way-point lists that go on in
-    further lines are one text with line ends inside.
+    """Yield each statement's text with the number of its first line. Way-point lists over several lines are
+    one text with line ends.
     """
     lines = source.lines
     at = 0
@@ -124,7 +126,7 @@ def _statements(source: SourceFile) -> Iterator[tuple[int, str]]:
 
 
 def _end_of_list(lines: tuple[str, ...], at: int) -> int:
-    """The line behind a way-point list that begins in line `at` and ends with a semicolon."""
+    """Return the line after a way-point list that begins in line `at` and ends with a semicolon."""
     end = ahead = at + 1
     while ahead < len(lines):
         code = code_of(lines[ahead]) if len(lines[ahead]) <= LONGEST_LINE else "?"
@@ -172,7 +174,9 @@ def _long_index(index: Word) -> Fault:
 
 
 def _operator_instead(text: str, wrong: Fault) -> Fault | None:
-    """Return what the grammar says of an operator of another language, such as `×`: the help names the one to write."""
+    """Return the grammar's fault for an operator of another language, such as `×`: its help names the right
+    operator.
+    """
     if wrong.code != "Y0118" or wrong.edits:
         return None
     parsed = statement_by_grammar(text)
@@ -185,13 +189,13 @@ _LATELY: tuple[Lately[Any], ...] = (_placed, parse_statement)
 
 
 def forget() -> None:
-    """Forget the statements that were read: where nothing is edited, none is read again."""
+    """Clear the cache of statements, which is of no use if nothing is edited."""
     for kept in _LATELY:
         kept.cache_clear()
 
 
 def statement_by_grammar(text: str) -> Statement | Fault:
-    """The same, of any text."""
+    """Parse the text of any statement by the grammar; else as `_read`."""
     from lark.exceptions import UnexpectedCharacters, UnexpectedToken
 
     try:
@@ -207,12 +211,12 @@ def statement_by_grammar(text: str) -> Statement | Fault:
 
 
 def _stack(error: Any) -> list[Any]:
-    """What has been read and not yet put together; lists that are still growing are no parts."""
+    """Return what has been read and not yet put together, without unfinished lists."""
     return [one for one in error.state.value_stack if not str(getattr(one, "data", "")).startswith("__")]
 
 
 TABLES = GRAMMAR.with_suffix(".json")
-"""The tables that Lark makes of the grammar; `made_tables` writes them."""
+"""The tables that Lark makes from the grammar, as written by `made_tables`."""
 
 
 @cache
@@ -228,17 +232,19 @@ def _built(grammar: str, transformer: Nodes | None) -> Any:
 
 
 def _loaded(grammar: str) -> Any:
-    """Return the parser of the saved tables: to make them takes 60 ms. None if they are of another grammar or another Lark."""
+    """Return the parser of the saved tables: making them takes 60 ms. None if they belong to another grammar
+    or another Lark.
+    """
     import lark
 
     try:
         kept = json.loads(TABLES.read_text(encoding="utf-8"))
-    except (OSError, ValueError):  # an installation without the file, or with half of it, still parses
+    except (OSError, ValueError):  # an installation without the file, or with a damaged one, still parses
         return None
     if kept.get("of") != _key(grammar):
         return None
     data, tables = kept["data"], kept["data"]["parser"]["parser"]
-    # the keys of JSON are texts
+    # The keys of JSON are texts.
     tables["tokens"] = _by_number(tables["tokens"])
     tables["states"] = {state: _by_number(actions) for state, actions in _by_number(tables["states"]).items()}
     parser: Any = lark.Lark
@@ -250,14 +256,14 @@ def _by_number(content: dict[str, Any]) -> dict[int, Any]:
 
 
 def _key(grammar: str) -> str:
-    """Return what the tables depend on."""
+    """Return a key of everything that the tables depend on."""
     import lark
 
     return f"lark {lark.__version__}, grammar {hashlib.sha256(grammar.encode()).hexdigest()}"
 
 
 def made_tables() -> str:
-    """Return the text of `TABLES`, made of the grammar anew. Lark numbers states as chance has it."""
+    """Return the text of `TABLES`, made from the grammar. Lark numbers the states in an arbitrary order."""
     from lark.grammar import Rule
     from lark.lexer import TerminalDef
 

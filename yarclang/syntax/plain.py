@@ -1,9 +1,11 @@
-"""Statements of one line as most have them, read by one regular expression: no expression, no text in quotes.
+"""A fast parser for the most common statements: one line, without expressions and texts in quotes, by a
+single regular expression.
 
     P0001 MOVEJ_RPY_LSPB {TCP} 0.00 1174.40 1176.00 0.00 0.00 0.00 [20] (mm,deg,s) {B} BLEND 5 ! to the part
 
-Lark reads the same line in three times the time, and takes 30 ms to import. The expression is put together of the grammar's own terminals; what it doesn't
-match is left to the grammar, and what it matches is to the last column what the grammar gives (tests/syntax/test_plain.py).
+Lark takes three times as long for the same line, and 30 ms to import. The expression is composed of the
+grammar's own terminals. A line that doesn't match is left to the grammar; a line that matches gives the same
+result as the grammar, to the last column (tests/syntax/test_plain.py).
 """
 
 from __future__ import annotations
@@ -36,7 +38,7 @@ _NUMBER_BEGINS = frozenset("+-.0123456789")
 
 
 def terminals() -> Mapping[str, str]:
-    """The grammar's terminals that are regular expressions, by their names."""
+    """Return the grammar's terminals that are regular expressions, by their names."""
     return {
         name: f"(?i:{pattern})" if flag else f"(?:{pattern})"
         for name, pattern, flag in _TERMINAL.findall(GRAMMAR.read_text(encoding="utf-8"))
@@ -45,7 +47,11 @@ def terminals() -> Mapping[str, str]:
 
 @cache
 def _form() -> re.Pattern[str]:
-    """A whole statement. Each part is taken as the grammar's lexer takes it, and never given back: where something else follows, nothing matches."""
+    """Return the expression of a whole statement.
+
+    Each part matches as the grammar's lexer does, without backtracking: if anything else follows, nothing
+    matches.
+    """
     said = terminals()
     index, frame, numbers, percent, option = (
         said[name] for name in ("INDEX", "FRAME", "NUMBERS", "PERCENT", "OPTION")
@@ -70,14 +76,16 @@ def _form() -> re.Pattern[str]:
 
 @cache
 def _option_form() -> re.Pattern[str]:
-    """One option and its argument, among several."""
+    """Return the expression of one option and its argument."""
     said = terminals()
     argument = f"{said['PERCENT']}|{said['NUMBERS']}|(?!{said['OPTION']}){said['WORD']}"
     return re.compile(rf"({said['OPTION']})[ \t]*+(?>({argument}))?+")
 
 
 def plain_statement(text: str) -> Statement | None:
-    """Return the statement of a text; `line` is 0 until the caller sets it. None if the text needs the grammar."""
+    """Return the statement of a text; `line` is 0 until the caller sets it. None if the text needs the
+    grammar.
+    """
     match = None if "\n" in text else _form().match(text)
     if match is None:
         return None
@@ -110,7 +118,9 @@ def _place(match: re.Match[str], group: int) -> Place:
 
 @lru_cache(maxsize=1 << 16)
 def _at(begin: int, end: int) -> Place:
-    """Return the place of the characters from `begin` up to `end` (not included): the lines of a long program share their places."""
+    """Return the place of the characters from `begin` to `end` (exclusive): the lines of a long program share
+    their places.
+    """
     return Place(0, begin + 1, end + 1)
 
 
@@ -124,7 +134,7 @@ def _number(token: str, begin: int) -> Number:
 
 
 _short_number = lru_cache(maxsize=1 << 14)(_number)
-"""Short numbers come again and again, and are shared."""
+"""Short numbers occur repeatedly, and are shared."""
 
 
 def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:
@@ -137,7 +147,7 @@ def _waypoints(text: str, begin: int, end: int) -> Iterator[WayPoint]:
 
 
 def _items(text: str, begin: int, end: int) -> Iterator[Number | Word]:
-    """Yield numbers and words with blanks between."""
+    """Yield the numbers and words between blanks."""
     for found in _TOKEN.finditer(text, begin, end):
         token, start = found.group(), found.start()
         if token[0] not in _NUMBER_BEGINS:
@@ -165,7 +175,7 @@ def _percent(text: str, begin: int) -> Percent:
 
 
 def _options(match: re.Match[str]) -> Iterator[Option | None]:
-    """Yield the options; None where one has more than one number, which is a fault."""
+    """Yield the options; None for an option with more than one number, which is a fault."""
     for found in _option_form().finditer(match.string, *match.span(8)):
         word, said = found.groups()
         option = _word(word, found.start(1))

@@ -1,5 +1,7 @@
-"""Syntax tree to text: names in upper case, one blank between parts, blocks indented by two, digits as they were, comments of
-neighbouring lines below each other.
+"""From syntax tree to text.
+
+Names are in upper case, parts are separated by one blank, blocks are indented by two, digits stay as they
+were, and comments of neighbouring lines are aligned.
 """
 
 from __future__ import annotations
@@ -31,25 +33,29 @@ from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 _INDENT = "  "
 _TIGHT = {"*", "/", "%", "**"}
-"""Operators that have no blanks round them."""
+"""Operators without blanks around them."""
 
 
 _FARTHEST = 40
-"""Longer lines don't push the comments of their neighbours away: theirs stands right behind them."""
+"""Longest line that moves the comments of its neighbours; the comment of a longer line directly follows its
+code.
+"""
 
 
 @dataclass(slots=True)
 class _Row:
-    """A line: its code with its indentation, and its comment. A comment of its own is indented as code."""
+    """A line: its code with its indentation, and its comment. A comment on its own line is indented like
+    code.
+    """
 
     code: str
     comment: str = ""
 
 
 def print_module(module: Module) -> str:
-    """The whole module as text; parsing it again gives the same statements, moved at most.
+    """Print a module as text. Parsing it again gives the same statements, possibly at other places.
 
-    Of several empty lines one stays; comment lines stay before the statement that they stood before.
+    Several empty lines become one; comment lines stay before the statement that they preceded.
     """
     paragraph: list[_Row] = []
     lines: list[str] = []
@@ -63,7 +69,7 @@ def print_module(module: Module) -> str:
 
 
 def _rows(module: Module) -> Iterator[_Row | None]:
-    """The lines of a module; None between two paragraphs."""
+    """Yield the lines of a module; None between two paragraphs."""
     pieces: list[tuple[int, Statement | str]] = [(one.line, one) for one in module.statements]
     pieces += module.comment_lines
     depth, behind = 0, 0
@@ -85,14 +91,14 @@ def _rows(module: Module) -> Iterator[_Row | None]:
 
 
 def _aligned(paragraph: list[_Row]) -> list[str]:
-    """The lines of a paragraph, their comments in one column."""
+    """Return the lines of a paragraph, with their comments in one column."""
     widths = [len(row.code) for row in paragraph if row.comment and len(row.code) <= _FARTHEST]
     column = max(widths, default=0)
     return [f"{row.code:<{column}}  {row.comment}" if row.comment else row.code for row in paragraph]
 
 
 def _rows_of(statement: Statement) -> list[_Row]:
-    """The lines of a statement; a comment in a line of its own has no code."""
+    """Return the lines of a statement; a comment on its own line has no code."""
     parts: list[str] = []
     if statement.index:
         parts.append(statement.index.name)
@@ -103,7 +109,7 @@ def _rows_of(statement: Statement) -> list[_Row]:
         is_function = statement.name.name == "FUNC" and statement.expression is not None
         parts.append((_head_of_function if is_function else _waypoints)(statement.waypoints))
     if statement.expression:
-        parts += ["="] * bool(statement.waypoints)  # the name of LET or SET stands before it
+        parts += ["="] * bool(statement.waypoints)  # the name of LET or SET comes before it
         parts.append(print_expression(statement.expression))
     if statement.time:
         parts.append(_time(statement.time))
@@ -121,13 +127,13 @@ def _rows_of(statement: Statement) -> list[_Row]:
 
 
 def _code_rows(statement: Statement) -> list[int]:
-    """The rows of a statement that have code: the first, and those in which way-points begin."""
+    """Return the rows of a statement that have code: the first, and those in which way-points begin."""
     first = statement.waypoints[0].place.row if statement.waypoints else 0
     return [0, *sorted({waypoint.place.row for waypoint in statement.waypoints} - {first})]
 
 
 def print_expression(expression: Expression) -> str:
-    """An expression with the brackets that it was written with: no blanks round * / % **, one round the others."""
+    """Print an expression with its brackets as written: no blanks around * / % **, one around the others."""
     match expression:
         case Binary(operator, left, right):
             blank = "" if operator in _TIGHT else " "
@@ -156,13 +162,13 @@ def _waypoints(waypoints: tuple[WayPoint, ...]) -> str:
 
 
 def _head_of_function(waypoints: tuple[WayPoint, ...]) -> str:
-    """What stands between FUNC and its equals sign: a name, and parameters in brackets."""
+    """Print the part between FUNC and its equals sign: a name, and parameters in brackets."""
     ((name, *parameters),) = (waypoint.values for waypoint in waypoints)
     return f"{_item(name)}({', '.join(map(_item, parameters))})"
 
 
 def _waypoint(waypoint: WayPoint, is_last: bool) -> str:
-    """A way-point with its time; what is said of the last one's velocity stands behind the motion time."""
+    """Print a way-point with its time; the velocity of the last one comes after the motion time."""
     parts = [_item(value) for value in waypoint.values]
     if waypoint.time:
         parts.append(_time(waypoint.time))
@@ -195,7 +201,7 @@ _Item = Number | Word | Percent | Text | Other | Computed | ComputedPercent | Fr
 
 
 def _item(item: _Item) -> str:
-    """A leaf, or what is computed."""
+    """Print a leaf, or a computed value."""
     match item:
         case Word():
             return item.name

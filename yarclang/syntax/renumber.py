@@ -9,7 +9,9 @@ from yarclang.syntax.words import DECLARATIONS
 
 
 def renumbered(module: Module, start: int, step: int) -> Module:
-    """The same module, its commands with ascending indices in the order of the file; a command without one gets one."""
+    """Return the module with ascending indices of its commands in the order of the file; a command without an
+    index gets one.
+    """
     number = start
     statements: list[Statement] = []
     for one in module.statements:

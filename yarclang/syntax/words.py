@@ -1,4 +1,4 @@
-"""The words of the language: sets of those that files describe, and those of options and expressions."""
+"""The words of the language: those that are described in files, and those of options and expressions."""
 
 from types import MappingProxyType
 
@@ -6,17 +6,17 @@ from yarclang.syntax.ast import Statement
 from yarclang.words.registry import word_specs
 
 LONGEST_INDEX = 9
-"""Digits of an index."""
+"""Maximum number of digits of an index."""
 
 BLOCK_HEADS = frozenset(name for name, word in word_specs().items() if word.opens_block)
-"""Words that begin a block, which END ends."""
+"""Words that begin a block, which ends at END."""
 
 BLOCK_ENDS = frozenset(name for name, word in word_specs().items() if word.ends_block)
 """Words that end a block."""
 
 
 def opens_block(statement: Statement) -> bool:
-    """Return True if a statement begins a block, which a word of `BLOCK_ENDS` ends."""
+    """Return True if a statement begins a block, which ends at a word of `BLOCK_ENDS`."""
     return statement.name.name in BLOCK_HEADS or statement.waits_else
 
 
@@ -27,13 +27,15 @@ DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() i
 """Declarations that a block may hold, besides commands and blocks."""
 
 AVOID = "AVOID"
-"""The suffix of a name, between target and profile, of a motion that goes round obstacles."""
+"""The part of a motion's name, between target and profile, that lets it go around obstacles."""
 
 OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO"])
 """Words that begin an option."""
 
 RATES = frozenset(["VEL", "ACC"])
-"""Words that begin the velocities and accelerations at a way-point. They stand behind a time only, where no name stands."""
+"""Words that begin the velocities and accelerations at a way-point. They occur only after a time, where no
+name occurs.
+"""
 
 OPERATORS = frozenset(["OR", "AND", "NOT"])
 """Operators that are words."""
@@ -52,14 +54,17 @@ FUNCTIONS = MappingProxyType(
         "CEIL": (1, 1),
     }
 )
-"""The functions of expressions, with the least and the largest number of arguments (None: any)."""
+"""The functions of expressions, with the minimum and maximum number of arguments (None: any)."""
 
 CONSTANTS = frozenset(["PI"])
 """Names that stand for a number everywhere."""
 
 STATES = frozenset(["ON", "OFF"])
-"""What an input or an output is."""
+"""States of an input or an output."""
 
 RESERVED = word_specs().keys() | OPTIONS | OPERATORS | FUNCTIONS.keys() | CONSTANTS | STATES
-"""Words that can't be declared as names, besides those of the commands. Units are none of them: they stand in
-round brackets, where no name stands. Nor is the V of `[V 250]`, since a name has a `$` before it there."""
+"""Words that can't be declared as names, in addition to those of the commands.
+
+Units are not among them, since they occur only in round brackets, where no name occurs. Nor is the V of `[V
+250]`, since a name has a `$` before it there.
+"""

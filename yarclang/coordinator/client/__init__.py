@@ -1,7 +1,8 @@
-"""What one client of a coordinator may do, in parts by what they are for. Each part may be used alone.
+"""The actions of a coordinator's client, grouped by purpose. Each part may be used alone.
 
-What moves the robot, or changes the session, is for its owner: else `NotOwner`. What a user does wrong in a text is a finding; what can't be done now is a
-`Trouble`, which says what, why and what to do.
+Anything that moves the robot or changes the session is for the robot's owner; others get `NotOwner`. A
+mistake in a user's text is a finding. Something that can't be done now is a `Trouble` with the fact, its
+reason and a remedy.
 """
 
 from __future__ import annotations
@@ -20,17 +21,17 @@ class Client:
     """One client.
 
     Args:
-        coordinator: of the robot.
-        name: what others know the client by.
+        coordinator: the robot's coordinator.
+        name: name of the client for others.
 
     Attributes:
-        name: likewise.
-        robot: that the coordinator owns.
-        session: who may move the robot, what holds, what is told.
-        motion: offers, programs, stops, the pace, where the robot stands.
-        live: motions that nobody knows to their end.
+        name: name of the client for others.
+        robot: robot of the coordinator.
+        session: ownership, declarations, events.
+        motion: offers, programs, stops, the override, the robot's position.
+        live: motions whose end is not known in advance.
         signals: inputs and outputs.
-        parts: where the parts of the cell are.
+        parts: places of the cell's parts.
         files: programs in files.
     """
 

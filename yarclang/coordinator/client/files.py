@@ -1,4 +1,4 @@
-"""Programs in files, and the session as one."""
+"""Programs in files, and saving the session as a program."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ class Files(Part):
     """The part of a client that reads and writes programs."""
 
     async def load(self, source: Source, *, here: bool = False, as_now: bool = True) -> Result[Loaded]:
-        """Compile and prove a program for this robot, or judge a compiled one.
+        """Compile and prove a program for this robot, or verify a compiled one.
 
         Args:
-            source: where it is, and how it is compiled.
-            here: whether a program that doesn't say START begins where the robot stands.
-            as_now: True if the parts of its cell are where they are now; False: where the cell's file has them.
+            source: location of the program, and options for compiling.
+            here: True if a program without START begins where the robot stands.
+            as_now: True if the parts of its cell are where they are now; False: where the cell's file has
+                them.
 
         Returns:
-            None where an error forbids to run it.
+            None if an error forbids running it.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection; both only matter where it begins `here`.
+            Trouble: the robot is moving, or there is no connection; only if the program begins `here`.
         """
         coordinator = self._coordinator
         stands = await coordinator.stands() if here else None
@@ -37,16 +38,16 @@ class Files(Part):
         return made
 
     def saved(self, folder: Path | None = None) -> str:
-        """Return the session as a program that does the same.
+        """Return the session as a program with the same effect.
 
         Args:
-            folder: where it is to stand: names of files are written as they are seen from there. None: from the session's own.
+            folder: folder of the program: names of files are written relative to it. None: the session's own.
         """
         coordinator = self._coordinator
         return coordinator.history.saved(coordinator.lines, coordinator.planner.folder, folder)
 
     def save(self, path: Path) -> None:
-        """Write the session as a program.
+        """Write the session to a file as a program.
 
         Raises:
             Trouble: the file can't be written, and why.

@@ -1,4 +1,4 @@
-"""Motions that nobody knows to their end: jogs, velocities, masters."""
+"""Motions whose end is not known in advance: jogs, velocities, masters."""
 
 from __future__ import annotations
 
@@ -13,29 +13,30 @@ from yarclang.diagnostics import Result
 from yarclang.lasting import NO_TIME
 
 LIVE = Settings()
-"""How live motions are made, unless somebody says otherwise."""
+"""Default settings of live motions."""
 
 
 class LiveMotion(Part):
-    """The part of a client that drives the robot as long as it says so."""
+    """The part of a client that moves the robot for as long as it sends targets."""
 
     async def drive(
         self, target: Target, *, moving: str = "{TCP}", settings: Settings = LIVE, name: str = "jog"
     ) -> Result[Drive]:
-        """Begin a live motion: a jog, a velocity, or a master that is followed. It goes on as long as something is wanted of it.
+        """Begin a live motion: a jog, a velocity, or following a master. It continues as long as targets
+        arrive.
 
         Args:
-            target: what is wanted at first.
-            moving: the frame that twists move, and whose speed is limited.
-            settings: how fast at most.
-            name: what it is called.
+            target: first target.
+            moving: frame that twists move, and whose speed is limited.
+            settings: limits of the motion.
+            name: name of the motion for people.
 
         Returns:
-            A finding instead, where no live motion can begin here.
+            A finding instead, if no live motion can begin here.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is under way, or there is no connection.
+            Trouble: something is in progress, or there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to move the robot")

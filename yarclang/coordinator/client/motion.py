@@ -1,4 +1,4 @@
-"""What moves the robot to an end that is known before: offers, programs, stops, the pace; and where it stands."""
+"""Motions whose end is known in advance: offers, programs, stops, the override; and the robot's position."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ from yarclang.runtime.state import State
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Where:
-    """Where the robot stands: `joints` (n,) commanded [rad or m], and `base_from_moving` (4, 4), the moving frame in the frame that was asked for."""
+    """The position of the robot: `joints` (n,) commanded [rad or m], and `base_from_moving` (4, 4), the
+    moving frame in the requested frame.
+    """
 
     joints: Array
     base_from_moving: Array
@@ -43,13 +45,13 @@ class Where:
 class Motion(Part):
     """The part of a client that moves the robot."""
 
-    # where it stands
+    # position
 
     async def stands(self) -> Array:
-        """Return (n,) where the robot is commanded to stand [rad or m], asked now.
+        """Return the robot's commanded position (n,) [rad or m], asked now.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         return await self._coordinator.stands()
 
@@ -57,11 +59,11 @@ class Motion(Part):
         """Return where the robot stands, as joints and as the pose of a frame in another.
 
         Args:
-            base: the frame in which the pose is told; any that a motion may name as its base.
-            moving: the frame whose pose it is; any that a motion may move.
+            base: frame in which the pose is given; any frame that a motion may name as its base.
+            moving: frame whose pose is returned; any frame that a motion may move.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         names = self._coordinator.names
         around, moved = names.base(base), names.moving(moving)
@@ -72,15 +74,16 @@ class Motion(Part):
         pose = tool_poses(self._coordinator.robot.chain, joints[None], np.asarray(moved.value.transform))[0]
         return Result(Where(joints, np.linalg.inv(around.value.transform) @ pose), found)
 
-    # what is planned
+    # planning
 
     async def offer(self, text: str) -> Result[Offer]:
-        """Plan and certify a line, a block or several lines from where the robot stands, behind all that was accepted. Nothing moves.
+        """Plan and certify a line, a block or several lines from where the robot stands, after all accepted
+        declarations. Nothing moves.
 
-        Anybody may ask. Empty text gives no offer and no finding.
+        Any client may ask. Empty text gives no offer and no finding.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         coordinator = self._coordinator
         start = await coordinator.stands()
@@ -100,7 +103,8 @@ class Motion(Part):
         return made
 
     async def offer_back(self) -> Result[Offer]:
-        """Plan and certify the last motion backwards, along the same path, with all that it flowed together with.
+        """Plan and certify the reverse of the last motion, along the same path, including all motions that
+        flowed into it.
 
         Raises:
             Trouble: as `offer`.
@@ -144,13 +148,14 @@ class Motion(Part):
         return Result(replace(made.value, takes_back=len(group)), made.diagnostics)
 
     async def offer_recovery(self, loaded: Loaded) -> Recovered:
-        """Plan and certify the way from where the robot stands to a program: to its start, else to the nearest place at which it may begin. Nothing moves.
+        """Plan and certify the motion from where the robot stands to a program: to its start, or else to the
+        nearest place at which it may begin. Nothing moves.
 
         Args:
-            loaded: the program; if a command was named to begin with, there and nowhere else.
+            loaded: the program; if it begins with a named command, only that place is tried.
 
         Raises:
-            Trouble: as `offer`; or nobody knows where the parts of its cell are.
+            Trouble: as `offer`; or the places of the cell's parts are unknown.
         """
         return await recovered(self._coordinator, loaded)
 
@@ -158,11 +163,11 @@ class Motion(Part):
         """Carry an offer out: its declarations stay from now on, its motions move the robot.
 
         Returns:
-            How it has ended; a stop, for example, is an end that isn't well.
+            The outcome, also if the motion ended early, for example by a stop.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is under way, or what was offered doesn't hold any more.
+            Trouble: something is in progress, or the offer is no longer valid.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to move the robot")
@@ -203,7 +208,8 @@ class Motion(Part):
         return ended
 
     async def _check_surroundings(self, offer: Offer) -> None:
-        """Check that the cell that an offer was proved in is the same, and that its parts are where they were.
+        """Check that the cell of an offer is still the same, and that its parts are where they were when the
+        offer was proved.
 
         Raises:
             Trouble: something has changed.
@@ -216,18 +222,20 @@ class Motion(Part):
         coordinator.carrying.kept.check(cell, first_parts(cell) if cell.parts else None)
 
     async def run(self, loaded: Loaded, *, approach: bool = False, times: int | None = 1) -> Ended:
-        """Carry a whole program out; `load_program` makes it, from a command on or command by command, if that is wanted.
+        """Run a whole program, as made by `load_program`, which can also begin at a command or run command by
+        command.
 
-        Between two commands that are carried out one by one, and at a HOLD, `resume` goes on.
+        Between two single commands, and at a HOLD, `resume` continues.
 
         Args:
             loaded: the program.
-            approach: whether to move slowly to its start first, if the robot isn't there. In a start zone of the cell that needs nobody's word.
-            times: how often; None: until somebody stops it.
+            approach: if True, first move slowly to the start if the robot isn't there. In a start zone of the
+                cell, this is done in any case.
+            times: number of passes; None: until someone stops it.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: something is under way, or the robot isn't where the program starts.
+            Trouble: something is in progress, or the robot isn't where the program starts.
         """
         undertaking = Undertaking(loaded, self._coordinator, times)
         return await self.undertake(undertaking, approach=approach)
@@ -235,12 +243,13 @@ class Motion(Part):
     async def undertake(
         self, undertaking: Undertaking, *, approach: bool = False, stops: int | None = None
     ) -> Ended:
-        """Carry a whole program out, as `run` does.
+        """Run a whole program, as `run` does.
 
         Args:
-            undertaking: knows how far it is, also behind its end.
-            approach: as of `run`.
-            stops: how many stops were wanted when this was asked for: behind another one nothing begins. None: it is asked for now.
+            undertaking: tracks the progress of the program, also after its end.
+            approach: as for `run`.
+            stops: number of stops when this was requested: after a further stop, nothing begins. None: it is
+                requested now.
 
         Raises:
             NotOwner, Trouble: as `run`.
@@ -268,25 +277,25 @@ class Motion(Part):
         finally:
             undertaking.remember(coordinator.history)
 
-    # what happens at once
+    # immediate actions
 
     def stop(self) -> None:
-        """Come to rest on the path and end what is under way. Overtakes everything; for everybody."""
+        """Come to rest on the path and end the current action. Overtakes everything; for every client."""
         self._coordinator.stop()
 
     def abort(self) -> None:
-        """Each motor comes to rest at once, off the path. For everybody."""
+        """Bring each motor to rest at once, off the path. For every client."""
         self._coordinator.abort()
 
     def hold(self) -> None:
-        """Come to rest on the path, ready to go on. For everybody."""
+        """Come to rest on the path, ready to continue. For every client."""
         self._coordinator.hold()
 
     def resume(self, answer: int | None = None) -> None:
-        """Go on: behind a hold, at a HOLD of the program, to the next step.
+        """Continue after a hold, at a HOLD of the program, or with the next step.
 
         Args:
-            answer: what the HOLD has asked for.
+            answer: answer to the question of the HOLD.
 
         Raises:
             NotOwner: this client only watches.
@@ -294,16 +303,17 @@ class Motion(Part):
         coordinator = self._coordinator
         coordinator.check_pace(self._name, "to go on")
         session = coordinator.engine.session
-        # a hold that wasn't looked at yet is a hold
+        # A hold that wasn't processed yet counts as a hold.
         if session.paused or coordinator.state is State.HOLD or Hold() in session.operation.orders:
             session.order(Resume(answer))
 
     def override(self, percent: float) -> None:
-        """Another pace, for what is under way and what comes: `percent` of the programmed speed, 1 to 100.
+        """Set the override of the current action and of later ones: `percent` of the programmed speed, 1 to
+        100.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the number isn't one.
+            Trouble: the number is out of range.
         """
         coordinator = self._coordinator
         coordinator.check_pace(self._name, "to change the override")
@@ -318,18 +328,18 @@ class Motion(Part):
             coordinator.tell_override()
 
     async def clear(self) -> None:
-        """Look at the controller behind a fault; where all is well, motions are possible again.
+        """Inspect the controller after a fault. If all is well, motions are possible again.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: it isn't well, and why.
+            Trouble: something is wrong, and what.
         """
         self._coordinator.check_owner(self._name, "to clear a fault")
         await self._coordinator.engine.clear()
 
 
 def _performed(offer: Offer, job: Job) -> Performed | None:
-    """Return what of an offer is followed: nothing if no part is in its cell."""
+    """Return the steps of an offer that may move parts; None if its cell has no parts."""
     plan = offer.plan
     if plan is None or plan.program.cell is None or not plan.program.cell.parts:
         return None

@@ -1,4 +1,4 @@
-"""What all parts of a client share."""
+"""The base class of all parts of a client."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ class Part:
     """A part of a client.
 
     Args:
-        coordinator: of the robot.
-        name: of the client.
+        coordinator: the robot's coordinator.
+        name: name of the client.
     """
 
     def __init__(self, coordinator: SharedRobot, name: str) -> None:

@@ -1,4 +1,4 @@
-"""Where the parts of the cell are."""
+"""The places of the cell's parts."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ from yarclang.runtime.actions import Trouble
 
 
 class Parts(Part):
-    """The part of a client that asks where the parts of the session's cell are, and says it."""
+    """The part of a client that asks for and sets the places of parts in the session's cell."""
 
     def where(self, file: str | None = None) -> Result[Known]:
-        """Return what is known of the parts of a cell.
+        """Return what is known about the parts of a cell.
 
         Args:
-            file: of the cell; None: the session's.
+            file: file of the cell; None: the session's cell.
 
         Returns:
-            None for a file whose parts nothing has moved.
+            None for a file whose parts were never moved.
 
         Raises:
             Trouble: the session's cell has no parts.
@@ -41,16 +41,16 @@ class Parts(Part):
         return Result(self._known(made.value.cell))
 
     async def as_filed(self, part: str | None = None) -> Result[Known]:
-        """Say that a part, or all of them (None), are where the cell's file has them.
+        """Declare that a part, or all parts (None), are where the cell's file has them.
 
         Raises:
             NotOwner: this client only watches, and the owner doesn't share the robot.
-            Trouble: no part is called so, or the robot is under way.
+            Trouble: there is no part with this name, or the robot is moving.
         """
         return await self._say(lambda known: Result(as_filed(known, part)), part or "all parts")
 
     async def gone(self, part: str) -> Result[Known]:
-        """Say that a part isn't in the cell any more.
+        """Declare that a part is no longer in the cell.
 
         Raises:
             NotOwner, Trouble: as `as_filed`.
@@ -58,12 +58,12 @@ class Parts(Part):
         return await self._say(lambda known: Result(gone(known, part)), part)
 
     async def put(self, part: str, frame: str, frame_from_part: Array) -> Result[Known]:
-        """Say that a part lies somewhere, or hangs in a gripper.
+        """Declare that a part lies somewhere, or is held by a gripper.
 
         Args:
-            part: its name.
-            frame: the frame in which its place is told; that of a gripper: the gripper holds it.
-            frame_from_part: (4, 4) its place [m].
+            part: name of the part.
+            frame: frame in which the place is given; a gripper's frame means that the gripper holds the part.
+            frame_from_part: (4, 4) place of the part [m].
 
         Raises:
             NotOwner, Trouble: as `as_filed`.

@@ -1,4 +1,4 @@
-"""Who may move the robot, what was declared, and what is told."""
+"""Ownership of the robot, declarations, and events."""
 
 from __future__ import annotations
 
@@ -14,50 +14,51 @@ from yarclang.semantics.names.scope import Frame
 class Session(Part):
     """The part of a client that belongs to the session as a whole."""
 
-    # who owns the robot
+    # ownership
 
     @property
     def owns(self) -> bool:
-        """Whether this client may move the robot."""
+        """Return True if this client may move the robot."""
         return self._coordinator.owner == self._name
 
     def own(self, *, shared: bool = False) -> None:
         """Own the robot from now on.
 
         Args:
-            shared: whether others may resume and change the pace as well, as people do from another terminal.
+            shared: True if other clients may also resume and change the override, as people do from another
+                terminal.
 
         Raises:
-            NotOwner: somebody else does.
+            NotOwner: another client owns it.
         """
         self._coordinator.own(self._name, shared=shared)
 
     def give(self, to: str) -> None:
-        """Give the robot over to another client.
+        """Hand the robot over to another client.
 
         Raises:
-            NotOwner: it isn't this client's, or nobody is called so.
+            NotOwner: this client doesn't own it, or there is no client with this name.
         """
         self._coordinator.give(self._name, to)
 
     def release(self) -> None:
-        """Leave the robot to nobody; nothing where this client doesn't own it."""
+        """Give up the robot, so that no one owns it; does nothing if this client doesn't own it."""
         if self.owns:
             self._coordinator.give(self._name, "")
 
     def leave(self) -> None:
-        """Go away. If this client owned the robot, it comes to rest on its path."""
+        """Leave the coordinator. If this client owned the robot, the robot comes to rest on its path."""
         self._coordinator.detach(self._name)
 
     def events(self, capacity: int = CAPACITY) -> Subscription:
         """Return all events from now on."""
         return self._coordinator.subscribe(capacity)
 
-    # what holds
+    # declarations
 
     @property
     def declarations(self) -> tuple[str, ...]:
-        """What was declared and accepted, as it was written."""
+        """Return the accepted declarations, as they were written."""
         return tuple(self._coordinator.lines.declarations)
 
     def frame(self, name: str) -> Result[Frame]:
@@ -65,14 +66,14 @@ class Session(Part):
         return self._coordinator.names.moving(name)
 
     async def adopt(self, declarations: tuple[str, ...]) -> Result[tuple[str, ...]]:
-        """Let these declarations hold from now on, in the place of all that were accepted before: of a file, or one of them touched up.
+        """Replace all accepted declarations by these, which come from a file, or have been edited.
 
         Returns:
-            None, with findings, where they can't; then those before hold on.
+            None, with findings, if they aren't accepted; then the earlier ones stay.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to change the session")

@@ -17,7 +17,7 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 _FIXED = "the inputs of a real controller are set by what is connected there (Y1619)"
 _AT_ONCE = 16
-"""Variables of one question: a line has 255 characters at most."""
+"""Maximum number of variables in one question: a line has 255 characters at most."""
 
 
 class Signals(Part):
@@ -27,7 +27,7 @@ class Signals(Part):
         """Return the value of an input or output that the session declares.
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         signal = self._coordinator.names.signal(name)
         if signal.value is None:
@@ -38,14 +38,19 @@ class Signals(Part):
         )
 
     async def set(self, name: str, value: float | str) -> Result[float]:
-        """Give an output that the session declares a value, at once: a number, `ON` or `OFF`.
+        """Set an output that the session declares, at once.
+
+        Args:
+            name: name of the output.
+            value: a number, `ON` or `OFF`.
 
         Returns:
-            What the controller says that it is then.
+            The value then reported by the controller.
 
         Raises:
             NotOwner: this client only watches.
-            Trouble: the value is none; the robot is under way (then outputs are the program's), or there is no connection.
+            Trouble: the value is invalid; the robot is moving, so that outputs belong to the program; or
+                there is no connection.
         """
         coordinator = self._coordinator
         coordinator.check_owner(self._name, "to set an output")
@@ -71,11 +76,16 @@ class Signals(Part):
         return Result(told)
 
     def set_input(self, name: str, value: float | str) -> Result[float]:
-        """Give an input of a simulated robot a value, also while a program runs: an input of the session, of a program that was run, or a variable of the controller.
+        """Set an input of a simulated robot, also while a program runs.
+
+        Args:
+            name: an input of the session or of a program that was run, or a variable of the controller.
+            value: a number, `ON` or `OFF`.
 
         Raises:
-            NotOwner: somebody else owns the robot and doesn't share it.
-            Trouble: the value is none; the robot isn't simulated in this process; nothing is named so.
+            NotOwner: another client owns the robot and doesn't share it.
+            Trouble: the value is invalid; the robot isn't simulated in this process; or there is no input
+                with this name.
         """
         coordinator = self._coordinator
         if coordinator.owner:
@@ -101,13 +111,15 @@ class Signals(Part):
 
     @property
     def fixed(self) -> str:
-        """Why inputs can't be set by hand; empty if they can."""
+        """Return why inputs can't be set by hand; empty if they can."""
         return "" if self._coordinator.surroundings is not None else _FIXED
 
     async def values(self, variables: Iterable[str]) -> dict[str, float | None]:
-        """Return the values of variables of the controller; None for those of a real controller while the robot is under way."""
+        """Return the values of controller variables; None for those of a real controller while the robot is
+        moving.
+        """
         found: dict[str, float | None] = dict.fromkeys(variables)
-        wanted = [one for one in found if one]  # what is declared wrongly has no variable
+        wanted = [one for one in found if one]  # a faulty declaration has no variable
         surroundings = self._coordinator.surroundings
         if surroundings is not None:
             return found | {one: surroundings.value(one) for one in wanted}
@@ -126,10 +138,10 @@ class Signals(Part):
 
 
 def _of_bits(variable: str, number: float) -> tuple[tuple[str, float], ...]:
-    """Return which variables get which values: one, or the bits of a group.
+    """Return the variables to set and their values: one, or the bits of a group.
 
     Raises:
-        Trouble: a group can't be this number.
+        Trouble: the group can't have this value.
     """
     if not is_group(variable):
         return ((variable, number),)

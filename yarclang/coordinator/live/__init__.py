@@ -1,6 +1,7 @@
-"""Motions that nobody knows to their end: jogs, velocities, a master that is followed. All of it is pure: time is an argument.
+"""Motions whose end is not known in advance: jogs, velocities, a master that is followed. All functions are
+pure: time is an argument.
 
-`grid.py` makes control points of wanted joint velocities within the limits, `steering.py` joint velocities of what people want,
-`proof.py` judges the text that is made of them by the certificate's arithmetic, and `generator.py` puts them together: nothing
-is streamed before it is proved, with a way to rest behind it.
+`steering.py` computes joint velocities from targets, `grid.py` computes control points from joint velocities
+within the limits, and `proof.py` verifies the text of these points with the certificate's arithmetic.
+`generator.py` combines them: nothing is streamed before it is proved, together with a way to rest after it.
 """

@@ -1,4 +1,4 @@
-"""A live motion that is under way: whoever has it says again and again what is wanted."""
+"""A live motion in progress: its client sends targets again and again."""
 
 from __future__ import annotations
 
@@ -16,20 +16,21 @@ from yarclang.runtime.outcome import Ended
 
 
 class Drive:
-    """The robot moves as long as somebody says so: without a message for 200 ms it comes to rest, and the drive has ended.
+    """A live motion, which continues as long as targets arrive: after 200 ms without one, the robot comes to
+    rest, and the drive has ended.
 
     Args:
-        robot: that moves.
-        generator: makes its motion.
-        running: the motion.
+        robot: the robot.
+        generator: generator of the motion.
+        running: the running motion.
         now: the session's clock [s].
-        stop: ends it by a hold, at once.
-        tell: tells everybody why it doesn't do what is wanted, and which bodies and zones that is about.
-        lag: what lies in the controller's buffer [s].
-        check: raises if whoever has it doesn't own the robot any more.
+        stop: ends the motion by a hold, at once.
+        tell: tells all clients why the target isn't followed, and which bodies and zones are the reason.
+        lag: duration of the lines in the controller's buffer [s].
+        check: raises if the client no longer owns the robot.
 
     Attributes:
-        lag: whatever is wanted is done so much later [s]; a stop isn't.
+        lag: delay of a target [s]; a stop has no such delay.
     """
 
     def __init__(
@@ -55,25 +56,25 @@ class Drive:
 
     @property
     def alive(self) -> bool:
-        """Whether it still takes what is wanted."""
+        """Return True if the drive still accepts targets."""
         return not self._running.has_ended
 
     @property
     def end(self) -> Array:
-        """(n,) where what is streamed ends so far [rad or m]."""
+        """Return where the streamed lines end so far (n,) [rad or m]."""
         return self._generator.end
 
     @property
     def why(self) -> str:
-        """Why it doesn't do what is wanted; empty: it does."""
+        """Return why the target isn't followed; empty: it is."""
         return self._generator.why
 
     def want(self, target: Target) -> None:
-        """This is wanted from now on, for 200 ms.
+        """Set the target for the next 200 ms.
 
         Raises:
-            NotOwner: the robot was given to somebody else; it comes to rest.
-            Trouble: it has ended, or a number isn't finite.
+            NotOwner: the robot was given to another client; it comes to rest.
+            Trouble: the drive has ended, or a number isn't finite.
         """
         self._check()
         if not self.alive:
@@ -90,7 +91,7 @@ class Drive:
                 self._tell(self._told, self._generator.stopped_by)
 
     def joint(self, name: str, speed: float) -> None:
-        """One joint moves with `speed` [rad/s or m/s], to either side.
+        """Move one joint with `speed` [rad/s or m/s]; the sign is the direction.
 
         Raises:
             Trouble: there is no such joint; else as `want`.
@@ -103,15 +104,23 @@ class Drive:
         angular: Sequence[float] = (0.0, 0.0, 0.0),
         axes: Literal["base", "tool"] = "base",
     ) -> None:
-        """The tool moves along and turns about axes of {B} or its own [m/s, rad/s]; else as `want`."""
+        """Move the tool; else as `want`.
+
+        Args:
+            linear: velocity of the tool's origin [m/s].
+            angular: angular velocity [rad/s].
+            axes: the axes of both: those of {B}, or the tool's own.
+        """
         self.want(Twist(np.asarray(linear, dtype=float), np.asarray(angular, dtype=float), axes))
 
     def follow(self, q: Array, rate: Array | None = None) -> None:
-        """Be where a master is: joints (n,) [rad or m], which move with `rate` (n,); else as `want`."""
+        """Follow a master at joints `q` (n,) [rad or m], which move with `rate` (n,) [rad/s or m/s]; else as
+        `want`.
+        """
         self.want(Master(q, np.zeros_like(q) if rate is None else rate))
 
     def finish(self) -> None:
-        """Come to rest within the limits, behind what lies in the buffer, and end."""
+        """Come to rest within the limits, after the lines in the buffer, and end."""
         self._generator.finish()
 
     def stop(self) -> None:
@@ -120,12 +129,17 @@ class Drive:
             self._stop()
 
     async def ended(self) -> Ended:
-        """How it has ended, when it has."""
+        """Wait for the end, and return the outcome."""
         return await self._running.ended()
 
 
 def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
-    """One joint's velocity.
+    """Return a target with one joint's velocity.
+
+    Args:
+        robot: the robot.
+        name: name of the joint.
+        speed: its velocity [rad/s or m/s].
 
     Raises:
         Trouble: there is no such joint.
@@ -139,7 +153,7 @@ def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
 
 
 def check_finite(target: Target) -> None:
-    """Refuse what isn't a number.
+    """Check that a target's values are finite.
 
     Raises:
         Trouble: a value isn't finite, or there are too few or too many.

@@ -1,7 +1,9 @@
-"""A live motion as text: control points of what is wanted now, proved before they are streamed, with a proved way to rest behind them.
+"""A live motion as text: control points for the current target, proved before they are streamed, with a
+proved way to rest after them.
 
-At each instant there is a way to rest that the judge has had no objection to. If what is wanted can't be proved, that way is taken instead, point by point: so the robot
-comes to rest in front of a limit, an obstacle or a zone, and goes away from it when that is wanted.
+At each instant there is a way to rest that the judge has admitted. If the target can't be proved, that way is
+taken instead, point by point. So the robot comes to rest before a limit, an obstacle or a zone, and moves
+away from it if that is the target.
 """
 
 from __future__ import annotations
@@ -16,25 +18,32 @@ from yarclang.coordinator.live.steering import Steering, Target
 from yarclang.robot.model import Array, Robot
 
 WATCHDOG = 0.2
-"""Without a message for so long, the robot comes to rest [s]."""
+"""Time without a message after which the robot comes to rest [s]."""
 
 STRIDE = 3
-"""Points that are proved together while the robot moves: what is wanted is looked at as often."""
+"""Number of points that are proved together while the robot moves; the target is read once per stride."""
 
 _FIRST_STRIDE = 36
-"""The same at most where many are wanted at once, before the motion begins: what is wanted is looked at as often all the same."""
+"""Maximum number of points proved together if many are needed at once, before the motion begins; the target
+is still read once per stride.
+"""
 
 _SAME_WAY = 0.7
-"""The cosine between two ways that are about the same."""
+"""Cosine of the angle between two directions that count as about the same."""
 
 _USED = {"velocity": 0.98, "acceleration": 0.9, "jerk": 0.85}
-"""What of the limits is used: printing takes the rest."""
+"""Share of the limits that is used; the rest allows for rounding in printing."""
 
 
 def rates_of(robot: Robot, share: float = 1.0) -> Rates:
-    """The rates that a robot is moved with; `share` of its largest velocities."""
+    """Return the rates for moving a robot.
+
+    Args:
+        robot: the robot.
+        share: share of its largest velocities.
+    """
     limits = robot.limits
-    # a motor that drives several joints may be the slower one
+    # A motor that drives several joints may be slower than the joints' own limits.
     gear = np.abs(robot.actuation.coupling * robot.actuation.gear[:, None]) / robot.axis_units
     together = gear @ limits.velocity
     slower = np.where(gear > 0.0, (robot.actuation.velocity / together)[:, None], np.inf).min(axis=0)
@@ -49,18 +58,18 @@ class Generator:
     """One live motion, from rest to rest.
 
     Args:
-        robot: that moves.
-        start: (n,) where it is commanded to stand [rad or m].
+        robot: the robot.
+        start: (n,) its commanded position [rad or m].
         printed: prints positions (k, n) [rad or m] as lines.
         segment: TM [s].
-        steering: makes velocities of what is wanted.
+        steering: computes velocities from targets.
         judge: admits the text.
-        rates: the limits that it is made with.
+        rates: limits of the motion.
 
     Attributes:
-        ended: whether the text ends at rest for good: no more lines come.
-        why: why it doesn't do what is wanted; empty: it does.
-        stopped_by: the bodies and zones that `why` is about; empty: it is about none.
+        ended: True if the text ends at rest for good: no more lines follow.
+        why: why the target isn't followed; empty: it is.
+        stopped_by: bodies and zones that `why` is about; empty: none.
     """
 
     def __init__(
@@ -91,32 +100,32 @@ class Generator:
 
     @property
     def end(self) -> Array:
-        """(n,) where the text ends so far [rad or m]."""
+        """Return where the text ends so far (n,) [rad or m]."""
         return self._state.c
 
     @property
     def rests(self) -> bool:
-        """Whether it ends at rest."""
+        """Return True if the text ends at rest."""
         return self._state.rests
 
     def want(self, target: Target, now: float) -> None:
-        """This is wanted from now on, for the watchdog's time."""
+        """Set the target, for the watchdog's time."""
         self._target, self._heard = target, now
 
     def finish(self) -> None:
-        """Nothing is wanted any more: come to rest, and end the text there."""
+        """Drop the target: come to rest, and end the text there."""
         self._ending = True
 
     def expired(self, now: float) -> bool:
-        """Whether nobody has said anything for too long."""
+        """Return True if no target has come for too long."""
         return now - self._heard > WATCHDOG
 
     def more(self, now: float, count: int) -> tuple[str, ...]:
-        """Lines behind all that came before: `count` or one more of them, or fewer where the text ends.
+        """Return further lines: `count` or a few more of them, or fewer if the text ends.
 
         Args:
             now: the host's clock [s].
-            count: how many are wanted.
+            count: number of lines wanted.
         """
         lines: list[str] = []
         target = None if self._ending or self.expired(now) else self._target
@@ -128,7 +137,7 @@ class Generator:
         return tuple(lines)
 
     def _stride(self, target: Target | None, size: int) -> tuple[str, ...]:
-        """The next points, as wanted if that can be proved, else towards rest."""
+        """Return the next points: towards the target if that can be proved, else towards rest."""
         h, rates = self._segment, self._rates
         states: list[State] = []
         state = self._state
@@ -149,14 +158,14 @@ class Generator:
             self.why, self.stopped_by = steered.held_back, ()
             return self._taken(lines, state, rest)
         if size > STRIDE:
-            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # some of it can be done
-        # whoever goes on wanting it would creep up to a border
+            return self._stride(target, size // 2 // STRIDE * STRIDE or STRIDE)  # part of it may do
+        # Without this, a repeated target would creep up to a border.
         self.why, self._refused = objection, steered.velocity
         self.stopped_by = self._judge.stopped_by
         return self._towards_rest()
 
     def _towards_rest(self) -> tuple[str, ...]:
-        """The next points of the way to rest that was proved as the one behind what is streamed already."""
+        """Return the next points of the way to rest that was proved for the end of the streamed lines."""
         known = self._rest or (State.at_rest(self._state.c),)
         states = [known[min(number, len(known) - 1)] for number in range(STRIDE)]
         return self._taken(self._printed(states), states[-1], known[STRIDE:])
@@ -175,5 +184,5 @@ class Generator:
 
 
 def _along(one: Array, other: Array) -> bool:
-    """Whether two joint velocities lead about the same way."""
+    """Return True if two joint velocities have about the same direction."""
     return bool(one @ other > _SAME_WAY * np.linalg.norm(one) * np.linalg.norm(other))

@@ -1,7 +1,9 @@
-"""Wanted joint velocities to control points of a uniform cubic B-spline, with bounded velocity, acceleration and jerk.
+"""Control points of a uniform cubic B-spline from wanted joint velocities, with bounded velocity,
+acceleration and jerk.
 
-With control points c at the grid's times, v = (c[k] - c[k-1]) / h, a = (v[k] - v[k-1]) / h, j = (a[k] - a[k-1]) / h. The executed velocity lies in the convex hull of
-these v, its acceleration between these a, and its jerk is these j: limits that they keep, the motion keeps.
+With control points c at the grid's times, v[k] = (c[k] - c[k-1]) / h, a[k] = (v[k] - v[k-1]) / h, j[k] =
+(a[k] - a[k-1]) / h. The executed velocity lies in the convex hull of these v, its acceleration between these
+a, and its jerk is these j. So limits on v, a and j are limits on the motion.
 """
 
 from __future__ import annotations
@@ -13,15 +15,15 @@ import numpy as np
 from yarclang.robot.model import Array
 
 _STILL = 1e-9
-"""A velocity [rad/s or m/s] that is none."""
+"""Velocity that counts as zero [rad/s or m/s]."""
 
 _LONGEST = 2000
-"""Points of a way to rest at most."""
+"""Maximum number of points of a way to rest."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rates:
-    """The largest velocity, acceleration and jerk of each joint (n,) [rad or m, s] that are used."""
+    """The largest velocity, acceleration and jerk of each joint (n,) that are used [rad or m, s]."""
 
     velocity: Array
     acceleration: Array
@@ -38,52 +40,55 @@ class State:
 
     @staticmethod
     def at_rest(q: Array) -> State:
-        """Standing at joint positions (n,) [rad or m]."""
+        """Return the state of standing at joint positions (n,) [rad or m]."""
         nothing = np.zeros(len(q))
         return State(q, nothing, nothing)
 
     @property
     def rests(self) -> bool:
-        """Whether nothing moves any more."""
+        """Return True if nothing moves any more."""
         return not (self.v.any() or self.a.any())
 
 
 def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
-    """One more control point.
+    """Compute the next control point.
 
-    All joints change their velocities together, so that a change keeps the direction of a motion; each reaches what is wanted without going past it.
+    All joints change their velocities together, so that a change keeps the direction of the motion; each
+    joint reaches its target velocity without overshoot.
 
     Args:
-        state: the last one.
-        wanted: (n,) joint velocities; they are cut to the limits.
+        state: last state.
+        wanted: (n,) joint velocities [rad/s or m/s]; they are clipped to the limits.
         rates: limits.
-        h: the segment time [s].
+        h: segment time [s].
     """
     wanted = np.clip(wanted, -rates.velocity, rates.velocity)
     change = wanted - state.v
     way = np.abs(change)
     if way.max() <= _STILL and np.abs(state.a).max() < _STILL:
-        # what is left is rounding
+        # The remaining difference is rounding.
         return State(state.c + h * wanted, wanted, np.zeros_like(wanted))
     moves = way > _STILL
     ways = np.where(moves, way, 1.0)
-    # the joint that takes longest says how fast all of them change
+    # The slowest joint limits the rate at which all joints change.
     acceleration = np.where(
         moves, ways * np.where(moves, rates.acceleration / ways, np.inf).min(), rates.acceleration
     )
     jerk = np.where(moves, ways * np.where(moves, rates.jerk / ways, np.inf).min(), rates.jerk)
-    # from an acceleration of x jerks on, falling by one each step, n steps gain x n - n (n - 1) / 2
+    # In units of one jerk step (jerk h): an acceleration of x that falls by one per step changes the velocity
+    # by x n - n (n - 1) / 2 in n steps. `aim` is the x with which n steps make exactly the remaining change.
     gain = way / (jerk * h * h)
     n = np.maximum(np.ceil((np.sqrt(1.0 + 8.0 * gain) - 1.0) / 2.0 - 1e-9), 1.0)
     aim = np.minimum((gain / n + (n - 1.0) / 2.0) * jerk * h, acceleration)
-    # it rises as fast as the slowest joint lets it, and falls as fast as it can
+    # The acceleration rises as fast as the slowest joint allows, and falls as fast as possible.
     side = np.where(change < 0.0, -1.0, 1.0)
     before, full, rise = side * state.a, rates.jerk * h, jerk * h
     against = before < 0.0
-    # what still leads the other way ends for all joints at once: else the direction would change meanwhile
+    # Accelerations in the opposite direction end for all joints at once: otherwise the direction would change
+    # meanwhile.
     strong = np.where(against, -before, _STILL)
     unwound = strong * (full / np.maximum(strong, _STILL)).min()
-    # but for one that would go past its velocity meanwhile
+    # Except for a joint that would overshoot its velocity meanwhile.
     steps = np.floor(strong / unwound)
     gained = h * (steps * strong - unwound * steps * (steps + 1.0) / 2.0)
     unwound = np.where(gained - side * state.v > rates.velocity, full, unwound)
@@ -94,7 +99,13 @@ def advance(state: State, wanted: Array, rates: Rates, h: float) -> State:
 
 
 def to_rest(state: State, rates: Rates, h: float) -> tuple[State, ...]:
-    """The states up to one that rests, as soon as the limits allow."""
+    """Compute the states up to one at rest, as soon as the limits allow.
+
+    Args:
+        state: last state.
+        rates: limits.
+        h: segment time [s].
+    """
     nothing = np.zeros_like(state.c)
     states: list[State] = []
     while not state.rests:

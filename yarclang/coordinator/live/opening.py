@@ -1,4 +1,4 @@
-"""A live motion before it begins: how it is made, who judges it, and who makes its lines."""
+"""The beginning of a live motion: its settings, its judge, and its generator."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ SEGMENT = 10.0 * MS
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How a live motion is made: `speed` of the tool at most [m/s] (None: the robot's `jog_speed`), `share` of the joints' velocity limits, the segment time [s]."""
+    """Settings of a live motion: maximum `speed` of the tool [m/s] (None: the robot's `jog_speed`), `share`
+    of the joints' velocity limits, the segment time [s].
+    """
 
     speed: float | None = None
     share: float = 1.0
@@ -33,18 +35,21 @@ class Settings:
 def live_motion(
     robot: Robot, here: Array, moving: Moving, cell: Cell | None, settings: Settings, name: str
 ) -> Result[tuple[Live, Generator]]:
-    """A live motion from where the robot stands: no RAPID leads to a printed start, since that takes the motors' acceleration time, whatever the way.
+    """Build a live motion from where the robot stands.
+
+    No RAPID leads to a printed start, since that would take the motors' acceleration time, however short the
+    way.
 
     Args:
-        robot: that moves.
-        here: (n,) where it is commanded to stand [rad or m], as the controller tells it.
+        robot: the robot.
+        here: (n,) its commanded position as reported by the controller [rad or m].
         moving: the tool.
-        cell: what is around it, with its parts where they are.
-        settings: how it is made.
-        name: what it is called.
+        cell: the surroundings, with parts at their current places.
+        settings: settings of the motion.
+        name: name of the motion for people.
 
     Returns:
-        A finding instead, where its surroundings can't be read, or don't let it move at all.
+        A finding instead, if the surroundings can't be read, or don't allow any motion.
     """
     around = surroundings_of(robot, around_start(cell), moving)
     if around.value is None:
@@ -61,7 +66,7 @@ def live_motion(
     strict = scene_of(robot, around_start(cell, touching=False)).value if leaves else None
     judge = Judge(robot, here, segment, speed, tool, *around.value, strict=strict, points=writing.points)
     (stands,) = writing.lines(robot, here[None], decimals)
-    # the way to rest behind nothing: to the nearest place that can be printed
+    # The first way to rest leads to the nearest position that can be printed.
     if objection := judge.objection((stands,) * 3, ()):
         message = f"where the robot stands, no live motion can begin: {objection}"
         return Result(None, (Diagnostic("Y1616", message, help="move it away by a command"),))

@@ -1,12 +1,16 @@
-"""The judgement of a live motion's text, by the arithmetic of the certificate. It knows nothing of how the text was made.
+"""Verification of a live motion's text with the certificate's arithmetic. This module knows nothing of how
+the text was made.
 
-What is read are the printed numbers. Behind what was admitted before, they must keep at every instant the limits of position, velocity, acceleration and
-jerk of each joint and of the motors' speeds, the tool's largest speed, the distances of all bodies, and the zones; and the text must end at rest.
+It reads the printed numbers. After the lines admitted before, they must keep at every instant the limits of
+position, velocity, acceleration and jerk of each joint, the limits of the motors' speeds, the tool's largest
+speed, the distances of all bodies, and the zones; and the text must end at rest.
 
-The motion begins where the controller commands the motors to stand: SPLINE1's first three control points are that place, which no line says. So it is an
-argument here, as exactly as the controller's registers tell it, and nothing has to move to a printed start before. Whoever streams the text
-looks once more, right before it begins, and doesn't begin farther away than `slack`. If each of the three is off by d there, then in the first three segments
-velocities are off by d / h at most, accelerations by d / h^2, jerks by 2 d / h^3 (the differences of d, d, d, 0, 0, 0): all of these are judged with that much more.
+The motion begins at the commanded position of the motors: SPLINE1's first three control points are that
+position, which no line contains. So it is an argument here, with the precision of the controller's registers,
+and the robot need not move to a printed start first. The streaming code reads the position once more right
+before the motion, and doesn't begin farther away than `slack`. If each of the three points is off by d, then
+in the first three segments velocities are off by at most d / h, accelerations by d / h^2, and jerks by 2 d /
+h^3 (the differences of d, d, d, 0, 0, 0). All checks allow for these additional amounts.
 """
 
 from __future__ import annotations
@@ -34,36 +38,42 @@ from yarclang.robot.model import START_SHARE, Array, Robot
 from yarclang.units import MM
 
 _BEYOND = 1.0
-"""Bodies of a tool are at most so far beyond its origin [m], where it is told how far they move beside what was proved."""
+"""Maximum distance of a tool's bodies from its origin [m], used for their deviation from the
+proved motion.
+"""
 
 _AHEAD, _AROUND = 1.5, 1e-3
-"""Room is looked for as far around the end of a text as this share of how far it goes, and so much more [rad or m]."""
+"""A region around the end of a text is searched for free room: this share of the text's extent, plus this
+margin [rad or m].
+"""
 
 _CROWDED = 8
-"""Where there was no room, none is looked for in so many texts."""
+"""Number of texts for which no search is made after one without free room."""
 
 _PIECES = (1, 8, 64)
-"""Into so many pieces a segment is cut, one after the other, to tell the tool's speed."""
+"""Numbers of pieces into which a segment is cut, tried in this order, to bound the tool's speed."""
 
 
 class Judge:
     """Admits text, increment by increment.
 
     Args:
-        robot: whose limits count.
-        start: (n,) where it is commanded to stand, at rest [rad or m].
+        robot: the robot with its limits.
+        start: (n,) commanded position at rest [rad or m].
         segment: TM [s].
-        speed: the largest speed of the tool's origin [m/s].
+        speed: largest speed of the tool's origin [m/s].
         tool: (4, 4) flange_from_tool.
-        scene: bodies that must stay apart; None where there are none.
+        scene: bodies that must stay apart; None: there are none.
         watches: zones.
-        strict: the bodies that must stay apart once the robot has left a part beside which it stands; None: it stands beside none.
-        points: reads the lines of a text (k, n) [rad or m], or says what is wrong with them.
+        strict: bodies that must stay apart once the robot has left a part beside which it stands; None: it
+            stands beside none.
+        points: reads the lines of a text (k, n) [rad or m], or returns what is wrong with them.
 
     Attributes:
-        slack: (n,) how far from there each joint may stand when the motion begins [rad or m]: a fraction of a count. No point of the arm is
-            farther than half of the collision proof's `SLACK` from where it would be, so that bodies stay apart, and zones are kept to so much.
-        stopped_by: the bodies and zones that the last objection is about; empty: it is about none.
+        slack: (n,) allowed deviation of each joint from `start` when the motion begins [rad or m]: a fraction
+            of a count. It moves no point of the arm by more than half of the collision proof's `SLACK`, so
+            bodies stay apart and zones are respected to that precision.
+        stopped_by: bodies and zones that the last objection is about; empty: none.
     """
 
     def __init__(
@@ -105,11 +115,11 @@ class Judge:
         self.stopped_by: tuple[str, ...] = ()
 
     def objection(self, lines: tuple[str, ...], tail: tuple[str, ...]) -> str:
-        """Why lines can't be admitted; empty: they can.
+        """Return why lines can't be admitted; empty: they can.
 
         Args:
-            lines: that shall be streamed.
-            tail: that would bring the robot to rest behind them.
+            lines: lines to be streamed.
+            tail: lines that would bring the robot to rest after them.
         """
         self.stopped_by = ()
         points = self._points(self._robot, (*lines, *tail))
@@ -121,10 +131,11 @@ class Judge:
         control = np.concatenate([self._behind, points])
         count = len(control) - 3
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))
-        # a segment has four control points: these may be off
+        # A segment has four control points; those at the start may be off.
         off = np.where(np.arange(count) < self._starts, 1.0, 0.0)
         beside = off * self._beside
-        # of a point's velocity J(q) w, w is off by at most beside / h, and J by what it is beside
+        # A point's velocity is J(q) w. In the first segments, the error of w adds at most beside / h to it,
+        # and the error of q in J(q) at most beside times the sum of |w|.
         faster = beside * (1.0 / self._segment + cubics.velocity_peaks().sum(axis=1))
         return (
             self._limits(cubics, off[:, None] * self.slack)
@@ -133,12 +144,13 @@ class Judge:
         )
 
     def admit(self, lines: tuple[str, ...]) -> None:
-        """These are streamed; `objection` had none."""
+        """Record that lines are streamed, to which `objection` had none."""
         points = self._points(self._robot, lines)
         assert not isinstance(points, str)
         self._behind = np.concatenate([self._behind, points])[-3:]
         if self._strict is not None and len(points):
-            # the way goes on from these points: once nothing is near them, what was allowed to touch no longer may
+            # The motion continues from these points. Once nothing is near them, bodies that were allowed to
+            # touch no longer may.
             lower, upper = self._behind.min(axis=0), self._behind.max(axis=0)
             around = Room((lower + upper) / 2.0, upper - lower + _AROUND)
             if is_free(self._strict, around):
@@ -146,14 +158,17 @@ class Judge:
         self._starts = max(0, self._starts - len(points))
 
     def _limits(self, cubics: Cubics, off: Array) -> str:
-        """Of joints and motors; the control points of each segment may be off by `off` (N, n)."""
+        """Check the limits of joints and motors; the control points of each segment may be off by `off` (N,
+        n).
+        """
         h = self._segment
         robot, limits, names = self._robot, self._robot.limits, self._robot.joint_names
         lower, upper = cubics.position_range()
-        # where it stands may be past a limit by as much as nobody knows
+        # The start may be past a limit by its own uncertainty.
         past = (np.maximum(upper - limits.upper, limits.lower - lower) - off).max(axis=0) / robot.axis_units
         if (past > POSITION_UNITS).any():
             return f"{names[int(np.argmax(past))]} would go past its limit"
+        # If control points are off by d, differences over h are off by at most d / h, d / h^2 and 2 d / h^3.
         shares = {
             "velocity": (cubics.velocity_peaks() + off / h) / limits.velocity,
             "acceleration": (cubics.acceleration_peaks() + off / h**2) / limits.acceleration,
@@ -172,7 +187,9 @@ class Judge:
         return ""
 
     def _tool_speed(self, cubics: Cubics, faster: Array) -> str:
-        """Segments are cut into pieces until the bound says enough of them; on each it may be `faster` (N,) [m/s]."""
+        """Check the tool's speed, cutting segments into pieces until the bound is sharp enough; each may be
+        `faster` (N,) [m/s].
+        """
         worst = 0.0
         for pieces in _PIECES:
             speed = self._speed_bounds(cubics, pieces) + faster
@@ -184,10 +201,11 @@ class Judge:
         return f"the tool might reach {worst / MM:.1f} mm/s, of {self._speed / MM:g} at most"
 
     def _speed_bounds(self, cubics: Cubics, pieces: int) -> Array:
-        """A bound (N,) of the speed of the tool's origin on each segment [m/s]: what it is in the middle of each piece, and how much it can be more at its ends.
+        """Compute a bound (N,) of the speed of the tool's origin on each segment [m/s].
 
-        |p''| is at most the sum over joints of R_m (B_m - B_(m-1)) with B = (sum w)^2 + sum a over the joints up to m, as in
-        `bounds.arm_fourth`; a sliding joint enters once, with length 1.
+        The bound is the speed in the middle of each piece, plus its largest increase towards the piece's
+        ends. |p''| is at most the sum over joints of R_m (B_m - B_(m-1)), with B = (sum w)^2 + sum a over the
+        joints up to m, as in `bounds.arm_fourth`; a sliding joint enters once, with length 1.
         """
         robot, half = self._robot, self._segment / (2.0 * pieces)
         count = len(cubics.h)
@@ -206,6 +224,7 @@ class Judge:
             upto = sum_w**2 + sum_a
             bend = bend + self._reach[m] * (upto - before)
             before = upto
+        # From the middle of a piece to its ends, |p'| grows by at most `half` times the largest |p''|.
         bounds: Array = speed.reshape(count, pieces).max(axis=1) + half * bend
         return bounds
 
@@ -238,14 +257,18 @@ class Judge:
         return ""
 
     def _has_room(self, scene: Scene, control: Array) -> bool:
-        """Whether bodies are so far apart around all of it that nobody has to look at the way itself: it lies in the hull of its control points."""
+        """Return True if all bodies are so far apart around the text that the path itself need not be
+        checked.
+
+        The path lies in the convex hull of its control points.
+        """
         lower, upper, end = control.min(axis=0), control.max(axis=0), control[-1]
         if self._room is not None and self._room.has(lower, upper):
             return True
         if self._crowded:
             self._crowded -= 1
             return False
-        # around its end, so that the next ones are in there as well
+        # The room is centred at the end of the text, so that the next texts lie in it as well.
         room = Room(end, _AHEAD * np.maximum(upper - end, end - lower) + _AROUND)
         self._room = room if is_free(scene, room) else None
         self._crowded = _CROWDED if self._room is None else 0
@@ -255,10 +278,10 @@ class Judge:
 def surroundings_of(
     robot: Robot, cell: Cell | None, moving: Moving
 ) -> Result[tuple[Scene | None, tuple[Watch, ...]]]:
-    """The bodies and the zones that a robot in a cell must keep to while a frame is moved.
+    """Return the bodies and zones that a robot in a cell must respect while a frame is moved.
 
     Returns:
-        None where a body can't be read: then nothing is proved.
+        None if a body can't be read: then nothing is proved.
     """
     if not robot.shapes and not (cell and (cell.obstacles or cell.zones)):
         return Result((None, ()))

@@ -1,6 +1,7 @@
-"""Room around a joint position: boxes of joint positions in which all bodies stay apart, proved once for all ways within.
+"""Free room around a joint position: boxes of joint positions in which all bodies stay apart, proved once for
+all paths within them.
 
-A jog's text is proved again each 30 ms, mostly where nothing is near: then one look tells it of many texts.
+A jog's text is proved again every 30 ms, mostly with nothing nearby: then one proof covers many texts.
 """
 
 from __future__ import annotations
@@ -24,16 +25,23 @@ class Room:
     reach: Array
 
     def has(self, lower: Array, upper: Array) -> bool:
-        """Whether all joint positions from `lower` to `upper` (n,) are in it."""
+        """Return True if a box of joint positions is in the room.
+
+        Args:
+            lower: (n,) least positions of the box [rad or m].
+            upper: (n,) largest positions of the box [rad or m].
+        """
         inside = (lower >= self.middle - self.reach) & (upper <= self.middle + self.reach)
         return bool(inside.all())
 
 
 def is_free(scene: Scene, room: Room) -> bool:
-    """Whether all pairs of bodies are surely farther apart than their margins, and `SLACK` more, wherever in a room the joints are.
+    """Return True if, at all joint positions in a room, all pairs of bodies are surely farther apart than
+    their margins plus `SLACK`.
 
-    What two bodies are apart in the middle, less what they can move against each other from there (`collision.travel`, whose bound holds for each posture of the box): the spheres
-    around them tell it of most pairs, then their boxes, then their shapes.
+    The bound is the distance of two bodies in the middle, minus their largest relative motion from there
+    (`collision.travel`, whose bound holds at each posture in the box). Bounding spheres decide most pairs,
+    then bounding boxes, then the shapes.
     """
     placed = place(scene, room.middle[None])
     moves = travel(placed, room.reach[None])

@@ -1,7 +1,9 @@
-"""Lets another process steer the robot (`messages/wants.py`): the paper's master and slave, and velocities from elsewhere.
+"""Access for another process that steers the robot (`messages/wants.py`): master and slave of the paper, and
+velocities from elsewhere.
 
-Who may steer is settled before the first order is read: by the rights of a Unix socket's file and by the caller's user, or, over TCP, by a token. A process that hasn't
-shown that it may steer costs a place among a few that wait, for a few seconds, and never the place of the one that steers.
+The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
+the caller's user, or, over TCP, by a token. A process without it occupies, for a few seconds, one of a few
+waiting places, but never the place of the process that steers.
 """
 
 from __future__ import annotations
@@ -30,10 +32,10 @@ LOOPBACK = "127.0.0.1"
 """Address of this computer that no other computer reaches."""
 
 _TOKEN_BYTES = 32
-"""Random bytes of a token."""
+"""Number of random bytes in a token."""
 
 _UNREAD = 1 << 16
-"""Answers that nobody reads [bytes]: no more are written then."""
+"""Number of unread bytes after which no more answers are written."""
 
 _TAKEN = "another process steers the robot"
 
@@ -45,7 +47,7 @@ class UnixDoor:
     """A Unix socket that only processes of our own user, and root, may use.
 
     Attributes:
-        path: of its file; None: a new one in the folder that only its owner may enter.
+        path: path of its file; None: a new one in the folder that only its owner may enter.
     """
 
     path: Path | None = None
@@ -53,12 +55,14 @@ class UnixDoor:
 
 @dataclass(frozen=True, slots=True)
 class TcpDoor:
-    """A TCP port. All users of this computer reach it, and each web page that is open here, so the first line must have the token.
+    """A TCP port. All users of this computer can reach it, and so can every web page that is open here, so
+    the first line must have the token.
 
     Attributes:
-        port: 0 takes any that is free.
-        host: address to listen on. Beyond this computer, all that is said can be read on the way, the token too.
-        token: made anew for each door.
+        port: 0: any free port.
+        host: address to listen on. If it can be reached from other computers, all messages can be read on the
+            way, including the token.
+        token: generated for each door.
     """
 
     port: int = 0
@@ -66,7 +70,7 @@ class TcpDoor:
     token: str = field(init=False, repr=False, default_factory=lambda: secrets.token_urlsafe(_TOKEN_BYTES))
 
     def opens_by(self, token: str) -> bool:
-        """Return True if a token is that of the door; in constant time, whatever JSON makes a string of."""
+        """Return True if a token opens this door; in constant time, for any string that JSON may produce."""
         return secrets.compare_digest(_bytes(token), _bytes(self.token))
 
 
@@ -77,12 +81,12 @@ DEFAULT_DOOR = UnixDoor()
 
 @dataclass(frozen=True, slots=True)
 class Patience:
-    """Bounds of what connections may cost.
+    """Limits on the resources of connections.
 
     Attributes:
-        first: time for the whole of the first line [s].
-        silence: time for each further one [s].
-        waiting: connections that haven't said their first line; one more ends the oldest.
+        first: longest time for the whole first line [s].
+        silence: longest time for each further line [s].
+        waiting: number of connections without a first line; one more closes the oldest.
     """
 
     first: float = 5.0
@@ -96,19 +100,20 @@ DEFAULT_PATIENCE = Patience()
 class MasterServer:
     """Listens as long as the context lasts; one process at a time steers.
 
-    The first order begins a live motion; 200 ms without one, `finish`, or the end of the connection bring it to rest. The next order begins another.
+    The first order begins a live motion. 200 ms without an order, `finish`, or the end of the connection
+    bring it to rest. The next order begins another one.
 
     Args:
-        attached: what is asked to move the robot; it must own it.
-        door: where to listen, and how callers show that they may steer.
-        robot: its name, for that of a socket.
-        moving: the frame whose poses and twists are meant.
-        speed: of that frame, at most [mm/s]; None: the robot's jog speed.
-        patience: what connections may cost.
+        attached: the client that moves the robot; it must own the robot.
+        door: where to listen, and how callers prove their right to steer.
+        robot: name of the robot, used for a socket's name.
+        moving: frame that poses and twists refer to.
+        speed: maximum speed of that frame [mm/s]; None: the robot's jog speed.
+        patience: limits on the resources of connections.
 
     Attributes:
-        port: of a TCP door, once it listens.
-        path: of a Unix door's socket, once it listens.
+        port: port of a TCP door, once it listens.
+        path: path of a Unix door's socket, once it listens.
     """
 
     def __init__(
@@ -181,19 +186,19 @@ class MasterServer:
             if error:
                 writer.write(_denied(error))
         except (ConnectionError, asyncio.CancelledError):
-            pass  # it has gone, or is sent away
+            pass  # the caller has gone, or is sent away
         finally:
             self._waiting.pop(task, None)
             self._tasks.discard(task)
             if writer.transport.get_write_buffer_size():
-                writer.transport.abort()  # the caller doesn't read, and closing would wait for that
+                writer.transport.abort()  # the caller doesn't read; closing would wait for that
             else:
                 writer.close()
 
     async def _meet(
         self, task: asyncio.Task[None], reader: asyncio.StreamReader, writer: asyncio.StreamWriter
     ) -> str:
-        """Let a caller show that it may steer, and then steer.
+        """Check a caller's right to steer, and then let it steer.
 
         Returns:
             Why the connection ends; empty if the caller ends it.
@@ -232,7 +237,9 @@ class MasterServer:
             self._steers = None
 
     async def _serve(self, line: bytes, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> str:
-        """Do what a caller's lines say, a first one that was read already included; why the connection ends."""
+        """Execute a caller's lines, including a first line that was read already; return why the connection
+        ends.
+        """
         begun = False
         try:
             await self._attached.ask(self._steer)
@@ -250,7 +257,7 @@ class MasterServer:
                 answer = write_answer(await self._answer(asked.what), asked.id)
                 if writer.transport.get_write_buffer_size() < _UNREAD:
                     writer.write(answer)
-                await asyncio.sleep(0)  # lines without end get one turn of the event loop each
+                await asyncio.sleep(0)  # a flood of lines gets one turn of the event loop per line
         except Trouble as trouble:
             return trouble.what
         finally:
@@ -273,7 +280,9 @@ def _denied(error: str) -> bytes:
 
 
 def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
-    """Return the token of a line, or a denial that says `untold`; whatever the line holds, nothing is raised."""
+    """Return the token of a line, or a denial with the text `untold`; never raises, whatever the
+    line holds.
+    """
     content = read_object(line, MOST_LINE)
     if isinstance(content, Denied):
         return content
@@ -282,11 +291,12 @@ def token_in(line: bytes, untold: str = _UNTOLD) -> str | Denied:
 
 
 async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | Denied:
-    """Return the next line; empty at the end, also after half a line: a caller that dies within one has ordered nothing.
+    """Return the next line. Empty at the end, also after half a line: a caller that dies within a line has
+    ordered nothing.
 
     Args:
-        reader: of the connection.
-        seconds: for the whole line.
+        reader: reader of the connection.
+        seconds: longest time for the whole line.
     """
     try:
         async with asyncio.timeout(seconds):
@@ -299,12 +309,12 @@ async def line_within(reader: asyncio.StreamReader, seconds: float) -> bytes | D
 
 
 def _bytes(token: str) -> bytes:
-    """Return a token as what can be compared in constant time."""
+    """Return a token as bytes that can be compared in constant time."""
     return token.encode("utf-8", "surrogatepass")
 
 
 def _remover(path: Path) -> Callable[[], None]:
-    """Return what removes a socket's file, unless it is that of another socket by then."""
+    """Return a function that removes a socket's file, unless the file belongs to another socket by then."""
     made = path.lstat()
 
     def remove() -> None:

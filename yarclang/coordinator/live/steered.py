@@ -1,4 +1,4 @@
-"""The live motion that one client steers: what is wanted in its messages, to targets of a drive."""
+"""The live motion that one client steers: conversion of its messages to targets of a drive."""
 
 from __future__ import annotations
 
@@ -23,22 +23,23 @@ if TYPE_CHECKING:
     from yarclang.coordinator.client import Client
 
 _SMOOTH = 0.3
-"""How much of a new velocity of the master's counts."""
+"""Weight of a new estimate of the master's velocity."""
 
 _LONGEST_GAP = 0.2
-"""Messages that are farther apart say nothing about a velocity [s]."""
+"""Longest time between messages from which a velocity is estimated [s]."""
 
 _JUMP = 0.5
-"""Poses whose joints are farther from the last than this [rad or m] aren't one way any more."""
+"""Largest change of a joint between two poses of one path [rad or m]."""
 
 
 class Reader:
-    """Makes targets of messages. A master's velocity is told by it, or estimated of what it said before.
+    """Converts messages to targets. A master's velocity is sent with its position, or estimated from its
+    earlier positions.
 
     Args:
-        robot: that is steered.
-        tool: (4, 4) flange_from_tool, of poses.
-        start: (n,) where it stands [rad or m].
+        robot: the robot that is steered.
+        tool: (4, 4) flange_from_tool, used for poses.
+        start: (n,) where the robot stands [rad or m].
     """
 
     def __init__(self, robot: Robot, tool: Array, start: Array) -> None:
@@ -49,7 +50,11 @@ class Reader:
         self._rate = np.zeros(robot.size)
 
     def read(self, want: wants.Want, now: float) -> Target | None:
-        """Return the target that is wanted at a time [s]; None: rest.
+        """Return the target of a message; None: rest.
+
+        Args:
+            want: the message.
+            now: when it came [s].
 
         Raises:
             Trouble: the robot can't do that, and why.
@@ -122,12 +127,12 @@ class Reader:
 
 
 class Steered:
-    """The live motion of one client, when there is one.
+    """The live motion of one client, if there is one.
 
     Args:
-        client: moves the robot.
+        client: the client that moves the robot.
         now: the session's clock [s].
-        rests: how often somebody has wanted a stop, an abort or a hold.
+        rests: number of stops, aborts and holds so far.
     """
 
     def __init__(self, client: Client, now: Callable[[], float], rests: Callable[[], int]) -> None:
@@ -144,7 +149,7 @@ class Steered:
         self._reader: Reader | None = None
 
     def set(self, order: orders.Steer) -> None:
-        """Make the motions that come as an order says."""
+        """Set the settings of later motions."""
         name = order.moving.strip("{} ")
         self._moving = f"{{{name}}}"
         self._settings = Settings(speed=None if order.speed is None else order.speed * MM, share=order.share)
@@ -152,7 +157,7 @@ class Steered:
         self._reader = self._begun_at = None
 
     async def take(self, want: wants.Want) -> replies.Wanted:
-        """Do what is wanted; the first target begins a motion.
+        """Execute a message; the first target begins a motion.
 
         Raises:
             NotOwner: the client only watches.
@@ -174,7 +179,9 @@ class Steered:
         return replies.Wanted(lag_s=round(drive.lag, 3), behind=behind, why=drive.why)
 
     async def _read_by(self, want: wants.Want) -> Reader:
-        """Return the reader of what is wanted: of a master made anew where no motion is under way, since the robot may stand elsewhere."""
+        """Return the reader for a message. If no motion is in progress, the reader is a new one, since the
+        robot may stand elsewhere.
+        """
         robot = self._client.robot
         if not isinstance(want, wants.BeThere | wants.HoldPose):
             return Reader(robot, np.eye(4), np.zeros(robot.size))
@@ -191,7 +198,7 @@ class Steered:
             self._drive.want(target)
             return self._drive
         if self._begun_at not in (None, self._rests()):
-            # a master that goes on speaking doesn't know of it: a stop would last until its next line
+            # A master that keeps sending doesn't know of the stop, which would last only until its next line.
             remedy = 'say {"finish": true} first, or connect anew'
             raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
@@ -206,13 +213,15 @@ class Steered:
         return self._drive
 
     def stop(self) -> None:
-        """Bring the motion to rest at once: nobody is there any more who wants it."""
+        """Bring the motion to rest at once, because its client has gone."""
         if self._drive is not None:
             self._drive.stop()
 
 
 def _refusal(found: Diagnostic) -> Trouble:
-    """Return a finding as what a client is told, with the place if it is in a file of the cell or the robot."""
+    """Return a finding as a `Trouble` for a client, with its place if it is in a file of the cell or the
+    robot.
+    """
     what = found.clause
     if found.source is not None and found.span is not None and found.source.name.endswith(".toml"):
         what = f"{found.source.name}, line {found.span.line}: {what}"

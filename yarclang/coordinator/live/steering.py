@@ -1,4 +1,4 @@
-"""What people want of a moving robot to joint velocities: a joint's, a twist's, or those that follow a master."""
+"""Joint velocities from targets: a joint's velocity, a twist, or a master that is followed."""
 
 from __future__ import annotations
 
@@ -14,29 +14,36 @@ from yarclang.robot.kinematics.singularity import weighted_jacobians
 from yarclang.robot.model import Array, Robot
 
 SLOW, STILL = 0.06, 0.02
-"""Smallest singular values (weighted, `robot.kinematics.singularity`): a motion towards a singularity gets slower below the first, and ends at the second."""
+"""Smallest singular values (weighted, `robot.kinematics.singularity`).
+
+Towards a singularity, a motion slows down below the first value and stops at the second.
+"""
 
 _AHEAD = 0.02
-"""How far a singularity is looked for ahead, in units of the joints' motion [rad, or arm's lengths for a sliding joint]."""
+"""Distance at which a singularity is searched ahead, as motion of the joints [rad, or arm's lengths for a
+sliding joint].
+"""
 
 _SAME = 1e-7
 _KEPT = 0.9
-"""What of a tool's speed is used: what it can grow by within a segment must have room."""
+"""Share of a tool's maximum speed that is used; the rest allows for an increase within a segment."""
 
 _NEAR = 0.2
-"""Seconds in which a master that stands is reached."""
+"""Time in which a master that stands still is reached [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class JointVelocity:
-    """Joints shall move with `velocity` (n,) [rad/s or m/s]."""
+    """Target: joints move with `velocity` (n,) [rad/s or m/s]."""
 
     velocity: Array
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Twist:
-    """The tool shall move with `linear` (3,) [m/s] and turn with `angular` (3,) [rad/s], along the axes of {B} or its own."""
+    """Target: the tool moves with `linear` (3,) [m/s] and turns with `angular` (3,) [rad/s], along the axes
+    of {B} or its own.
+    """
 
     linear: Array
     angular: Array
@@ -45,7 +52,7 @@ class Twist:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Master:
-    """The robot shall be where a master is: joints `q` (n,) [rad or m], which move with `rate` (n,) per s."""
+    """Target: the robot follows a master at joints `q` (n,) [rad or m], which move with `rate` (n,) per s."""
 
     q: Array
     rate: Array
@@ -56,20 +63,20 @@ Target = JointVelocity | Twist | Master
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Steered:
-    """Joint velocities (n,) [rad/s or m/s], and what keeps them from what was wanted, in words."""
+    """Joint velocities (n,) [rad/s or m/s], and the reason if they differ from the target, in words."""
 
     velocity: Array
     held_back: str = ""
 
 
 class Steering:
-    """Knows one robot and its tool.
+    """Computes joint velocities for one robot and its tool.
 
     Args:
-        robot: that moves.
+        robot: the robot.
         tool: (4, 4) flange_from_tool.
-        rates: the joints' limits.
-        speed: the largest speed of the tool's origin [m/s].
+        rates: limits of the joints.
+        speed: largest speed of the tool's origin [m/s].
     """
 
     def __init__(self, robot: Robot, tool: Array, rates: Rates, speed: float) -> None:
@@ -81,7 +88,13 @@ class Steering:
         self._slide = np.where(robot.chain.is_prismatic, self._length, 1.0)
 
     def velocity(self, target: Target | None, state: State, ahead: float = 0.0) -> Steered:
-        """The joint velocities that a target wants of a robot in a state, and `ahead` [s] of it; none without one."""
+        """Compute the joint velocities for a target; zero without a target.
+
+        Args:
+            target: the target; None: rest.
+            state: the robot's state.
+            ahead: delay until the velocities take effect [s]; a twist is evaluated where the robot is then.
+        """
         match target:
             case None:
                 return Steered(np.zeros_like(state.c))
@@ -93,14 +106,21 @@ class Steering:
                 return self._of_twist(target, state.c + ahead * state.v)
 
     def _within(self, wanted: Array, q: Array, why: str) -> Steered:
-        """All joints slower together, until each, and the tool, keeps its limit."""
+        """Slow all joints down together until each joint and the tool keep their limits.
+
+        Args:
+            wanted: (n,) joint velocities [rad/s or m/s].
+            q: (n,) joint positions [rad or m].
+            why: reason if the velocities already differ from the target.
+        """
+        # The factors by which joints and tool would exceed their limits; the larger one counts.
         share = float((np.abs(wanted) / self._rates.velocity).max(initial=0.0))
         tool = float(np.linalg.norm((self._jacobian(q) @ (wanted / self._slide))[:3])) * self._length
         share = max(share, tool / (_KEPT * self._speed))
         return Steered(wanted / share, why) if share > 1.0 else Steered(wanted, why)
 
     def _jacobian(self, q: Array) -> Array:
-        """(6, n) at the tool, lengths in arm's lengths."""
+        """Compute the Jacobian (6, n) at the tool, with lengths in arm's lengths."""
         found: Array = weighted_jacobians(self._robot.chain, q[None], self._tool)[0]
         return found
 
@@ -112,7 +132,8 @@ class Steering:
         if not wanted.any():
             return Steered(np.zeros_like(q))
         left, values, right = np.linalg.svd(self._jacobian(q), full_matrices=False)
-        # what a singularity costs endless speed is left out bit by bit; elsewhere this is the exact solution
+        # Damped least squares: near a singularity, directions that would need unlimited speed are faded out;
+        # elsewhere the solution is exact.
         damping = np.where(values < SLOW, (SLOW - values) * STILL, 0.0)
         joints = right.T @ (values / (values**2 + damping) * (left.T @ wanted)) if values.any() else 0.0 * q
         least = float(values[-1])
@@ -121,13 +142,15 @@ class Steering:
             ahead = q + _AHEAD * joints * self._slide / np.abs(joints).max()
             approaches = np.linalg.svd(self._jacobian(ahead), compute_uv=False)[-1] < least - _SAME
             if approaches:
-                # leaving is always allowed
+                # Motion away from a singularity is always allowed.
                 factor = float(np.clip((least - STILL) / (SLOW - STILL), 0.0, 1.0))
                 why = f"near a singularity (smallest singular value {least:.3f})"
         return self._within(factor * joints * self._slide, q, why)
 
     def _towards(self, master: Master, state: State) -> Array:
-        """The master's own velocity, and what closes the distance: as fast as what is left can be braked in."""
+        """Return the master's velocity plus a velocity that closes the distance, from which the rest can be
+        braked.
+        """
         left = master.q - state.c
         brake = 0.5 * self._rates.acceleration
         fast = np.sqrt(2.0 * brake * np.abs(left))

@@ -1,4 +1,6 @@
-"""What is said to a coordinator and what it says: orders, replies, events, and what is wanted of a live motion. One type each, one JSON form.
+"""All messages from and to a coordinator: orders, replies, events, and targets of a live motion. Each has one
+type and one JSON form.
 
-Inside of a process they are objects; every socket carries them as JSON, one object a line (`lines.py`). docs/coordinator.md lists them all, made from these types.
+Within a process they are objects; every socket carries them as JSON, one object per line (`lines.py`).
+docs/coordinator.md lists them all; the lists are made from these types.
 """

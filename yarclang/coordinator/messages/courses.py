@@ -1,4 +1,4 @@
-"""What a person wants to know of a loaded program before its start: its motion, how long it takes, how near bodies come."""
+"""Messages about a loaded program before its start: its motion, its duration, and the distances of bodies."""
 
 from __future__ import annotations
 

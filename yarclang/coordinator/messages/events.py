@@ -1,4 +1,4 @@
-"""What a coordinator tells those who watch it. `time_s` is that of its session's clock."""
+"""Events that a coordinator sends to subscribers. `time_s` is the time on its session's clock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""What the texts below a message's fields say, read from the source when a schema asks for them: each start would pay for them otherwise."""
+"""The texts below a message's fields, read from the source when a schema asks for them: reading them at each
+start would slow it down.
+"""
 
 from __future__ import annotations
 

@@ -1,4 +1,6 @@
-"""Findings as messages: what `yarc check --format json` says of one, and the line of the source that it is about."""
+"""Findings as messages: as in the output of `yarc check --format json`, with the source line that they are
+about.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +89,7 @@ def finding_messages(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
 
 
 def finding_of(message: Finding) -> Diagnostic:
-    """Return the finding that a message tells; of its source only the line that it is about is known."""
+    """Return the finding of a message; of its source, only the line that it is about is known."""
     source = None if message.file is None else SourceFile(message.file, "")
     span = None
     if message.file is not None and message.line is not None:
@@ -118,5 +120,5 @@ def _fix_of(fix: FindingFix | None) -> Fix | None:
 
 
 def findings_of(messages: tuple[Finding, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings that messages tell."""
+    """Return the findings of messages."""
     return tuple(map(finding_of, messages))

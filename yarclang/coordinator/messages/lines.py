@@ -1,4 +1,4 @@
-"""Messages as lines of JSON, and lines as messages: whatever a line holds, nothing is raised. No I/O."""
+"""Conversion between messages and lines of JSON. Any line can be read without an exception. No I/O."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ MOST_ANSWER: Final = 1 << 26
 
 _SHOWN = 40
 _HTTP = re.compile(rb"[A-Z]+ \S+ HTTP/")
-"""The first line of what a browser sends."""
+"""The first line of a browser's request."""
 
 Id: TypeAlias = int | str | None
-"""What an order may be called by; its answer is called so, too."""
+"""Label of an order, chosen by the sender; its answer has the same label."""
 
 _ORDERS: dict[str, type[Order[Any]]] = {one.model_fields["order"].default: one for one in orders.KINDS}
 _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # type: ignore[attr-defined]
@@ -38,9 +38,10 @@ _WANTS: dict[str, type[Order[Any]]] = {one.key: one for one in wants.KINDS}  # t
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """What a line asks, by its `id`.
+    """The order on a line, with its `id`.
 
-    `ends` is true where the line is no JSON object: the caller speaks something else, and what follows may only look like an order.
+    `ends` is True if the line is no JSON object: the caller speaks another protocol, and later lines might
+    look like orders by chance.
     """
 
     what: Order[Any] | Denied
@@ -49,13 +50,13 @@ class Asked:
 
 
 def too_long(most: int) -> Denied:
-    """Return the answer to a line of more bytes; what comes behind it can't be read."""
+    """Return the answer to a line that is too long; the rest of the connection can't be read."""
     size = f"{most >> 20} MiB" if most >= 1 << 20 else f"{most >> 10} KiB"
     return Denied(error=f"a line is longer than {size}")
 
 
 def read_order(line: bytes, most: int = MOST_LINE) -> Asked:
-    """Return what a line asks."""
+    """Return the order on a line."""
     content = _object_in(line, most)
     if isinstance(content, Denied):
         return Asked(content, ends=True)
@@ -66,24 +67,26 @@ def read_order(line: bytes, most: int = MOST_LINE) -> Asked:
 
 
 def write_order(order: Order[Any], id_: Id = None) -> bytes:
-    """Return the line that asks it."""
+    """Return the line of an order."""
     content = order.to_json()
     return _line(content if id_ is None else {"id": id_, **content})
 
 
 def write_answer(answer: Reply | Denied, id_: Id = None) -> bytes:
-    """Return the line that answers so."""
+    """Return the line of an answer."""
     content = answer.model_dump(mode="json", exclude_none=isinstance(answer, Denied))
     return _line(content if id_ is None else {"id": id_, **content})
 
 
 def write_event(event: Message) -> bytes:
-    """Return the line that tells an event."""
+    """Return the line of an event."""
     return _line(event.to_json())
 
 
 def read_answer(content: dict[str, Any], kind: type[R]) -> R | Denied:
-    """Return what an answer to an order of a kind says; what no coordinator would answer is `Denied`, too."""
+    """Return the answer to an order of a kind; an answer that no coordinator would give is returned as
+    `Denied`, too.
+    """
     rest = {key: value for key, value in content.items() if key != "id"}
     try:
         if rest.get("ok") is True:
@@ -94,7 +97,7 @@ def read_answer(content: dict[str, Any], kind: type[R]) -> R | Denied:
 
 
 def read_event(content: dict[str, Any]) -> Event | None:
-    """Return the event that an object tells; None where it tells none that is known here."""
+    """Return the event in an object; None if it isn't known here."""
     try:
         event: Event = _events().validate_json(json.dumps(content))
     except (ValidationError, ValueError, RecursionError):
@@ -136,7 +139,9 @@ def _order_in(content: dict[str, Any]) -> Order[Any] | Denied:
 
 
 def _other_version(content: dict[str, Any]) -> Denied | None:
-    """Another version is said before anything else that may be wrong by that."""
+    """Return a denial of another version; this check comes first, because other errors may only follow from
+    it.
+    """
     version = content.get("version", VERSION)
     if version == VERSION:
         return None
@@ -156,7 +161,7 @@ def _read(content: dict[str, Any], kind: type[Order[Any]], word: str) -> Order[A
 
 
 def _mistake(word: str, kind: type[Order[Any]], error: ValidationError) -> str:
-    """The first thing that is wrong, in words."""
+    """Return the first error in words."""
     first = error.errors(include_url=False, include_context=False, include_input=False)[0]
     path = [str(one) for one in first["loc"] if isinstance(one, int | str)]
     if not path:
@@ -188,7 +193,7 @@ def _line(content: dict[str, Any]) -> bytes:
 
 
 def _shown(value: object) -> str:
-    """A value for people, cut where it is long."""
+    """Return a value for people, shortened if it is long."""
     match value:
         case str():
             return json.dumps(value if len(value) <= _SHOWN else value[:_SHOWN] + "...")
@@ -201,5 +206,5 @@ def _shown(value: object) -> str:
 
 
 def denied(trouble: Trouble) -> Denied:
-    """Return trouble as an answer."""
+    """Return a `Trouble` as an answer."""
     return Denied(error=trouble.what, help=trouble.remedy or None, code=trouble.code or None)

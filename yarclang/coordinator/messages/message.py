@@ -1,4 +1,4 @@
-"""What all messages have in common."""
+"""The base class and common types of all messages."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
     from pydantic_core import CoreSchema
 
 VERSION: Final = 1
-"""Of the protocol. It grows when something that was understood before isn't understood any more."""
+"""Version of the protocol. It grows when something that was understood before is no longer understood."""
 
 LARGEST: Final = 1e9
-"""Largest magnitude of a number that somebody wants [mm, deg or per s]: beyond, the kinematics would overflow."""
+"""Largest magnitude of a number in an order [mm, deg or per s]: beyond it, the kinematics would overflow."""
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
-"""A finite number of a size that can be reckoned with."""
+"""A finite number of a size that can be computed with."""
 
 Joints = dict[str, float]
 """Joint positions by their names, in the robot's axis units: deg, or mm."""

@@ -1,4 +1,6 @@
-"""What a client may order or ask. Stops and holds are for everybody, and overtake everything; what moves the robot is for its owner."""
+"""Orders and questions of a client. Stops and holds are for everyone, and overtake everything; orders that
+move the robot are for its owner.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,14 @@ class Order(Message, Generic[R]):
     if not TYPE_CHECKING:
 
         def __class_getitem__(cls, answer: Any) -> Any:
-            """Return a plain alias: pydantic would make a model for each, and search all modules for its source at every start."""
+            """Return a plain alias: pydantic would make a model for each, and search all modules for its
+            source at every start.
+            """
             return Generic.__class_getitem__.__func__(cls, answer)
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Remember the kind of the answer."""
+        """Store the kind of the answer."""
         for base in cls.__dict__.get("__orig_bases__", ()):
             (found,) = get_args(base)
             if not isinstance(found, TypeVar):

@@ -1,4 +1,4 @@
-"""What a coordinator answers to an order. Each has `ok`, and `id` if the order had one."""
+"""Answers of a coordinator to orders. Each has `ok`, and `id` if the order had one."""
 
 from __future__ import annotations
 

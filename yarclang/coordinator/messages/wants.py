@@ -1,4 +1,6 @@
-"""What is wanted of a live motion, said again and again. Each kind is known by its own key; the first one begins the motion."""
+"""Targets of a live motion, sent again and again. The key of an object determines its kind; the first one
+begins the motion.
+"""
 
 from __future__ import annotations
 

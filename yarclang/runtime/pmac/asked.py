@@ -1,4 +1,6 @@
-"""What is asked of the controller at a barrier: inputs, each once, groups until they hold still; and the values that are computed from them. No I/O."""
+"""Questions to the controller at a barrier: inputs, each once, and groups until they are stable; and the
+values that are computed from them. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -19,14 +21,23 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.signals import state_text
 
 LOOK = 0.02
-"""Time between two looks at an input [s]."""
+"""Time between two reads of an input [s]."""
 
 _UNSTEADY = 1.0
-"""How long a group may change from look to look [s]."""
+"""Longest time for which a group may change from read to read [s]."""
 
 
 def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[dict[str, float]]:
-    """Read the inputs of a value, each once; a group until it holds still."""
+    """Read the inputs of a value, each once, and groups until they are stable.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        value: the value whose inputs are read.
+
+    Returns:
+        The numbers, by the variables of the inputs and the names of groups.
+    """
     found: dict[str, float] = {}
     for one in inputs_of(value):
         if is_group(one.variable):
@@ -39,8 +50,9 @@ def read_inputs(operation: Operation, barrier: Barrier, value: Value) -> Script[
 def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[float]:
     """Read the bits of a group as one number.
 
-    They are asked for in one question, and yet a PLC may change them in between, or not all of them in the same of its cycles: a number
-    counts when a second look, `LOOK` later, finds the same one. Orders stay in their queue meanwhile: a HOLD is for the motion behind.
+    All bits are asked for in one question, but a PLC may change them in between, or may not change all of
+    them in the same cycle. So a number counts only if a second read, `LOOK` later, finds the same number.
+    Orders stay in their queue meanwhile: a HOLD is for the motion that follows.
     """
     bits, since = bits_of(group), operation.now
     before: tuple[float, ...] | None = None
@@ -66,12 +78,12 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
 
 
 def said_of(variable: str, value: float) -> str:
-    """Return what an input reads, as people read it."""
+    """Return the value of an input, as people read it."""
     return f"{value:.0f}" if is_group(variable) else state_text(value)
 
 
 def known_of(condition: Value, held: Held) -> str:
-    """Return what the registers and inputs of a condition were."""
+    """Return the values that the registers and inputs of a condition had."""
     known = [f"{name} is {held.registers[name]}" for name in registers_of(condition)]
     known += [
         f"{shown_variable(one.variable)} is {said_of(one.variable, held.inputs[one.variable])}"
@@ -81,7 +93,12 @@ def known_of(condition: Value, held: Held) -> str:
 
 
 def value_of(barrier: Barrier, value: Value, held: Held) -> float:
-    """Compute a value from what was read last.
+    """Compute a value from the values that were read last.
+
+    Args:
+        barrier: the barrier that the value belongs to.
+        value: the value.
+        held: registers and inputs of the run.
 
     Raises:
         Trouble: there is no such number.

@@ -1,4 +1,4 @@
-"""Registers and outputs that take a computed value while the robot stands. No I/O."""
+"""Assignment of computed values to registers and outputs while the robot stands. No I/O."""
 
 from __future__ import annotations
 
@@ -17,7 +17,14 @@ from yarclang.runtime.signals import OutputSet
 
 
 def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Give a register or an output its value, or end the run if that is out of range."""
+    """Assign the value to a register or an output, or end the run if the value is out of range.
+
+    Args:
+        operation: the run.
+        job: the program with its registers.
+        barrier: the `set` to carry out.
+        held: registers and inputs of the run.
+    """
     assert barrier.decided is not None  # as above
     if barrier.output:
         yield from _set_output(operation, barrier, barrier.decided, held)
@@ -38,7 +45,15 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
 
 
 def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
-    """Keep the value of a KEPT register: what isn't on the disk hasn't happened, and the robot stands until it is."""
+    """Keep the value of a KEPT register.
+
+    The robot stands until the value is on the disk: the assignment has not happened before.
+
+    Args:
+        barrier: the `set` that is carried out.
+        register: the register.
+        value: its new value.
+    """
     if not register.kept:
         return
     why = yield Keep(register.name, value)
@@ -48,7 +63,7 @@ def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
 
 
 def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held) -> Script[None]:
-    """Give an output its value, or all bits of a group theirs, the lowest first."""
+    """Set an output, or all bits of a group, the lowest bit first."""
     held.inputs = yield from read_inputs(operation, barrier, value)
     number, bits = value_of(barrier, value, held), bits_of(barrier.output)
     name = barrier.name.partition(" = ")[0]
@@ -66,5 +81,5 @@ def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held
 
 
 def _digits(number: float) -> str:
-    """Return a number as the controller reads it."""
+    """Return a number in the controller's notation."""
     return f"{number + 0.0:.9f}".rstrip("0").rstrip(".")

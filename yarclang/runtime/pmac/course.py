@@ -1,9 +1,10 @@
-"""The way that the controller's lines lead, and how far off it the motors are commanded to be. No I/O.
+"""The path of the controller's lines, and the distance of the motors' commanded positions from it. No I/O.
 
-A line can't be read back out of a rotary. So what is compared is what the controller makes of its lines: where it commands the motors to be (actual
-position and following error together), and the points that it was sent. A spline of `SPLINE1` is at most a sixth of the points' second difference
-away from the lines between them (it is just that at the knots, TUM 290). A digit that was changed on its way, lines of somebody else, another axis
-definition: each of them leads off that way.
+Lines can't be read back from a rotary buffer. So the positions that the controller derives from its lines are
+compared with the points that it was sent: the commanded positions are the actual positions plus the following
+errors. A spline of `SPLINE1` deviates from the straight lines between the points by at most a sixth of the
+points' second difference (exactly that at the knots, TUM 290). A changed digit, lines of another client or
+another axis definition all lead off this path.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ from yarclang.runtime.pmac.feedback import groups_of
 from yarclang.runtime.sample import Sample
 
 _AROUND = 4
-"""Points in front of and behind those that may be executed."""
+"""Number of points before and after those that may be executed that are compared as well."""
 _KEPT = 512
-"""Points that are kept behind the robot, at least."""
+"""Minimum number of points behind the robot that are kept."""
 _ALLOWED = 8.0
-"""How far off the motors may be commanded [counts], besides the spline's own distance."""
+"""Allowed deviation of a motor [counts], in addition to the spline's own."""
 _NUMBER = re.compile(r"-?\d+\.?\d*")
 
 
@@ -32,10 +33,10 @@ class Course:
     """The points that a controller was sent.
 
     Args:
-        robot: its axes, gears and couplings.
+        robot: the robot with its axes, gears and couplings.
         start: (n,) where the motion begins [rad or m].
-        slack: (n,) how far from there it may begin [rad or m].
-        segment: the shortest time between two points [s].
+        slack: (n,) allowed deviation from the start [rad or m].
+        segment: shortest time between two points [s].
     """
 
     def __init__(self, robot: Robot, start: Array, slack: Array, segment: float) -> None:
@@ -51,7 +52,7 @@ class Course:
         self._following: Array = np.zeros(robot.size)
 
     def append(self, lines: Sequence[str]) -> None:
-        """These lines follow."""
+        """Add lines to the end of the path."""
         rows = [row for row, line in enumerate(lines) if self._move.fullmatch(line)]
         if rows:
             values = [_NUMBER.findall(lines[row]) for row in rows]
@@ -61,39 +62,43 @@ class Course:
         self._sent += len(lines)
 
     def forget(self, executed: int) -> None:
-        """Keep what may still be asked for, when so many lines have been executed."""
+        """Drop points that can't be asked for any more, when `executed` lines have been executed."""
         behind = int(np.searchsorted(self._lines, executed)) - _KEPT
         if behind > _KEPT:
             self._points, self._lines = self._points[behind:], self._lines[behind:]
 
     def off(self, found: Sample, executed: tuple[int, int], spent: float) -> tuple[float, int]:
-        """Return how far off the way the motors are commanded to be.
+        """Return how far the motors are commanded off the path.
 
-        Positions and following errors are asked one after the other: where they are as the robot was at two instants, they may be off by as much as the
-        following error, or as it has changed since they were asked before.
+        Positions and following errors are asked for in sequence. If they belong to two different instants,
+        the commanded positions may be wrong by the following error, or by its change since the last question.
 
         Args:
-            found: their positions and following errors.
-            executed: how many lines have been executed at least and at most.
-            spent: how long it took to ask for them [s].
+            found: positions and following errors of the motors.
+            executed: minimum and maximum number of executed lines.
+            spent: duration of the questions [s].
 
         Returns:
-            The distance [counts] and the row of the motor that is furthest; 0 and 0 where all are where they should be.
+            The distance [counts] and the row of the motor with the largest distance; 0 and 0 if all are on
+            the path.
         """
         first = max(int(np.searchsorted(self._lines, executed[0])) - _AROUND, 0)
         last = int(np.searchsorted(self._lines, executed[1])) + _AROUND
         points = self._points[first:last]
+        # A spline's distance from its points' connecting lines is at most a sixth of their second difference.
         bends = np.abs(np.diff(points, 2, axis=0)).max(axis=0, initial=0.0)
         errors = np.abs(np.array((found.following, found.following - self._following)))
         allowed = _ALLOWED + bends / 6.0 + errors.max(axis=0)
         self._following = found.following
-        if self._groups > 1:  # asked one after the other
+        if self._groups > 1:  # asked in sequence
             allowed += np.abs(np.diff(points, axis=0)).max(axis=0, initial=0.0) / self._segment * spent
         if first == 0:
             allowed += self._slack
+        # In units of the tolerance, the nearest point can be found for all motors together.
         place = found.commanded / allowed
         off = np.abs(place - _nearest(points / allowed, place))
-        # where all motors are within what is allowed at one instant, the nearest point is no further
+        # If at some point of the path all n motors are within their tolerance, which is 1 in these units,
+        # then its squared distance is at most n, and the nearest point's is no larger.
         if (off**2).sum() <= len(off):
             return 0.0, 0
         row = int(np.argmax(off))
@@ -101,7 +106,7 @@ class Course:
 
 
 def _nearest(points: Array, place: Array) -> Array:
-    """The point of the lines between points (N, n) that is nearest to a place (n,)."""
+    """Return the point nearest to `place` (n,) on the straight lines between `points` (N, n)."""
     begins = points[:-1] if len(points) > 1 else points
     ways = np.diff(points, axis=0) if len(points) > 1 else np.zeros_like(points)
     lengths = np.maximum((ways**2).sum(axis=1), 1e-12)

@@ -1,4 +1,6 @@
-"""Which lines go next into the rotary, so that it neither overflows nor runs dry. No I/O: time is an argument."""
+"""The order of lines into the rotary buffer, so that it neither overflows nor runs empty. No I/O: time is an
+argument.
+"""
 
 from __future__ import annotations
 
@@ -14,23 +16,28 @@ from yarclang.runtime.pmac.packets import fitting
 IntArray: TypeAlias = npt.NDArray[np.intp]
 
 AHEAD = 2
-"""Moves that are calculated before they are executed (TUM 339)."""
+"""Number of moves that are calculated before they are executed (TUM 339)."""
 
 AROUND = ("OPEN ROT", "CLOSE")
-"""What stands around the lines of a packet: a rotary is open only for them, so that variables can be asked at any other time (facts 3)."""
+"""Lines around those of a packet. The rotary is open only for them, so that variables can be asked for at any
+other time (facts 3).
+"""
 
 FASTEST = 2.5
-"""Of its own pace, at which a controller can execute a program: its largest override is below (TSRM 276)."""
+"""Upper bound of the speed at which a controller executes a program, relative to the programmed speed: its
+largest override is less (TSRM 276).
+"""
 
 _LATE = 0.1
-"""What the host may be late before the guard PLC holds [s]."""
+"""Allowance for a late host before the guard PLC holds [s]."""
 
 
 class Feed:
-    """The way of a job's lines into the rotary.
+    """The transfer of a job's lines into the rotary buffer.
 
-    What lies in the buffer is known from `PR` alone, and only for the moment of its reply. Between two of them there are two
-    bounds: at most what was there and what was sent since; at least that, less what can have been executed, at 100 %.
+    The number of lines in the buffer is known only from `PR`, and only for the moment of the reply. Between
+    two replies there are two bounds: at most the lines then plus the lines sent since; and at least that,
+    minus the lines that may have been executed since, at 100 %.
 
     Attributes:
         sent: lines that the controller has taken.
@@ -49,33 +56,35 @@ class Feed:
             loading_of(job).low + margin,
             max(loading_of(job).low + 1, (loading_of(job).low + loading_of(job).full) // 2),
         )
-        """Fewer lines ahead than these are too few: sooner than the guard PLC finds."""
+        """With fewer lines ahead the motion is held, earlier than by the guard PLC."""
         self.plenty = (loading_of(job).full + job.capacity) // 2
-        """With fewer lines ahead than these, nothing else is as important as more."""
+        """With fewer lines ahead, sending more comes before anything else."""
 
     @property
     def left(self) -> int:
-        """Lines that the controller hasn't got yet."""
+        """Return the number of lines that the controller hasn't received yet."""
         return len(self.job.lines) - self.sent
 
     @property
     def room(self) -> int:
-        """Lines that surely fit."""
+        """Return the number of lines that surely fit."""
         return self.job.capacity - self.at_most
 
     @property
     def at_most(self) -> int:
-        """Lines ahead, if nothing was executed since `PR`."""
+        """Return the lines ahead if nothing was executed since `PR`."""
         return self._ahead + self.sent - self._sent_then
 
     def at_least(self, now: float) -> int:
-        """Lines ahead, if the controller executed all it can since `PR`.
+        """Return the lines ahead if the controller executed as much as possible since `PR`.
 
-        Each segment takes one more move; two may have been taken ahead at once. What stands between moves takes no time.
+        Each segment consumes one move; two more moves may have been taken at once. Statements between moves
+        take no time.
         """
         if now <= self._asked_then and self.sent == self._sent_then:
             return self._ahead
         taken = int((now - self._asked_then) / self.job.segment) + 1 + AHEAD
+        # Moves before the first line that was ahead then, plus those that may have been taken since.
         behind = int(np.searchsorted(self._moves, self._sent_then - self._ahead)) + taken
         if behind > len(self._moves):
             return 0
@@ -83,21 +92,24 @@ class Feed:
 
     @property
     def heard_at(self) -> float:
-        """When `PR` was answered last [s]."""
+        """Return when `PR` was answered last [s]."""
         return self._then
 
     @property
     def round_trip(self) -> float:
-        """How long that took [s]."""
+        """Return how long the last answer to `PR` took [s]."""
         return self._then - self._asked_then
 
     @property
     def executed(self) -> int:
-        """Lines that were executed when `PR` was answered last; the two that are calculated ahead aren't."""
+        """Return the lines that were executed when `PR` was answered last, without the two that are
+        calculated ahead.
+        """
         return max(0, self._sent_then - self._ahead - AHEAD)
 
     def executed_within(self, now: float) -> tuple[int, int]:
-        """Lines that have been executed by now, at least and at most, however fast somebody lets the time pass.
+        """Return the minimum and maximum number of lines executed by now, at any rate of the controller's
+        time.
 
         Args:
             now: the host's clock [s].
@@ -106,12 +118,20 @@ class Feed:
         return self.executed, self.executed + AHEAD + taken
 
     def heard(self, ahead: int, asked: float, now: float) -> None:
-        """The controller says how many lines lie ahead, to a question asked at `asked` [s] and answered `now`."""
+        """Record the controller's answer to `PR`.
+
+        Args:
+            ahead: lines ahead.
+            asked: when it was asked [s].
+            now: when it was answered [s].
+        """
         self._ahead, self._sent_then = ahead, self.sent
         self._asked_then, self._then = asked, now
 
     def packet(self) -> tuple[str, ...]:
-        """The lines that fit into the buffer and into a packet, from the first that the controller hasn't got."""
+        """Return the lines that fit into the buffer and into a packet, from the first that the controller
+        hasn't received.
+        """
         most = min(self.room, self.left)
         if most <= 0:
             return ()
@@ -119,11 +139,13 @@ class Feed:
         return self.job.lines[self.sent : self.sent + count]
 
     def written(self, count: int) -> None:
-        """The controller has taken so many more."""
+        """Record that the controller has taken `count` more lines."""
         self.sent += count
 
     def worthwhile(self, now: float) -> bool:
-        """Whether to send a packet now: a full one fits, or the rest of the program does, or few lines are ahead."""
+        """Return True if a packet should be sent now: a full packet fits, or the rest of the program does, or
+        few lines are ahead.
+        """
         packet = self.packet()
         if not packet:
             return False
@@ -131,16 +153,20 @@ class Feed:
         return whole or self.at_least(now) < loading_of(self.job).full
 
     def hungry(self, now: float) -> bool:
-        """Whether to find out what fits, before anything else."""
+        """Return True if the free room must be asked for before anything else."""
         return self.left > 0 and self.at_least(now) < self.plenty
 
     def runs_low(self, now: float) -> bool:
-        """Whether too few lines are ahead, with more to come, for a program that has begun."""
+        """Return True if too few lines are ahead of a program that has begun and has more to come."""
         return self.left > 0 and self.at_least(now) < self.low
 
 
 def _moves(job: Job) -> IntArray:
-    """Which lines move: the last of those that wait for the same instant, but for those before the first motion, and for dwells."""
+    """Return the rows of the lines that move.
+
+    These are the last of the lines that wait for the same instant, except those before the first motion, and
+    dwells.
+    """
     lasts = np.diff(np.append(job.times, job.duration)) > 0.0
     lasts[[row for row, _ in job.dwells]] = False
     return np.flatnonzero(lasts & (job.times > 0.0))

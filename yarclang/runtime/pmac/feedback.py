@@ -1,4 +1,6 @@
-"""What the controller reports while it moves: positions, following errors, status words, as values. No I/O."""
+"""Reports of the controller while it moves: positions, following errors and status words, as
+values. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +14,14 @@ from yarclang.pmac.status import MOTOR_WORD_1, MOTOR_WORD_2, SYSTEM_WORD_1, SYST
 from yarclang.robot.model import Array
 
 GROUP = 8
-"""Motors that one ^P, ^F or ^B reports: which eight, `##n` says (TSRM 259)."""
+"""Number of motors that one ^P, ^F or ^B reports; `##n` selects them (TSRM 259)."""
 
 _DECIMAL = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)")
 _HEXADECIMAL = re.compile(r"[0-9A-Fa-f]+")
 
 
 class ReportError(ValueError):
-    """A report that isn't what the controller would say."""
+    """A report that does not have the controller's format."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,42 +32,44 @@ class MotorStatus:
     second: int
 
     def has(self, name: str) -> bool:
-        """Whether a bit is set, by its name in `yarclang.pmac.status`."""
+        """Return True if a bit is set, by its name in `yarclang.pmac.status`."""
         if name in MOTOR_WORD_1:
             return bool(self.first >> MOTOR_WORD_1[name] & 1)
         return bool(self.second >> MOTOR_WORD_2[name] & 1)
 
     @property
     def at_rest(self) -> bool:
-        """No desired velocity, no move of its own. An open loop has no desired velocity: it isn't moved."""
+        """Return True if the motor has no desired velocity and no move of its own. An open loop has no
+        desired velocity.
+        """
         still = self.has("desired velocity zero") or self.has("open loop")
         return still and not self.has("abort deceleration") and not self.has("home search in progress")
 
     @property
     def closed_loop(self) -> bool:
-        """Whether its loop is closed."""
+        """Return True if the motor's loop is closed."""
         return not self.has("open loop")
 
     @property
     def homed(self) -> bool:
-        """Whether its home was found since the controller was reset."""
+        """Return True if the home was found since the controller was reset."""
         return self.has("home complete")
 
     @property
     def flags(self) -> tuple[str, ...]:
-        """The names of all bits that are set."""
+        """Return the names of all bits that are set."""
         return tuple(name for name in (*MOTOR_WORD_1, *MOTOR_WORD_2) if self.has(name))
 
     @property
     def faulted(self) -> bool:
-        """Whether the motor itself has failed, or met a limit."""
+        """Return True if the motor itself has failed, or has met a limit."""
         return any(
             self.has(name) for name in ("amplifier fault", "fatal following error", "stopped on limit")
         )
 
     @property
     def trouble(self) -> str:
-        """What keeps it from moving, in words; empty where nothing does."""
+        """Return what keeps the motor from moving, in words; empty if nothing does."""
         if self.has("amplifier fault"):
             return "its amplifier reports a fault"
         if self.has("fatal following error"):
@@ -95,25 +99,30 @@ class SystemStatus:
 
     @property
     def running(self) -> bool:
-        """A program runs; a starved rotary does, too: running isn't moving."""
+        """Return True if a program runs. A starved rotary also counts as running, although nothing moves."""
         return bool(self.first >> SYSTEM_WORD_1["running"] & 1)
 
     @property
     def run_time_error(self) -> bool:
-        """A line couldn't be calculated, or not in time."""
+        """Return True if a line couldn't be calculated, or not in time."""
         return bool(self.second >> SYSTEM_WORD_2["run-time error"] & 1)
 
 
 def groups_of(motors: Sequence[int]) -> tuple[int, ...]:
-    """The first motor of each group of eight that has one of these."""
+    """Return the first motor of each group of eight that contains one of these motors."""
     return tuple(sorted({(motor - 1) // GROUP * GROUP + 1 for motor in motors}))
 
 
 def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
-    """The numbers of ^P or ^F for those of the motors that are in the group that begins with motor `group`.
+    """Return the numbers of a report, by the motors' numbers.
+
+    Args:
+        text: the report of ^P or ^F.
+        group: first motor of the reported group.
+        motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
-        ReportError: it isn't eight numbers (a controller with fewer motors: as many as there are).
+        ReportError: the text isn't eight numbers (on a controller with fewer motors: as many as there are).
     """
     values = _items(text, group, motors)
     if not all(_DECIMAL.fullmatch(value) for value in values):
@@ -122,7 +131,12 @@ def counts_in(text: str, group: int, motors: Sequence[int]) -> dict[int, float]:
 
 
 def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, MotorStatus]:
-    """The status words of ^B, likewise.
+    """Return the status words of a report, by the motors' numbers.
+
+    Args:
+        text: the report of ^B.
+        group: first motor of the reported group.
+        motors: motors that are wanted; those outside of the group are left out.
 
     Raises:
         ReportError: they aren't 12 hexadecimal digits each.
@@ -132,7 +146,7 @@ def statuses_in(text: str, group: int, motors: Sequence[int]) -> dict[int, Motor
 
 
 def motor_status(text: str) -> MotorStatus:
-    """The reply to `#n?`.
+    """Parse the reply to `#n?`.
 
     Raises:
         ReportError: it isn't 12 hexadecimal digits.
@@ -142,7 +156,7 @@ def motor_status(text: str) -> MotorStatus:
 
 
 def system_status(text: str) -> SystemStatus:
-    """The reply to `&n??`.
+    """Parse the reply to `&n??`.
 
     Raises:
         ReportError: it isn't 18 hexadecimal digits.
@@ -166,5 +180,5 @@ def _hexadecimal(text: str, digits: int) -> int:
 
 
 def in_order(values: dict[int, float], motors: Sequence[int]) -> Array:
-    """The values of the motors as an array (n,)."""
+    """Return the values of the motors as an array (n,)."""
     return np.array([values[motor] for motor in motors], dtype=np.float64)

@@ -1,6 +1,7 @@
 """Registers that other programs fill while the robot stands at a WAIT or a HOLD. No I/O.
 
-Between two of a script's questions nothing else happens in its process: what is decided here, and when values stop being taken, can't be torn apart.
+Nothing else happens in the script's process between two of its questions, so a decision and the end of taking
+values are atomic.
 """
 
 from __future__ import annotations
@@ -19,13 +20,24 @@ def needed_for(condition: Value, held: Held) -> tuple[str, ...]:
 
 
 def begin_anew(held: Held, needed: tuple[str, ...]) -> None:
-    """Let the registers that are waited for begin anew: what was filled for an earlier wait doesn't count for this one."""
+    """Clear the registers that are waited for: values that were filled for an earlier wait don't count for
+    this one.
+    """
     for name in needed:
         held.registers[name] = held.outside[name].first
 
 
 def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tuple[str, ...]) -> None:
-    """Take values from outside from now on. It is told once, however often somebody answers before something has moved."""
+    """Take values from outside from now on.
+
+    A remark is sent once, however often someone answers before something has moved.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        held: registers of the run.
+        needed: registers that a message must have.
+    """
     operation.asked_for += 1
     place = title(barrier)
     ranges = tuple(_range(one) for one in held.outside.values())
@@ -38,18 +50,25 @@ def take_values(operation: Operation, barrier: Barrier, held: Held, needed: tupl
 
 
 def is_given(operation: Operation) -> bool:
-    """Return True if values have come that weren't looked at yet."""
+    """Return True if values have come that weren't handled yet."""
     return any(isinstance(order, Fill) for order in operation.orders)
 
 
 def fill(operation: Operation, barrier: Barrier, held: Held, order: Fill) -> None:
-    """Put values into their registers."""
+    """Put values into their registers.
+
+    Args:
+        operation: the run.
+        barrier: the barrier at which the robot stands.
+        held: registers of the run.
+        order: the values.
+    """
     held.registers.update(order.values)
     operation.remark(f"{title(barrier)}: {order.client} gives {values_text(order.values)}")
 
 
 def close(operation: Operation, barrier: Barrier, held: Held) -> None:
-    """Take no more values; those that were taken already get into their registers."""
+    """Take no more values; those that were already taken still get into their registers."""
     operation.want(None)
     for order in [one for one in operation.orders if isinstance(one, Fill)]:
         operation.orders.remove(order)

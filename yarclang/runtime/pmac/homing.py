@@ -1,7 +1,9 @@
-"""The controller's own home search (HM) of one motor, watched from here and from inside the controller. No I/O.
+"""The controller's own home search (HM) of one motor, watched from this computer and from inside the
+controller. No I/O.
 
-Nothing of it is proved. The search goes on in the controller whatever becomes of this computer, and no hold stops it: a PLC of its own does, when it has heard
-nothing for as long as the watchdog of a run waits. It is tried before each search.
+Nothing of a search is proved. It continues in the controller even if this computer fails, and no hold stops
+it. So a PLC stops the search when it has heard nothing for the watchdog time of a run. The PLC is tested
+before each search.
 """
 
 from __future__ import annotations
@@ -24,16 +26,16 @@ from yarclang.runtime.scripts import HomeSearch
 from yarclang.runtime.state import Event
 
 LONGEST = 300.0
-"""The longest search [s]."""
+"""Longest search [s]."""
 
 _UNBOUNDED = 120.0
-"""The longest search of a joint without limits [s]."""
+"""Longest search of a joint without limits [s]."""
 
 _RESERVE, _MORE = 1.5, 5.0
 _TRIAL, _BITES = 0.06, 0.5
 _EACH = 0.02
 _BEGINS = 0.1
-"""From then on a motor that doesn't search has ended its search [s]."""
+"""Time after which a motor that isn't searching has ended its search [s]."""
 
 _RESTS = 5.0
 
@@ -49,7 +51,14 @@ def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...
 
 
 def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
-    """Return what a search at Ixx23 = `rate` [counts/ms] would do."""
+    """Return what a search would do.
+
+    Args:
+        robot: the robot.
+        row: row of the motor in the robot's order.
+        rate: Ixx23, the speed of the search [counts/ms].
+        closed: True if the motor's loop is closed.
+    """
     motor, actuation = robot.controller.motors[row], robot.actuation
     coupling = actuation.coupling
     moved = np.abs(np.linalg.inv(coupling)[:, row]) > 1e-9
@@ -88,11 +97,16 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
 
 
 def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Let a motor search its home, until it is found or somebody wants the end.
+    """Let a motor search its home, until the home is found or someone orders the end.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        motor: number of the motor.
 
     Raises:
-        Trouble: it isn't begun, or it has ended without the home; the motor rests then.
-        Lost: the connection is of no use any more; the controller's PLC ends the search.
+        Trouble: the search isn't started, or has ended without the home; the motor is at rest then.
+        Lost: the connection is no longer usable; the controller's PLC ends the search.
     """
     yield from check_rest(operation, robot)
     found = {one.motor: one for one in (yield from searches(operation, robot))}
@@ -101,7 +115,7 @@ def home(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     search = found[motor]
     if search.refused:
         raise Trouble(search.refused, "", "Y1612")
-    # an abort, the last resort, closes the loops of all motors
+    # An abort, the last resort, closes the loops of all motors.
     if opened := [str(number) for number, one in found.items() if not one.closed]:
         raise Trouble(f"motor {', '.join(opened)} is open-loop", "enable all motors first", "Y1612")
     yield from _check_free(operation)
@@ -126,7 +140,9 @@ def _guard(robot: Robot, motor: int) -> tuple[str, ...]:
 
 
 def _check_free(operation: Operation) -> Script[None]:
-    """Check that the place of that PLC is free, or has one that was left there when this computer failed."""
+    """Check that the number of the PLC that stops a search is free, or used by one that a failed computer has
+    left there.
+    """
     try:
         listing = yield from operation.ask(f"LIST PLC {HOMING_PLC}")
     except Refused:
@@ -138,7 +154,9 @@ def _check_free(operation: Operation) -> Script[None]:
 
 
 def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Load that PLC, and try it: it must act when the timer has run down. The motor rests, so that nothing is stopped."""
+    """Load the PLC that stops a search, and test it: it must act when the timer has run down. The motor is at
+    rest, so nothing is stopped.
+    """
     for line in (
         f"{HOMING}=0",
         f"OPEN PLC {HOMING_PLC} CLEAR",
@@ -148,6 +166,7 @@ def _load(operation: Operation, robot: Robot, motor: int) -> Script[None]:
     ):
         yield from operation.ask(line)
     yield from operation.ask(f"{wound_up(turbo_pmac(robot), _TRIAL)} {HOMING}=1")
+    # The PLC must set the flag to 2, but not before the timer can have run down.
     since, flag = operation.now, 1.0
     while flag == 1.0 and operation.now - since < _BITES:
         yield Wait(operation.now + _EACH)
@@ -177,6 +196,7 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
     wound = wound_up(turbo_pmac(robot), operation.silence)
     if is_ended(operation):
         raise Trouble("it was let go before it began; nothing moved", "", "")
+    # From here on, the PLC watches this computer: HM must follow within the time of the timer.
     yield from operation.ask(f"{wound} {HOMING}=1")
     if is_ended(operation):
         raise Trouble("it was let go before it began; nothing moved", "", "")
@@ -210,7 +230,9 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
 
 
 def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
-    """Stop the search, and wait for rest. A fault may have opened the loop: J/ or an abort would close it again."""
+    """Stop the search, and wait for rest. If a fault has opened the loop, J/ or an abort would close it
+    again.
+    """
     status = (yield from motor_statuses(operation, robot))[robot.controller.motors.index(motor)]
     if status.has("open loop"):
         operation.searches = False
@@ -228,6 +250,6 @@ def _stop(operation: Operation, robot: Robot, motor: int) -> Script[None]:
 
 
 def end_search(operation: Operation) -> Script[None]:
-    """End a search on a new connection: its PLC has done so, unless the connection was there again at once."""
+    """End a search on a new connection: its PLC has ended it, unless the connection was back at once."""
     yield from operation.abort()
     operation.searches = False

@@ -1,4 +1,4 @@
-"""At rest with nothing loaded: looking where the robot is, and whether all is well, until something is wanted. No I/O."""
+"""Watching a robot at rest with nothing loaded, until something is ordered. No I/O."""
 
 from __future__ import annotations
 
@@ -12,16 +12,22 @@ from yarclang.runtime.pmac.watching import look_at_motors, sample
 from yarclang.runtime.state import Event, State
 
 STATUS_EACH = 0.1
-"""Time between two looks at the status words [s]."""
+"""Time between two reads of the status words [s]."""
 
 
 def idle(operation: Operation, robot: Robot, wanted: Callable[[], bool]) -> Script[None]:
-    """Tell where the robot is, until something is wanted; whoever wants something wakes the session.
+    """Report where the robot is, until something is wanted; a new order wakes the session.
 
-    A motor that can't move is a fault, told once; behind it the motors are only looked at. Orders mean nothing here, and are forgotten.
+    A motor that can't move is a fault, which is reported once; afterwards the motors are only watched. Orders
+    have no effect here, and are discarded.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        wanted: returns True if something is wanted.
 
     Raises:
-        Lost: the connection is of no use any more.
+        Lost: the connection is no longer usable.
     """
     status = positions = operation.now
     while not wanted():

@@ -1,4 +1,6 @@
-"""Looking at a controller before anything moves: what was asked, found and wanted, and the remedy where they differ."""
+"""Inspection of a controller before anything moves: what was asked, found and wanted, and the remedy if these
+differ.
+"""
 
 from __future__ import annotations
 
@@ -18,17 +20,17 @@ from yarclang.runtime.pmac.rest import motor_statuses, stands_at, system_words
 from yarclang.runtime.pmac.supervision import AT_REST_WITHIN, needed, patience_for, remember, wound_up
 
 TURBO = ("602404", "602413", "603382")
-"""CID of a Turbo PMAC Clipper, of a Turbo PMAC2-VME, of a Geo Brick."""
+"""CID of a Turbo PMAC Clipper, of a Turbo PMAC2-VME and of a Geo Brick."""
 
 _LONGEST_QUESTION = 200
 _GUARD_TIME = 0.5
 _TRIAL = 0.06
-"""For how long the watchdog is wound up to be tried [s]."""
+"""Time to which the watchdog is set for its test [s]."""
 _EARLIEST = 0.9
-"""Of that time: it may not hold before."""
+"""Share of `_TRIAL` during which the PLC must not hold."""
 _CLOSE_ENOUGH = 1e-6
 _EXACT = 1e-7
-"""Of the counts a unit: over a whole turn it is less than a count."""
+"""Relative tolerance of the counts per unit: over a whole turn it is less than a count."""
 
 _BIT = re.compile(r"(?<=,\d\d),1$|(?<=,\d),1$")
 _NUMBER = re.compile(r"\$[0-9A-F]+|\d+\.?\d*|\.\d+")
@@ -37,13 +39,18 @@ _TERM = re.compile(r"([+-]?)(\d+\.?\d*|\.\d+|(?=[A-Z]))([A-CU-Z]?)")
 
 
 def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Look at everything: the controller's kind, its settings, the motors, what runs, and the guard.
+    """Inspect the controller: its kind, its settings, the motors, running programs, and the guard.
 
-    Nothing moves. The guard is tried only where all motors are closed-loop and at rest, and no program runs.
+    Nothing moves. The guard is tested only if all motors are closed-loop and at rest, and no program runs.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        items: settings to compare.
     """
     operation.slowest = 0.0
     with contextlib.suppress(Refused):
-        # a buffer that somebody left open on this port would store the questions
+        # A buffer that someone left open on this port would store the questions.
         yield from operation.ask("CLOSE")
     checked = [(yield from _kind(operation))]
     running = yield from _idle(operation, robot)
@@ -65,7 +72,7 @@ def inspect(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script
 
 
 def _kind(operation: Operation) -> Script[Checked]:
-    """CID, and TYPE where it isn't one that we know."""
+    """Ask for CID, and for TYPE if the CID is unknown."""
     try:
         identity = yield from operation.one("CID")
         name = yield from operation.one("TYPE")
@@ -79,7 +86,7 @@ def _kind(operation: Operation) -> Script[Checked]:
 
 
 def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
-    """No program may run in the coordinate system, nor be left in the middle."""
+    """Check that no program runs in the coordinate system or was left in the middle."""
     status = yield from system_words(operation, robot)
     motors = yield from motor_statuses(operation, robot)
     subject = f"coordinate system {turbo_pmac(robot).coordinate_system}"
@@ -96,7 +103,7 @@ def _idle(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _questions(items: Sequence[Item]) -> Iterator[list[Item]]:
-    """Items that go into one line: only numbers can be asked together."""
+    """Group items into lines: only numbers can be asked for together."""
     line: list[Item] = []
     for item in items:
         together = item.kind in ("number", "bits")
@@ -161,7 +168,7 @@ def _same_bits(found: str, wanted: str) -> bool:
 
 
 def _same_text(found: str, wanted: str) -> bool:
-    """The same but for letter case, spaces, leading zeros, and how a number is printed."""
+    """Return True if the texts agree except for case, spaces, leading zeros and the format of numbers."""
     one, other = _words(found), _words(wanted)
     if len(one) != len(other):
         return False
@@ -172,7 +179,7 @@ def _same_text(found: str, wanted: str) -> bool:
 
 
 def _same_definition(found: str, wanted: str) -> bool:
-    """Axis definitions, with the terms in any order, and 1 for a factor that isn't written."""
+    """Return True if two axis definitions agree, with the terms in any order, and an omitted factor as 1."""
     one, other = _terms(found), _terms(wanted)
     return one.keys() == other.keys() and all(
         abs(one[axis] - other[axis]) <= _EXACT * max(1.0, abs(other[axis])) for axis in one
@@ -180,7 +187,9 @@ def _same_definition(found: str, wanted: str) -> bool:
 
 
 def _terms(text: str) -> dict[str, float]:
-    """Counts by axis, the offset by ''; what isn't a term by itself, so that it is like nothing else."""
+    """Return the counts by axis, with the offset at ''. Text that isn't a term gets a key of its own, so that
+    it equals nothing else.
+    """
     terms: dict[str, float] = {}
     text = re.sub(r"\s", "", text.upper())
     for term in re.findall(r"[+-]?[^+-]+", text):
@@ -193,17 +202,17 @@ def _terms(text: str) -> dict[str, float]:
 
 
 def _same_address(found: str, wanted: str) -> bool:
-    """Addresses of M-variables; a width of one bit need not be written."""
+    """Return True if two addresses of M-variables agree; a width of one bit may be omitted."""
     return _same_text(_BIT.sub("", found), _BIT.sub("", wanted))
 
 
 def _same_listing(found: str, wanted: str) -> bool:
-    """Programs, without the RETURN that a listing adds; listings may shorten words."""
+    """Return True if two program listings agree. A listing adds a RETURN and may shorten words."""
     return _same_text(_SHORTENED.sub(r"\1", _without_end(found)), _SHORTENED.sub(r"\1", wanted.upper()))
 
 
 def _without_end(listing: str) -> str:
-    """A listing without the RETURN that it ends with."""
+    """Return a listing without the RETURN at its end."""
     return re.sub(r"\s*RET(URN)?\s*$", "", listing.upper())
 
 
@@ -245,8 +254,10 @@ def _motor(robot: Robot, row: int, status: MotorStatus) -> Checked:
 
 
 def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
-    """Arm the guard PLC while the rotary is empty: it must hold at once. The abort behind it lifts the hold;
-    motors that are closed-loop and at rest don't notice. Lines of a program that nobody runs any more are deleted.
+    """Arm the guard PLC while the rotary is empty: the PLC must hold at once.
+
+    The abort afterwards lifts the hold; motors that are closed-loop and at rest don't notice. Leftover lines
+    of a program that no one runs any more are deleted.
     """
     system = turbo_pmac(robot).coordinate_system
     subject = f"guard PLC {GUARD_PLC}"
@@ -258,6 +269,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     (full,) = yield from operation.numbers(ROTARY_FULL, 1)
     if full:
         yield from operation.ask(f"&{system}DELETE ROT")
+    # The rotary is empty, so the PLC must hold at its next scan, and set the flag to 2.
     yield from operation.ask(f"{ARMED}=1")
     since = operation.now
     value = 1.0
@@ -274,9 +286,11 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
 
 
 def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]:
-    """Let the guard PLC watch this computer: it must hold when the timer has run down, not before, and its heartbeat must be heard by PLC 0.
+    """Let the guard PLC watch this computer.
 
-    Then the time is chosen that this computer may be silent: from the slowest reply of the look, unless a person has said it.
+    It must hold when the timer has run down, and not before, and its heartbeat must be seen by PLC 0. Then
+    the longest silence of this computer is chosen from the slowest reply of the inspection, unless a person
+    has set it.
     """
     controller = turbo_pmac(robot)
     remedy = f"download `yarc settings {robot.name}` and SAVE"
@@ -286,7 +300,7 @@ def _watchdog_works(operation: Operation, robot: Robot) -> Script[list[Checked]]
     yield from operation.ask(f"{wound} {WATCHED}=1")
     yield Wait(operation.now + _TRIAL / 2.0)
     again = operation.now
-    # as each question of a run does: it begins anew, unless this computer is late
+    # As for each question of a run, the timer restarts, unless this computer is late.
     (flag,) = yield from operation.numbers(f"{wound} {WATCHED}", 1)
     since = again if flag == 1.0 else since
     while flag == 1.0 and operation.now - since < _GUARD_TIME:
@@ -328,7 +342,7 @@ def _biting(operation: Operation, robot: Robot, flag: float, lasted: float, reme
     if rest <= AT_REST_WITHIN + 0.05 or operation.silence > needed(operation.slowest):
         return Checked(
             "watchdog", found, wanted, "ok"
-        )  # as it must be, as the robot's hold time has it, or as a person wants it
+        )  # as it must be, as the robot's hold time requires, or as a person wants it
     slow = f"a reply has taken {operation.slowest * 1e3:.0f} ms: find out what slows the link"
     return Checked("watchdog", found, "at rest within 1 s", "warning", slow)
 

@@ -1,4 +1,4 @@
-"""How fast the link and the controller are, and how the controller counts refused lines."""
+"""Measurement of the link's and the controller's speed, and of how the controller counts refused lines."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from yarclang.runtime.pmac.packets import fitting
 from yarclang.runtime.scripts import Measured
 
 _SCRATCH = "P8180"
-"""A variable that nobody uses: what is written to it means nothing."""
+"""A variable that no one uses: values written to it have no effect."""
 
 _SHARE = 0.7
-"""Of what the link carries, that a program may need."""
+"""Share of the link's capacity that a program may need."""
 
 _ASKED = 20
 _PACKETS = 5
@@ -21,11 +21,12 @@ _PACKETS = 5
 
 @dataclass(frozen=True, slots=True)
 class Link:
-    """What was measured.
+    """Results of the measurement.
 
-    `round_trips` are the times of single questions [s], in order of size. `lines_per_second` is what WRITEBUFFER carries of
-    lines of the length of a move line. `first_line` is the number that the controller gives the first line of a packet (None: it
-    says neither 0 nor 1), `stops_at_error` whether it leaves out what stands behind a refused line.
+    `round_trips` are the times of single questions [s], in ascending order. `lines_per_second` is the rate of
+    WRITEBUFFER for lines as long as a move line. `first_line` is the number that the controller gives the
+    first line of a packet (None: neither 0 nor 1). `stops_at_error` is True if the controller skips the lines
+    after a refused one.
     """
 
     round_trips: tuple[float, ...]
@@ -36,21 +37,21 @@ class Link:
 
     @property
     def median(self) -> float:
-        """Of the round trips [s]."""
+        """Return the median round trip [s]."""
         return self.round_trips[len(self.round_trips) // 2]
 
     @property
     def worst(self) -> float:
-        """The slowest round trip [s]."""
+        """Return the slowest round trip [s]."""
         return self.round_trips[-1]
 
 
 def measure(operation: Operation, axes: int) -> Script[Link]:
-    """Measure the link, with no buffer open on this port. Writes only to variables P8180 on, which mean nothing.
+    """Measure the link, with no buffer open on this port. Writes only to unused variables from P8180 on.
 
     Args:
         operation: the run.
-        axes: numbers of a move line.
+        axes: number of values in a move line.
     """
     yield from operation.ask("CLOSE")
     times = []
@@ -75,7 +76,7 @@ def measure(operation: Operation, axes: int) -> Script[Link]:
 
 
 def figures(link: Link) -> Measured:
-    """Return what was measured in sentences, and as numbers."""
+    """Return the measurements in sentences, and as numbers."""
     segment = 1e3 / (link.lines_per_second * _SHARE)
     lines = [
         (

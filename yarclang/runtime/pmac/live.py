@@ -1,10 +1,13 @@
-"""A motion whose lines are made while it goes on: jogs, velocities, a master that is followed. No I/O.
+"""Streaming a motion whose lines are made while it is running: jogs, velocities, a master that is followed.
+No I/O.
 
-As many lines as the guard PLC needs for a hold on the path, and some that this host may be late by, always lie ahead: so the buffer never runs dry in motion, and
-whatever is wanted comes that much later. A stop doesn't wait for them: it is a hold, and what is left is forgotten.
+The buffer always holds as many lines as the guard PLC needs for a hold on the path, plus an allowance for a
+late host. So the buffer never runs empty in motion, and a new order takes effect later by that much. A stop
+doesn't wait: it is a hold, and the remaining lines are discarded.
 
-The motion begins where the motors are commanded to stand, and was proved from there; no RAPID leads to a start. So the last question before R is whether they
-still stand there. One reply lies between both, and R is refused while a motor jogs (ERR011).
+The motion begins at the commanded position of the motors, and was proved from there; no RAPID leads to a
+start. So the last question before R asks for that position again. One reply lies between both, and R is
+refused while a motor jogs (ERR011).
 """
 
 from __future__ import annotations
@@ -31,11 +34,14 @@ from yarclang.runtime.pmac.watching import look_at_motors, look_whether_astray, 
 from yarclang.runtime.state import Event
 
 _LATE = 1
-"""Fewer lines ahead than the guard wants and these are too few: this host holds, sooner than the guard does."""
+"""Lines beyond the guard's minimum at which this host holds, earlier than the guard."""
 
 _SHORTEST, _SEGMENTS, _LONGEST = 0.008, 1.5, 0.016
-"""Time between two looks at the buffer: so many segments, within these bounds [s]. Each time that this process wakes up costs it more than the replies do: what is
-due within half of that time is asked as well.
+"""Time between two reads of the buffer: `_SEGMENTS` segments, within the bounds `_SHORTEST` and `_LONGEST`
+[s].
+
+Each wake-up costs this process more time than the replies do, so questions that are due within half of that
+time are asked as well.
 """
 
 
@@ -43,8 +49,8 @@ class LiveStream:
     """A live motion on its way through the rotary.
 
     Attributes:
-        job: as it is performed; in the end with where and when it ended.
-        begun: whether anything has moved.
+        job: the job as performed; at the end with the place and time of its end.
+        begun: True once something has moved.
     """
 
     def __init__(self, operation: Operation, live: Live) -> None:
@@ -64,26 +70,29 @@ class LiveStream:
 
     @property
     def done(self) -> float:
-        """How long it has gone on [s]."""
+        """Return how long the motion has been running [s]."""
         return max(0, self._moves - self._ahead - AHEAD) * self.job.segment
 
     @property
     def command(self) -> JobCommand | None:
-        """It has no commands."""
+        """Return None: a live motion has no commands."""
         return None
 
     @property
     def left(self) -> int:
-        """How many lines the controller hasn't got yet, as far as anybody knows."""
+        """Return the lines that the controller hasn't received yet: 1 until the source has ended, since their
+        number isn't known.
+        """
         return 0 if self._source.ended else 1
 
     def run(self) -> Script[None]:
-        """Load what is wanted at first, and go on with what is wanted then, until the text ends.
+        """Load the first lines, then follow the orders, until the text ends.
 
         Raises:
-            Stopped: somebody has ended it; the motion may still be going on.
-            Trouble: the robot doesn't stand at its start any more, so that nothing moves; or it can't go on: the motion may still be going on.
-            Lost: the connection is of no use any more.
+            Stopped: someone has ended it; the motion may still be going on.
+            Trouble: the robot is no longer at its start, so nothing moves; or the motion can't continue, and
+                may still be going on.
+            Lost: the connection is no longer usable.
         """
         operation, job = self.operation, self.job
         operation.go(Event.LOAD, f"loading {job.name}")
@@ -119,7 +128,7 @@ class LiveStream:
         return False
 
     def _step(self) -> Script[bool]:
-        """One look; whether all is executed."""
+        """Do one step; return True if all lines have been executed."""
         operation, now = self.operation, self.operation.now
         if now >= self._lines_due:
             self._lines_due = now + self._look
@@ -130,7 +139,7 @@ class LiveStream:
                 yield from self._hold("nobody says any more what is wanted")
                 raise Stopped(abort=False)
             if self._ahead < loading_of(self.job).low + _LATE:
-                # what is behind would come too late: rest on the path, while there is enough of it
+                # Further lines would come too late: come to rest on the path, while there is enough of it.
                 yield from self._hold(f"low water: {self._ahead} lines ahead")
                 operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)
                 raise Stopped(abort=False)
@@ -161,7 +170,9 @@ class LiveStream:
         yield from look_whether_astray(operation, job.robot, off)
 
     def _fill(self, lead: int) -> Script[None]:
-        """As many lines ahead as wanted; where the text ends, so many behind it that the guard can be disarmed before."""
+        """Keep `lead` lines ahead. At the end of the text, add lines so that the guard can be disarmed before
+        its limit.
+        """
         source = self._source
         wanted = lead - self._ahead
         if wanted <= 0 or source.ended:
@@ -170,7 +181,7 @@ class LiveStream:
         self._moves += len(lines)
         if source.ended:
             stand = lines[-1] if lines else ""
-            # at the flag, what lies ahead must be more than the guard wants
+            # When the flag is set, more lines must be ahead than the guard requires.
             behind = (stand,) * (loading_of(self.job).low + AHEAD + _LATE if stand else 0)
             lines = (*lines, f"{ARMED}=0", *behind)
         yield from self._write(lines)
@@ -201,11 +212,11 @@ class LiveStream:
         return flow
 
     def _look_at(self, flow: Flow) -> Script[None]:
-        """Whether all is as it was left; a live motion that the controller holds isn't gone on with.
+        """Check that nothing has changed; a live motion that the controller holds isn't continued.
 
         Raises:
-            Stopped: the guard or the watchdog has held it.
-            Trouble: somebody else has changed what was proved.
+            Stopped: the guard or the watchdog has held the motion.
+            Trouble: someone else has changed something that was proved.
         """
         if HELD in (flow.armed, flow.watched):
             silence = f"the controller has heard nothing of this computer for {self.operation.silence:.2g} s, and holds"
@@ -216,7 +227,7 @@ class LiveStream:
         yield from self._stop_for_others(self.supervision.changed(flow, moving=True))
 
     def _stop_for_others(self, told: str) -> Script[None]:
-        """Hold where something was changed."""
+        """Hold because something was changed."""
         if told:
             if slew := self.supervision.hold_again(told):
                 yield from self.operation.ask(slew)
@@ -228,12 +239,12 @@ class LiveStream:
     # orders
 
     def _obey_at_rest(self) -> None:
-        """Whoever wants a stop before anything moves gets it."""
+        """Obey orders before anything moves: a stop ends the run at once."""
         if any(isinstance(order, URGENT) for order in self.operation.orders):
             raise Stopped(abort=False)
 
     def _obey(self) -> Script[None]:
-        """A hold ends a live motion, as a stop does: what was wanted then isn't wanted later."""
+        """Obey orders. A hold ends a live motion, as a stop does: an old order must not be resumed later."""
         operation, orders = self.operation, self.operation.orders
         while orders:
             order = orders.popleft()

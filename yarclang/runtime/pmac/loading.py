@@ -1,4 +1,4 @@
-"""What a job for a rotary buffer has besides its lines."""
+"""Additional facts about a job for a rotary buffer."""
 
 from __future__ import annotations
 
@@ -10,8 +10,11 @@ from yarclang.runtime.job import Job
 
 @dataclass(frozen=True, slots=True)
 class Loading:
-    """How a rotary buffer is loaded: `setup` are the lines before it is opened, one command each, `words` its size, `low` the lines below which the guard PLC
-    holds (I16), `full` those from which it counts as full (I17).
+    """The loading of a rotary buffer.
+
+    `setup` are the lines before it is opened, one command each; `words` is its size; `low` is the number of
+    lines below which the guard PLC holds (I16), and `full` the number from which the buffer counts as full
+    (I17).
     """
 
     setup: tuple[str, ...]
@@ -27,5 +30,7 @@ def loading_of(job: Job) -> Loading:
 
 
 def capacity_of(robot: Robot, words: int) -> int:
-    """Return how many lines surely fit into a rotary of so many words: a word an axis, and two for what stands between lines."""
+    """Return how many lines surely fit into a rotary of `words` words: a line takes a word per axis and two
+    for statements between the lines.
+    """
     return words // (len(robot.controller.axes) + 2)

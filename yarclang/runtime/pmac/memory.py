@@ -1,4 +1,4 @@
-"""What a controller answered when it was looked at, to be compared with what it answers later. No I/O."""
+"""Answers of the controller at inspection, for comparison with later answers. No I/O."""
 
 from __future__ import annotations
 
@@ -7,26 +7,26 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What can be asked in one line: of each part, what it is called and how it is asked."""
+    """A question in one line: for each part, its name and its text."""
 
     subjects: tuple[str, ...]
     parts: tuple[str, ...]
 
     @property
     def line(self) -> str:
-        """The line."""
+        """Return the line."""
         return "".join(self.parts)
 
 
 @dataclass(frozen=True, slots=True)
 class Remembered:
-    """A question, and what was answered when the controller was looked at."""
+    """A question, and the answer at inspection."""
 
     question: Question
     reply: tuple[str, ...]
 
     def compared(self, reply: tuple[str, ...]) -> str:
-        """Return what is otherwise now, with the old and the new value; empty where nothing is."""
+        """Return the differences, with the old and the new value; empty if there are none."""
         if reply == self.reply:
             return ""
         if len(self.question.parts) == 1:
@@ -43,13 +43,15 @@ class Remembered:
 
 @dataclass(frozen=True, slots=True)
 class Memory:
-    """What a controller answered when it was looked at: `often` is asked each second, of `seldom` one each second."""
+    """Answers of the controller at inspection: `often` is asked every second, and of `seldom` one question
+    every second.
+    """
 
     often: tuple[Remembered, ...] = ()
     seldom: tuple[Remembered, ...] = ()
 
     def value(self, variable: str) -> str:
-        """Return what a variable was, as it was printed; empty if nobody has asked."""
+        """Return the printed value of a variable; empty if it wasn't asked for."""
         for one in self.often:
             if variable in one.question.parts:
                 return one.reply[one.question.parts.index(variable)]
@@ -57,6 +59,6 @@ class Memory:
 
 
 def _named(subject: str) -> str:
-    """A name with what it is in brackets, so that a sentence goes on behind it."""
+    """Return a name with its explanation in brackets, so that the sentence can continue after it."""
     name, comma, what = subject.partition(", ")
     return f"{name} ({what})" if comma else name

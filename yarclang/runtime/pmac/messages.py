@@ -1,4 +1,4 @@
-"""What a client asks over Ethernet, and what comes of it."""
+"""Requests over Ethernet, and the events that they cause."""
 
 from __future__ import annotations
 
@@ -31,7 +31,9 @@ class Control:
 
 @dataclass(frozen=True, slots=True)
 class Write:
-    """Execute lines up to the first error (WRITEBUFFER). Answered by `Written`. `fitting` says how many fit."""
+    """Execute lines up to the first error (WRITEBUFFER). Answered by `Written`. `fitting` tells
+    how many fit.
+    """
 
     lines: tuple[str, ...]
 
@@ -45,22 +47,22 @@ class Send:
 
 @dataclass(frozen=True, slots=True)
 class Fetch:
-    """Get the reply that waits (GETBUFFER). Answered by `Answer`, or by `Busy` where none waits."""
+    """Get the waiting reply (GETBUFFER). Answered by `Answer`, or by `Busy` if none waits."""
 
 
 @dataclass(frozen=True, slots=True)
 class IsReady:
-    """Does a reply wait (READREADY)? Answered by `Ready`."""
+    """Ask if a reply waits (READREADY). Answered by `Ready`."""
 
 
 @dataclass(frozen=True, slots=True)
 class Flush:
-    """Forget what waits at the controller (FLUSH). Answered by `Taken`."""
+    """Discard what waits at the controller (FLUSH). Answered by `Taken`."""
 
 
 @dataclass(frozen=True, slots=True)
 class ReadMemory:
-    """`size` bytes of the dual-ported memory from `offset` on (GETMEM). Answered by `Memory`."""
+    """Read `size` bytes of the dual-ported memory from `offset` on (GETMEM). Answered by `Memory`."""
 
     offset: int
     size: int
@@ -68,7 +70,7 @@ class ReadMemory:
 
 @dataclass(frozen=True, slots=True)
 class WriteMemory:
-    """Bytes into the dual-ported memory from `offset` on (SETMEM). Answered by `Taken`."""
+    """Write bytes into the dual-ported memory from `offset` on (SETMEM). Answered by `Taken`."""
 
     offset: int
     data: bytes
@@ -90,16 +92,19 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Busy:
-    """A single NUL instead of a reply: the controller is busy (it saves, say), or nothing was waiting."""
+    """A single NUL instead of a reply: the controller is busy (for example with SAVE), or nothing was
+    waiting.
+    """
 
     request: Request
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """All lines are in (`error` is None), or the lines before `line` are, and `line` is refused.
+    """All lines were taken (`error` is None), or the lines before `line` were taken, and `line` was refused.
 
-    `line` is as the controller counts; whether a real one begins with 0 or 1 isn't known. The simulator: 1.
+    `line` is numbered by the controller. It isn't known if a real controller begins with 0 or 1; the
+    simulator begins with 1.
     """
 
     request: Write
@@ -109,14 +114,14 @@ class Written:
 
 @dataclass(frozen=True, slots=True)
 class Taken:
-    """The controller has the request; the byte that says so means nothing more."""
+    """The controller has received the request; the byte of the answer has no other meaning."""
 
     request: Control | Send | Flush | WriteMemory
 
 
 @dataclass(frozen=True, slots=True)
 class Ready:
-    """Whether a reply waits."""
+    """Answer to `IsReady`."""
 
     request: IsReady
     waiting: bool

@@ -1,4 +1,4 @@
-"""How a Turbo PMAC is asked, and stopped. No I/O."""
+"""Questions and stops for a Turbo PMAC. No I/O."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from yarclang.runtime.pmac.memory import Memory
 from yarclang.runtime.pmac.messages import Answer, Ask, AskControl, Busy, Control, Taken, Write, Written
 
 PATIENCE = 2.0
-"""How long a controller may be busy with something else [s]."""
+"""Longest time that a controller may be busy with something else [s]."""
 
 _AGAIN = 0.02
-"""When a busy controller is asked again [s]."""
+"""Pause before a busy controller is asked again [s]."""
 
 _ODD_REPLY = "somebody else may use this controller; run `yarc doctor`"
 
@@ -40,10 +40,10 @@ class Operation(operation.Operation):
     """One run against a Turbo PMAC.
 
     Attributes:
-        patience: how long a controller may be busy [s].
-        settled: no motor's rest before counts [s]: the time base may still be on its way to 0.
-        memory: what the controller answered when it was looked at.
-        motors: the motors' words as they were heard last, in the robot's order.
+        patience: longest time that the controller may be busy [s].
+        settled: time before which no motor's rest counts [s]: the time base may still be on its way to 0.
+        memory: answers of the controller at inspection.
+        motors: the motors' last status words, in the robot's order.
         beat: time between two beats of the guard PLC [s].
     """
 
@@ -57,13 +57,13 @@ class Operation(operation.Operation):
         self.beat = 0.0
 
     def ask(self, line: str) -> Script[tuple[str, ...]]:
-        """The items of a reply; a busy controller is asked again.
+        """Return the items of a reply. A busy controller is asked again.
 
         Raises:
-            Interrupted: somebody has ordered what is watched for; the line isn't executed.
+            Interrupted: an order in `watch` has come; the line isn't executed.
             Refused: the controller refuses the line.
-            Trouble: it stays busy.
-            Lost: the connection is of no use any more.
+            Trouble: the controller stays busy.
+            Lost: the connection is no longer usable.
         """
         since = self.now
         while True:
@@ -88,7 +88,7 @@ class Operation(operation.Operation):
                     raise _lost(event)
 
     def one(self, line: str) -> Script[str]:
-        """The only item of a reply."""
+        """Return the only item of a reply."""
         items = yield from self.ask(line)
         if len(items) != 1:
             raise Trouble(
@@ -97,7 +97,7 @@ class Operation(operation.Operation):
         return items[0]
 
     def numbers(self, line: str, count: int) -> Script[tuple[float, ...]]:
-        """A reply of so many numbers; hexadecimal ones begin with $."""
+        """Return a reply of `count` numbers; hexadecimal ones begin with $."""
         items = yield from self.ask(line)
         try:
             values = tuple(number_in(item) for item in items)
@@ -111,7 +111,7 @@ class Operation(operation.Operation):
         return values
 
     def report(self, character: str) -> Script[str]:
-        """The line that ^B, ^F or ^P gives."""
+        """Return the line that ^B, ^F or ^P gives."""
         self.give_way()
         event = yield AskControl(character)
         match event:
@@ -121,13 +121,13 @@ class Operation(operation.Operation):
                 raise _lost(event)
 
     def control(self, character: str) -> Script[None]:
-        """A control character without a reply."""
+        """Send a control character without a reply."""
         event = yield Control(character)
         if not isinstance(event, Taken):
             raise _lost(event)
 
     def write(self, lines: tuple[str, ...]) -> Script[Written]:
-        """Lines by WRITEBUFFER; the event says whether all are in."""
+        """Write lines by WRITEBUFFER; the event says if all were taken."""
         self.give_way()
         event = yield Write(lines)
         if not isinstance(event, Written):
@@ -137,19 +137,25 @@ class Operation(operation.Operation):
     # stops: they don't give way
 
     def hold(self, system: int, within: float) -> Script[None]:
-        """H in a coordinate system: its time base goes to 0 on the path, `within` [s]. Where H isn't taken: all hold."""
+        """Send H to a coordinate system, which brings its time base to 0 on the path. If H isn't taken, hold
+        all.
+
+        Args:
+            system: number of the coordinate system.
+            within: duration of the hold [s].
+        """
         event = yield Ask(f"&{system}H")
         match event:
             case Answer(error=None):
                 self.settled = self.now + within
             case Answer() | Busy():
-                # control characters are taken at any time
+                # Control characters are taken at any time.
                 yield from self.hold_all(within)
             case _:
                 raise _lost(event)
 
     def hold_all(self, within: float) -> Script[None]:
-        """^O, or ^A if somebody wants an abort."""
+        """Send ^O, or ^A if someone has ordered an abort."""
         if Abort() in self.orders:
             yield from self.abort()
             return
@@ -157,7 +163,7 @@ class Operation(operation.Operation):
         self.settled = self.now + within
 
     def abort(self) -> Script[None]:
-        """^A: all motors, each by itself."""
+        """Send ^A: abort all motors, each by itself."""
         yield from self.control(ABORT_ALL)
         self.settled = -math.inf
 
@@ -166,10 +172,10 @@ _NUMBER = re.compile(r"\$[0-9A-Fa-f]+|[+-]?(?:\d+\.?\d*|\.\d+)")
 
 
 def number_in(text: str) -> float:
-    """A number as the controller writes it.
+    """Parse a number in the controller's notation.
 
     Raises:
-        ValueError: it is none.
+        ValueError: it is no number.
     """
     if not _NUMBER.fullmatch(text):
         raise ValueError(f"{text!r} isn't a number")
@@ -177,7 +183,7 @@ def number_in(text: str) -> float:
 
 
 def _lost(event: object) -> Lost:
-    """Why the connection is of no use any more."""
+    """Return why the connection is no longer usable."""
     return TooLate(_reason(event)) if isinstance(event, Late) else Lost(_reason(event))
 
 

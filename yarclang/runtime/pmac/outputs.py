@@ -1,4 +1,4 @@
-"""Outputs of a program: their safe values at any stop, hold or fault, and what they were before."""
+"""Outputs of a program: their safe values at any stop, hold or fault, and their values before. No I/O."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from yarclang.runtime.pmac.operation import Operation
 class Outputs:
     """The outputs that a job has declared with a safe value.
 
-    What an output should be is known from the lines that were executed, not by asking: the controller's own guard may have made it
-    safe already.
+    The value of an output is derived from the executed lines, not asked for: the controller's own guard may
+    already have set it to its safe value.
     """
 
     def __init__(self, job: Job) -> None:
@@ -21,19 +21,19 @@ class Outputs:
         self._secured = False
 
     def remember(self, operation: Operation) -> Script[None]:
-        """Ask what they are before the job. No buffer may be open on this port."""
+        """Ask for the values before the job. No buffer may be open on this port."""
         for variable in self._safe:
             (value,) = yield from operation.numbers(variable, 1)
             self._before[variable] = value
 
     def secure(self, operation: Operation) -> Script[None]:
-        """Give all of them their safe values. No buffer may be open on this port."""
+        """Set all outputs to their safe values. No buffer may be open on this port."""
         self._secured = True
         for variable, value in self._safe.items():
             yield from operation.ask(f"{variable}={value:g}")
 
     def restore(self, operation: Operation, executed: int) -> Script[None]:
-        """Give them back what the program has made of them in its first `executed` lines."""
+        """Set all outputs to the values that the first `executed` lines of the program have given them."""
         if not self._secured:
             return
         meant = dict(self._before)

@@ -1,4 +1,6 @@
-"""How fast a controller's time passes: as that of this computer, but for a simulator at another rate. No I/O."""
+"""Measuring how fast a controller's time passes. It passes as this computer's does, except on a simulator at
+another rate. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -10,21 +12,25 @@ from yarclang.runtime.pmac.supervision import wound_up
 from yarclang.units import MS
 
 OTHER_PACE = 0.2
-"""A controller whose time passes by more than this share faster or slower is no real one."""
+"""Share by which time may pass faster or slower on a real controller."""
 
 OTHER_PACE_REMEDY = (
     "run `yarc sim` without --rate, or let `yarc run` simulate the robot itself: without --to, with --rate"
 )
 
 _WOUND_UP = 60.0
-"""More than passes on any simulator meanwhile [s of the controller]."""
+"""Time to which the watchdog is set for the measurement [s of the controller]. No simulator's clock advances
+by as much meanwhile.
+"""
 
 _MEASURED = 0.2
-"""[s]."""
+"""Duration of the measurement [s]."""
 
 
 def pace_of(operation: Operation, controller: TurboPmac) -> Script[float]:
-    """Measure how many seconds of the controller pass in one of this computer, by the watchdog's timer. The watchdog must be off."""
+    """Measure the seconds of the controller per second of this computer, by the watchdog's timer. The
+    watchdog must be off.
+    """
     timer = watchdog(controller.coordinate_system)
     yield from operation.ask(wound_up(controller, _WOUND_UP))
     since = operation.now

@@ -31,11 +31,11 @@ _pack = struct.Struct(pmac.HEADER).pack
 
 
 class ProtocolError(ValueError):
-    """A request that can't be sent: a bug of the caller."""
+    """A request that can't be sent: a bug in the caller."""
 
 
 def encode(request: Request) -> bytes:
-    """The packet of a request.
+    """Return the packet of a request.
 
     Raises:
         ProtocolError: a line or a packet is too long, or has characters that would end it early.
@@ -75,7 +75,7 @@ def encode(request: Request) -> bytes:
 
 
 def fitting(lines: Sequence[str], first: int = 0, beside: Sequence[str] = ()) -> int:
-    """How many of the lines from `first` on one `Write` can carry, with others beside them."""
+    """Return how many lines from `first` on one `Write` can carry, with the lines `beside` them."""
     size = sum(len(line) + 1 for line in beside)
     for count, line in enumerate(lines[first : first + pmac.MOST_LINES // 2]):
         size += len(line) + 1
@@ -106,7 +106,7 @@ def _in_memory(offset: int, size: int, most: int) -> None:
 
 
 def reply_size(request: Request) -> int:
-    """Bytes of a reply whose size the request says."""
+    """Return the size of a reply whose size the request determines [bytes]."""
     match request:
         case Write():
             return 4
@@ -119,9 +119,10 @@ def reply_size(request: Request) -> int:
 
 
 def fixed_event(request: Request, data: bytes) -> Event:
-    """What a reply of that size says."""
+    """Parse a reply of that size."""
     match request:
         case Write(lines):
+            # Low byte first: the line's number in bytes 0 and 1, the error in byte 2, the flag in byte 3.
             line, error, flag = struct.unpack("<HBB", data)
             if data == bytes(4):
                 return Written(request)

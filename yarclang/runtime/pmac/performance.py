@@ -1,4 +1,4 @@
-"""A run from its first question to its last: looking, streaming, and what becomes of it when something goes wrong. No I/O."""
+"""A run from its first question to its last: inspection, streaming, and the handling of faults. No I/O."""
 
 from __future__ import annotations
 
@@ -41,24 +41,26 @@ from yarclang.runtime.standing import described
 from yarclang.runtime.state import Event, State
 
 AGAIN_FOR = 10.0
-"""How long a lost connection is tried to be made again [s]."""
+"""Time during which a lost connection is retried [s]."""
 
 _AGAIN_EACH = 0.5
 
 _HELD_WITHIN = 3.0
-"""A robot that hasn't come to rest by then, and four hold times, isn't stopped by a hold [s]."""
+"""Time to wait for rest after a hold [s], besides four hold times. A robot that still moves then can't be
+stopped by a hold.
+"""
 
 _ABORTED = "aborted: off its path"
 
 _MOTOR_FAULT = "Y1602"
-"""A motor can't move: somebody may have moved its limits."""
+"""A motor can't move: someone may have changed its limits."""
 
 _PATIENCE_AT_REST = 10.0
-"""How long a controller may be busy where it is only asked where the robot stands [s]."""
+"""Longest time that a controller may be busy when it is only asked where the robot stands [s]."""
 
 
 def connect(operation: Operation) -> Script[None]:
-    """Make a connection and set the form of its replies.
+    """Make a connection and set the format of its replies.
 
     Raises:
         Trouble: the controller can't be reached, or doesn't talk as a PMAC does.
@@ -84,16 +86,23 @@ def connect(operation: Operation) -> Script[None]:
 
 
 def _greet(operation: Operation) -> Script[None]:
-    """The form of replies; an open rotary, of a run that has died, would store the line instead."""
+    """Set the format of replies. An open rotary, left by a run that has died, would store the
+    line instead.
+    """
     yield from operation.control(CLOSE_ROTARY)
     yield from operation.ask(GREETING)
 
 
 def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[Inspection]:
-    """Look at the controller before anything moves. Where all is well, a fault is forgotten.
+    """Inspect the controller before anything moves. If all is well, a fault is cleared.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        items: settings to compare.
 
     Raises:
-        Trouble: it can't be looked at.
+        Trouble: it can't be inspected.
     """
     try:
         found = yield from inspect(operation, robot, items)
@@ -117,8 +126,9 @@ def measured(operation: Operation, robot: Robot) -> Script[Measured]:
 
 
 def perform(operation: Operation, job: Job) -> Script[Ended]:
-    """Run a job on a controller that was looked at. Whatever happens, the robot is at rest in the end, or it is said that this
-    isn't known.
+    """Run a job on a controller that was inspected.
+
+    In any case, the robot is at rest at the end, or the result states that this isn't known.
     """
     if operation.state is not State.STOP:
         what = f"nothing is begun in state {operation.state.value}"
@@ -143,7 +153,7 @@ def _stream(operation: Operation, job: Job) -> Script[Ended]:
 
 
 def perform_live(operation: Operation, live: Live) -> Script[Ended]:
-    """Carry a live motion out on a controller that was looked at, as `perform` does with a job."""
+    """Carry out a live motion on a controller that was inspected, as `perform` does with a job."""
     if operation.state is not State.STOP:
         what = f"nothing is begun in state {operation.state.value}"
         return Ended(False, what, "look at the controller first: `yarc doctor`")
@@ -151,7 +161,7 @@ def perform_live(operation: Operation, live: Live) -> Script[Ended]:
 
 
 def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """To its end, or to rest."""
+    """Run a stream to its end, or to rest."""
     try:
         yield from stream.run()
     except Found:
@@ -174,7 +184,7 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
 
 
 def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """An input has ended the motion: come to rest on the path, and forget the lines that are left."""
+    """Come to rest on the path after an input has ended the motion, and discard the remaining lines."""
     try:
         joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
     except Trouble as trouble:
@@ -196,12 +206,12 @@ def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
 
 
 def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why: Trouble) -> Script[Ended]:
-    """Come to rest, and leave the controller in a state that is known."""
+    """Come to rest, and leave the controller in a known state."""
     robot = stream.job.robot
     what, remedy = why.what, why.remedy
     try:
         if event is Event.FAULT and operation.state is State.MOVE:
-            # better on the path than dry, some lines later
+            # Better rest on the path, some lines later, than let the buffer run empty.
             yield from operation.hold(turbo_pmac(robot).coordinate_system, robot.controller.hold_time)
         joints, aborted = yield from _end_at_rest(operation, robot)
         if aborted and _ABORTED not in what:
@@ -226,10 +236,11 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
 
 
 def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | None, bool]]:
-    """Wait for rest, aborting if that is ordered meanwhile; end the program; where the robot stands, and whether it was aborted.
+    """Wait for rest, aborting if that is ordered meanwhile, and end the program.
 
     Returns:
-        None for the place behind a reset: the registers count from where the robot was then.
+        Where the robot stands, and True if it was aborted. The position is None after a reset, because the
+        registers count from the position at the reset.
     """
     aborted = False
     operation.watch, operation.patience = (Abort,), _PATIENCE_AT_REST
@@ -243,7 +254,7 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
         except Trouble:
             if aborted:
                 raise
-        # a person wants it, or a hold doesn't stop what moves: a jog of somebody else
+        # A person has ordered it, or a hold doesn't stop the motion: another client's jog.
         aborted = True
         yield from operation.abort()
     operation.watch = ()
@@ -254,13 +265,16 @@ def _end_at_rest(operation: Operation, robot: Robot) -> Script[tuple[Array | Non
 
 
 def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Script[Ended]:
-    """The connection is lost: the guard PLC holds the motion when the buffer runs low. Make another connection, hold, and look."""
+    """Recover from a lost connection: make another one, hold, and inspect.
+
+    The guard PLC holds the motion when the buffer runs low.
+    """
     operation.go(Event.LOST, why, LOST)
     operation.watch = ()
     robot = stream.job.robot
     until = operation.now + AGAIN_FOR
     what = f"the connection was lost: {why}"
-    # a connection that only told nonsense may still carry it
+    # A connection that delivered only nonsense may still carry it.
     yield Control(ABORT_ALL if Abort() in operation.orders else HOLD_ALL)
     while True:
         outcome = yield Connect()
@@ -296,12 +310,12 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
 
 
 def _reason(outcome: object) -> str:
-    """Why there is no connection."""
+    """Return why there is no connection."""
     return outcome.reason if isinstance(outcome, Unreachable) else "it doesn't stay"
 
 
 _LOST = Trouble("", code=LOST)
-"""What kind of fault a lost connection is."""
+"""The fault of a lost connection."""
 
 
 def _ended(
@@ -326,10 +340,12 @@ def _ended(
 
 
 def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
-    """End a program that is left in the middle, held or starved, where the robot stands at rest with all loops closed: that of a computer that has failed.
+    """End a program that a failed computer has left in the middle, held or starved.
+
+    This is done only if the robot is at rest with all loops closed.
 
     Returns:
-        False if there is none; what moves, or has an open loop, is left as it is.
+        False if there is none. Anything that moves, or has an open loop, is left untouched.
     """
     motors = yield from motor_statuses(operation, robot)
     words = yield from system_words(operation, robot)
@@ -342,10 +358,16 @@ def end_leftovers(operation: Operation, robot: Robot) -> Script[bool]:
 
 
 def end_what_runs(operation: Operation, robot: Robot, *, abort: bool) -> Script[Array | None]:
-    """Without a job of ours: hold (or abort) what the coordinate system does, and end it at rest.
+    """Hold (or abort) whatever the coordinate system does, and end it at rest. Used without a job of ours.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        abort: True: abort, without regard to the path; False: hold.
 
     Returns:
-        Where the robot stands (n,) [rad or m]; None if the controller was reset, so that nobody knows.
+        Where the robot stands (n,) [rad or m]; None if the controller was reset, so that the position isn't
+        known.
     """
     if abort:
         yield from operation.abort()

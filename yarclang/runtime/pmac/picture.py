@@ -1,4 +1,4 @@
-"""What a controller says of itself, whoever uses it. No I/O."""
+"""The state of a controller, whoever uses it. No I/O."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ _GUARD = {
 
 
 def picture(operation: Operation, robot: Robot) -> Script[Picture]:
-    """Ask only what is never stored in a buffer: a run that was killed may have left its rotary open."""
+    """Return the controller's state, asking only questions that a buffer never stores: a killed run may have
+    left its rotary open.
+    """
     kind = yield from operation.one("TYPE")
     identity = yield from operation.one("CID")
     firmware = yield from operation.one("VERSION")
@@ -46,7 +48,7 @@ def picture(operation: Operation, robot: Robot) -> Script[Picture]:
 
 
 def _places(operation: Operation, robot: Robot) -> Script[tuple[JointPlace, ...]]:
-    """Where the joints are: by ^P and ^F, since M161 would go into an open buffer."""
+    """Return where the joints are, by ^P and ^F, since M161 would be stored in an open buffer."""
     motors = robot.controller.motors
     counts: dict[int, float] = {}
     for group in groups_of(motors):
@@ -72,7 +74,7 @@ def _places(operation: Operation, robot: Robot) -> Script[tuple[JointPlace, ...]
 
 
 def _motor_words(status: MotorStatus) -> str:
-    """A motor's status words in plain language."""
+    """Return a motor's status words in plain language."""
     if trouble := status.trouble:
         return trouble
     words = ["closed-loop", "homed" if status.has("home complete") else "not homed"]

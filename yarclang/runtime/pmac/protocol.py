@@ -1,11 +1,11 @@
 """The client's end of the controller's Ethernet protocol, without a socket and without a clock.
 
-A `Connection` turns a request into bytes to send, and bytes that came into events. One request is in flight
-at a time. Replies longer than a packet are fetched to their end; what it takes is in `outgoing()`, so send that
-after each call. The controller must run with I3=2 and I6=1: ask `GREETING` first.
+A `Connection` turns requests into bytes to send, and received bytes into events. One request is in flight at
+a time. Replies longer than a packet are fetched to their end; the necessary requests are in `outgoing()`, so
+send its bytes after each call. The controller must run with I3=2 and I6=1: ask `GREETING` first.
 
-Nothing in a late reply says which request it belongs to. Hence a connection that missed a reply, or got bytes that
-can't be one, is lost: open another one. `last_words` gives the bytes for a stop on a lost connection.
+Nothing in a late reply identifies its request. So a connection that missed a reply, or got bytes that can't
+be a reply, is lost: open another one. `last_words` gives the bytes for a stop on a lost connection.
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ __all__ = [
 ]
 
 GREETING: Final = "I6=1 I3=2"
-"""The first line to ask: errors and replies in the form that this module reads."""
+"""The first line to ask: it sets errors and replies to the format that this module reads."""
 
 MOST_TEXT: Final = 1 << 24
-"""A reply longer than this [bytes] is taken for nonsense."""
+"""Longest accepted reply [bytes]; a longer one is nonsense."""
 
 _UNUSUAL = re.compile(rb"[^\r\x20-\x7e]")
 _WHOLE = re.compile(rb"[\r\x20-\x7e]*\r\x06")
@@ -93,24 +93,24 @@ class Connection:
 
     @property
     def in_flight(self) -> Request | None:
-        """The request that has no reply yet."""
+        """Return the request that has no reply yet."""
         return self._request
 
     @property
     def lost(self) -> bool:
-        """Nothing more can be asked on this connection."""
+        """Return True if nothing more can be asked on this connection."""
         return self._lost
 
     @property
     def deadline(self) -> float | None:
-        """When `check` is due [s]; None while nothing is in flight."""
+        """Return when `check` is due [s]; None if nothing is in flight."""
         return self._deadline
 
     def send(self, request: Request, now: float, timeout: float) -> bytes:
         """Begin a request.
 
         Args:
-            request: what to ask.
+            request: request to send.
             now: the time [s].
             timeout: how long to wait for each packet of the reply [s].
 
@@ -118,8 +118,8 @@ class Connection:
             All bytes to send now.
 
         Raises:
-            ProtocolError: another request is in flight, the reply to a `Send` still waits, the connection is lost, or
-                the request can't be coded.
+            ProtocolError: another request is in flight, the reply to a `Send` still waits, the connection is
+                lost, or the request can't be encoded.
         """
         if self._lost:
             raise ProtocolError("the connection is lost")
@@ -127,7 +127,7 @@ class Connection:
             raise ProtocolError(f"{type(self._request).__name__} is still in flight")
         if self._left and isinstance(request, Ask | Send):
             raise ProtocolError("the reply to Send may still wait and would come first: Fetch or Flush it")
-        packet = encode(request)  # before anything changes: it may refuse
+        packet = encode(request)  # first, since it may refuse
         if isinstance(request, Send | Fetch | Flush):
             self._left = isinstance(request, Send)
         self._request, self._timeout, self._deadline = request, timeout, now + timeout
@@ -136,13 +136,18 @@ class Connection:
         return packet
 
     def outgoing(self) -> bytes:
-        """Bytes to send now, each once; requests for the rest of a long reply among them."""
+        """Return bytes to send now, each once, including requests for the rest of a long reply."""
         data = bytes(self._out)
         self._out.clear()
         return data
 
     def receive(self, data: bytes, now: float) -> tuple[Event, ...]:
-        """Take bytes that came, in any chopping, at the time `now` [s]. Send `outgoing()` afterwards."""
+        """Process received bytes. Send `outgoing()` afterwards.
+
+        Args:
+            data: the bytes, however they are split.
+            now: when they came [s].
+        """
         if self._lost or not data:
             return ()
         request = self._request
@@ -157,7 +162,7 @@ class Connection:
                 return self._fixed(request, data)
 
     def check(self, now: float) -> tuple[Event, ...]:
-        """Say `Late` if the deadline is over at the time `now` [s]."""
+        """Return `Late` if the deadline is over at the time `now` [s]."""
         if self._deadline is None or now < self._deadline or self._request is None:
             return ()
         request = self._request
@@ -165,7 +170,7 @@ class Connection:
         return (Late(request),)
 
     def close(self) -> tuple[Event, ...]:
-        """The other end has closed the connection."""
+        """Record that the other end has closed the connection."""
         if self._lost:
             return ()
         request = self._request
@@ -173,18 +178,21 @@ class Connection:
         return (Closed(request),)
 
     def last_words(self, character: str) -> bytes:
-        """Bytes of a control character to send whatever is in flight, before the connection is given up.
+        """Return the bytes of a control character to send whatever is in flight, before the connection is
+        closed.
 
-        For a stop where the reply before it is missing; the bytes of it that come then mean nothing.
+        For a stop while a reply is missing; any bytes of that reply have no meaning then.
         """
         packet = bytes(self._out) + encode(Control(character))
         self._lose()
         return packet
 
     def _text(self, request: Ask | Fetch, data: bytes, now: float) -> tuple[Event, ...]:
-        """Text up to ACK, or up to CR behind BEL; a packet that is full without an end has a sequel."""
+        """Parse text up to ACK, or up to CR after BEL. A full packet without an end has a continuation."""
         if self._first_piece and not self._piece and len(data) <= pmac.MOST_REPLY and _WHOLE.fullmatch(data):
             return self._finish(Answer(request, tuple(data[:-2].decode("ascii").split("\r"))), b"")
+        # All other replies: several packets, errors, NUL, or violations. `at` is the next byte to look at;
+        # `_piece` counts the bytes of the current packet.
         at = 0
         while at < len(data):
             part = data[at : at + pmac.MOST_REPLY - self._piece]
@@ -200,6 +208,7 @@ class Connection:
                 continue
             self._in += part[:end]
             rest, byte = data[at + end + 1 :], part[end]
+            # BEL begins an error, whose number ends with CR.
             if byte == pmac.BEL and not self._bell:
                 self._in.append(byte)
                 self._bell, at, self._piece = True, at + end + 1, self._piece + end + 1
@@ -218,7 +227,7 @@ class Connection:
         return ()
 
     def _fetch_more(self, now: float) -> bool:
-        """A packet is full: ask for the next one, unless the reply is long beyond sense."""
+        """Ask for the next packet after a full one, unless the reply is too long to make sense."""
         self._out += _NEXT
         self._piece, self._first_piece = 0, False
         self._deadline = now + self._timeout
@@ -238,7 +247,7 @@ class Connection:
         return Answer(request, tuple(before.decode("ascii").split("\r")[:-1]), int(number[1]))
 
     def _control_text(self, request: AskControl, data: bytes) -> tuple[Event, ...]:
-        """One line: control characters' replies end with CR and have no ACK."""
+        """Parse one line: replies to control characters end with CR and have no ACK."""
         end = data.find(b"\r")
         self._in += data if end < 0 else data[:end]
         if len(self._in) > pmac.MOST_REPLY or _UNUSUAL.search(self._in):
@@ -248,7 +257,7 @@ class Connection:
         return self._finish(Answer(request, (self._in.decode("ascii"),)), data[end + 1 :])
 
     def _fixed(self, request: Request, data: bytes) -> tuple[Event, ...]:
-        """Replies of a size that the request says."""
+        """Parse a reply whose size the request determines."""
         wanted = reply_size(request) - len(self._in)
         self._in += data[:wanted]
         if len(data) < wanted:

@@ -1,4 +1,4 @@
-"""Looking whether the robot stands, and where."""
+"""Checking if the robot stands, and where."""
 
 from __future__ import annotations
 
@@ -24,21 +24,23 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.standing import off_the_start
 
 LONGEST = 15.0
-"""A robot that hasn't come to rest by then won't [s]."""
+"""Longest time to wait for rest [s]; a robot that still moves then won't stop by itself."""
 
 _POLL = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """Where the robot stands: commanded joint positions (n,) [rad or m], and its motors' words."""
+    """Where the robot stands: commanded joint positions (n,) [rad or m], and the status words of
+    its motors.
+    """
 
     joints: Array
     motors: tuple[MotorStatus, ...]
 
 
 def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
-    """The words of all motors of a robot, in their order; whatever buffer is open."""
+    """Return the status words of all motors of a robot, in their order; works with any open buffer."""
     motors = robot.controller.motors
     found: dict[int, MotorStatus] = {}
     groups = groups_of(motors)
@@ -55,7 +57,7 @@ def motor_statuses(operation: Operation, robot: Robot) -> Script[tuple[MotorStat
 
 
 def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
-    """The words of the robot's coordinate system."""
+    """Return the status words of the robot's coordinate system."""
     text = yield from operation.one(f"&{turbo_pmac(robot).coordinate_system}??")
     try:
         return system_status(text)
@@ -66,10 +68,15 @@ def system_words(operation: Operation, robot: Robot) -> Script[SystemStatus]:
 def come_to_rest(
     operation: Operation, robot: Robot, longest: float = LONGEST
 ) -> Script[tuple[MotorStatus, ...]]:
-    """Wait until no motor has a desired velocity, seen twice, and no hold can still be on its way.
+    """Wait until no motor has a desired velocity, seen twice, and no hold can still be in progress.
+
+    Args:
+        operation: the run.
+        robot: the robot.
+        longest: how long to wait [s].
 
     Raises:
-        Trouble: one still moves after `longest` [s].
+        Trouble: a motor still moves after `longest`.
     """
     since = operation.now
     seen = 0
@@ -93,10 +100,12 @@ def come_to_rest(
 
 
 def leave(operation: Operation, robot: Robot) -> Script[None]:
-    """At rest: close all buffers, disarm the guard and the watchdog, end what runs (a starved or held rotary does) and lift a hold, forget the
-    lines that are left, 100 % again.
+    """Clean up at rest.
 
-    A ends and lifts. It would close the loops of motors that were killed, so that it is left out where one is open and nothing runs.
+    Close all buffers, disarm the guard and the watchdog, end what runs (such as a starved or held rotary),
+    lift a hold, discard the remaining lines, and set the override to 100 %. The command A ends programs and
+    lifts holds. It would also close the loops of killed motors, so it is omitted if a loop is open and
+    nothing runs.
     """
     system = turbo_pmac(robot).coordinate_system
     operation.ahead = None
@@ -111,7 +120,9 @@ def leave(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
-    """The commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on this port."""
+    """Return the commanded joint positions (n,) [rad or m], from M161 and so on. No buffer may be open on
+    this port.
+    """
     motors = robot.controller.motors
     asked = "".join(commanded_position(motor)[0] for motor in motors)
     values = yield from operation.numbers(
@@ -127,7 +138,12 @@ def stands_at(operation: Operation, robot: Robot) -> Script[Array]:
 def away_from_start(
     operation: Operation, job: Job, remedy: str = "give --approach for a slow, certified motion to the start"
 ) -> Script[None]:
-    """Look where the robot stands; `remedy` says what to do where that isn't the start.
+    """Check that the robot stands at the start of a job.
+
+    Args:
+        operation: the run.
+        job: the job.
+        remedy: what people should do if it doesn't.
 
     Raises:
         Trouble: a joint is further from the start than the first segment allows.

@@ -1,6 +1,7 @@
-"""The rotary buffer and what is asked about it: fed, asked how full it is, and whether it is large enough. No I/O.
+"""The rotary buffer: feeding it, asking how full it is, and checking that it is large enough. No I/O.
 
-It is open on our port only within the packet that feeds it: an open one stores what it can, variables among it (facts 3).
+It is open on our port only within the packet that feeds it: an open buffer stores whatever it can, including
+questions for variables (facts 3).
 """
 
 from __future__ import annotations
@@ -18,22 +19,24 @@ from yarclang.runtime.pmac.watching import look_at_motors
 from yarclang.units import MS
 
 _SHARE = 0.7
-"""Of the link's capacity that a program may need."""
+"""Share of the link's capacity that a program may need."""
 
 _WITHIN_RESERVE = 12
-"""Exchanges that a full buffer lasts for, down to low water: with fewer, some of its refills come too late (tried out)."""
+"""Minimum number of exchanges that a full buffer lasts for, down to low water. With fewer, some refills come
+too late (found by experiment).
+"""
 
 _SHORTEST = 1.0
-"""Of a program, that a rotary holds at least [s]."""
+"""Minimum duration of the program in a rotary buffer [s]."""
 
 
 class Rotary:
-    """The buffer of one job.
+    """The rotary buffer of one job.
 
     Attributes:
-        feed: how far the job's lines are.
-        supervision: of the controller that it is in.
-        course: the way that its lines lead.
+        feed: progress of the job's lines.
+        supervision: supervision of the controller with the buffer.
+        course: path of the buffer's lines.
     """
 
     def __init__(self, operation: Operation, job: Job) -> None:
@@ -44,7 +47,7 @@ class Rotary:
         self.course = Course(job.robot, job.start, job.slack, job.segment)
 
     def define(self) -> Script[None]:
-        """The paper's Listing 3, line by line; the buffer isn't open yet.
+        """Define the buffer, line by line (Listing 3 of the paper); it isn't open yet.
 
         Raises:
             Trouble: it would be too small.
@@ -61,7 +64,7 @@ class Rotary:
             yield from self.operation.ask(line)
 
     def write(self) -> Script[None]:
-        """The lines that fit into the buffer and into a packet.
+        """Write the lines that fit into the buffer and into a packet.
 
         Raises:
             Trouble: the controller refuses one.
@@ -85,10 +88,10 @@ class Rotary:
         )
 
     def ask(self) -> Script[Flow]:
-        """How many lines lie ahead, and what goes with that question.
+        """Ask how many lines are ahead, together with the other values of a `Flow`.
 
         Raises:
-            Lost: more lines than can be.
+            Lost: more lines are ahead than possible.
         """
         operation, feed = self.operation, self.feed
         asked = operation.now
@@ -99,7 +102,7 @@ class Rotary:
         return flow
 
     def check_full(self) -> Script[None]:
-        """Check that it hasn't run dry in motion.
+        """Check that the buffer hasn't run empty in motion.
 
         Raises:
             Trouble: it has, or a motor can't move.
@@ -114,14 +117,14 @@ class Rotary:
             )
 
     def check_prefilled(self, spent: float, packets: int) -> None:
-        """Whoever can't fill it fast enough can't keep it filled either.
+        """Check that the buffer was filled fast enough: otherwise it couldn't be kept filled either.
 
         Args:
-            spent: how long it took [s].
-            packets: and in how many.
+            spent: duration of the filling [s].
+            packets: number of packets.
 
         Raises:
-            Trouble: before anything has moved.
+            Trouble: it was too slow. Nothing has moved yet.
         """
         job, feed = self.job, self.feed
         if feed.at_most != feed.sent:

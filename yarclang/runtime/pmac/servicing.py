@@ -1,6 +1,6 @@
-"""Service at rest, without a job: loops are closed and opened, settings are sent and saved. No I/O.
+"""Service at rest, without a job: closing and opening loops, sending and saving settings. No I/O.
 
-Behind all of it a look at everything decides whether a motion is possible; until then the state is a fault.
+After each of these, a complete inspection decides if a motion is possible; until then the state is a fault.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from yarclang.runtime.scripts import Sent
 from yarclang.runtime.state import Event
 
 _WITHIN = 1.0
-"""How long a loop may take to be closed or opened [s]."""
+"""Longest time for closing or opening a loop [s]."""
 
 _SETTLES = 0.1
-"""Time after a loop is closed before its motor must stand [s]."""
+"""Time after a loop is closed until its motor must stand [s]."""
 
 _POLL = 0.02
 
 STAYS = 0.2
-"""How far a motor may move, and lag behind, when its loop is closed: as far as this of a joint [deg or mm]."""
+"""Longest motion and following error of a motor whose loop is closed, as motion of a joint [deg or mm]."""
 
 _SAVES = 30.0
-"""How long a controller may be busy with SAVE [s]."""
+"""Longest time that a controller may be busy with SAVE [s]."""
 
 _ENDS = (Hold, Stop, Abort, Fail)
 
 
 def is_ended(operation: Operation) -> bool:
-    """Return True if somebody wants the end of what goes on."""
+    """Return True if someone has ordered the end of the current action."""
     return any(isinstance(order, _ENDS) for order in operation.orders)
 
 
@@ -46,7 +46,7 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
     """Check that nothing moves, and that no program is in the middle.
 
     Raises:
-        Trouble: something does.
+        Trouble: something moves, or a program is in the middle.
     """
     motors = yield from motor_statuses(operation, robot)
     for number, motor in zip(robot.controller.motors, motors, strict=True):
@@ -59,10 +59,11 @@ def check_rest(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def enable(operation: Operation, robot: Robot) -> Script[str]:
-    """Close the loops of the motors that are open, one after the other, and look whether each motor stays where it is.
+    """Close the open loops of the motors, one after the other, and check that each motor stays where it is.
 
     Returns:
-        What isn't as it must be; empty if all loops are closed. After the first motor that isn't well none is closed any more.
+        What is wrong; empty if all loops are closed. After the first motor with a problem, no further loop is
+        closed.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -121,10 +122,10 @@ def _become(operation: Operation, robot: Robot, row: int, *, is_open: bool) -> S
 
 
 def disable(operation: Operation, robot: Robot) -> Script[str]:
-    """Open the loops of all motors, at rest: brakes hold the robot then, or nothing does.
+    """Open the loops of all motors, at rest. Only brakes hold the robot then, if it has any.
 
     Returns:
-        What isn't as it must be; empty if all are open.
+        What is wrong; empty if all loops are open.
 
     Raises:
         Trouble: the robot isn't at rest.
@@ -142,14 +143,16 @@ def disable(operation: Operation, robot: Robot) -> Script[str]:
 
 
 def check_open(operation: Operation, robot: Robot) -> Script[None]:
-    """Check that settings may be sent: at rest with all loops open, since a scale, a limit or a PLC that changes moves what is closed.
+    """Check that settings may be sent: the robot must be at rest with all loops open.
+
+    A scale, limit or PLC that changes would move a motor with a closed loop.
 
     Args:
         operation: the run.
-        robot: whose settings.
+        robot: the robot whose settings are sent.
 
     Raises:
-        Trouble: they may not.
+        Trouble: settings may not be sent.
     """
     yield from check_rest(operation, robot)
     motors = yield from motor_statuses(operation, robot)
@@ -175,14 +178,16 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
 
 
 def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
-    """Send settings line by line, where `check_open` has found nothing; it ends with the first line that isn't taken, or when a person wants it.
+    """Send settings line by line, after `check_open` has found nothing wrong.
+
+    Sending ends with the first line that isn't taken, or when a person orders it.
 
     Args:
         operation: the run.
-        lines: without comments.
+        lines: lines without comments.
 
     Raises:
-        Lost: the connection is of no use any more.
+        Lost: the connection is no longer usable.
     """
     operation.go(Event.FAULT, "settings are being sent to the controller")
     for number, line in enumerate(lines):
@@ -213,11 +218,11 @@ def send(operation: Operation, lines: Sequence[str]) -> Script[Sent]:
 
 
 def save(operation: Operation, robot: Robot) -> Script[None]:
-    """Let the controller keep its settings beyond power-off (SAVE).
+    """Store the settings in the controller beyond power-off (SAVE).
 
     Raises:
         Trouble: the robot isn't at rest, or the controller refuses.
-        Lost: the connection is of no use any more.
+        Lost: the connection is no longer usable.
     """
     yield from check_rest(operation, robot)
     event = yield Ask("SAVE")

@@ -1,7 +1,8 @@
-"""What must stay as it was proved while a run goes on: asked with each question of the flow, and once a second; and the watchdog. No I/O.
+"""Supervision of a run: values that must stay as they were proved, which are asked for with each question
+about the flow or once a second; and the watchdog. No I/O.
 
-Other clients may use the same controller. What one of them changes (the override, the guard, a limit, a PLC, an axis definition) changes what was
-proved, so that the motion is held, and both values are told.
+Other clients may use the same controller. If one of them changes something (the override, the guard, a limit,
+a PLC, an axis definition), the proof no longer holds. So the motion is held, and both values are reported.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ from yarclang.runtime.signals import state_text
 from yarclang.units import MS
 
 SETTINGS_EACH = 1.0
-"""Time between two looks at the settings [s]."""
+"""Time between two checks of the settings [s]."""
 
 HELD = 2.0
-"""What the guard PLC puts into its flags when it has held."""
+"""Value of the guard PLC's flags after it has held the motion."""
 
 _LONGEST_QUESTION = 200
 _MOTOR_VARIABLES = {
@@ -43,73 +44,85 @@ _MOTOR_VARIABLES = {
     11: "fatal following error",
     24: "flags and limit switches",
 }
-"""Variables of each motor that no robot says, and that no other client may change while it moves: Ixx00, Ixx11, Ixx24."""
+"""Variables of each motor that no robot description sets, and that no other client may change during motion:
+Ixx00, Ixx11, Ixx24.
+"""
 _MARKS = ("I16, lines below which the guard holds", "I17, lines from which on the rotary counts as full")
 _HOLD_SLEW = 95
-"""Isx95: how fast a hold changes the time base."""
+"""Isx95: rate at which a hold changes the time base."""
 _TIME_BASE = 93
-"""Isx93: where the coordinate system takes its time base from."""
+"""Isx93: source of the coordinate system's time base."""
 _STANDS_STILL = 0.045
-"""A heartbeat that doesn't change for longer stands still [s], or for so many of its own beats:"""
+"""Time after which an unchanged heartbeat counts as stopped [s], unless `_BEATS` beats take longer."""
 _BEATS = 8.0
 _BEHIND = 3.0
-"""So many beats of the guard that PLC 0 hasn't seen, and it doesn't run: it is scanned more often."""
+"""Number of beats of the guard that PLC 0 may miss before it counts as stopped: PLC 0 is scanned
+more often.
+"""
 _RACE = 3
-"""Lines that may be calculated between two answers of one reply."""
+"""Number of lines that may be calculated between two values of one reply."""
 _SLEWING, _LONGEST_SLEW = 0.02, 1.0
-"""Time between two looks at an override that changes, and how long it may take besides two hold times [s]."""
+"""Time between two checks of a changing override, and its longest duration besides two hold times [s]."""
 _SAME_PACE = 0.01
-"""Of an override, printed [%]."""
+"""Tolerance of the override as printed [%]."""
 _SHORTEST_TIMER = 1
 _LONGEST_TIMER = 8_388_607
-"""Of a timer of 24 bits, in servo cycles."""
+"""Largest value of a 24-bit timer, in servo cycles."""
 
 LEAST_PATIENCE = 0.4
-"""For how long a computer may be silent at least, before its controller holds [s]."""
+"""Minimum of the silence after which the controller holds [s]."""
 
 AT_REST_WITHIN = 0.95
-"""After which time the robot rests, when the computer that streams has died [s], if the link allows."""
+"""Time within which the robot should be at rest after the streaming computer has died [s], if the link
+allows.
+"""
 
 _SHORTEST_PATIENCE = 0.25
-"""Below which a busy computer would be held too often [s]."""
+"""Shortest silence that is used [s]; with less, a busy computer would be held too often."""
 
 _REPLIES, _LEAST_REPLIES = 4.0, 3.0
 _ONE_MORE = 0.1
 
 
 def patience_for(slowest: float, hold_time: float) -> float:
-    """Return for how long a computer may be silent before its controller holds [s].
+    """Return the longest silence of this computer before its controller holds [s].
 
-    Four of the slowest replies that were seen, and `LEAST_PATIENCE` at least; the robot shall rest within `AT_REST_WITHIN`. That isn't reached where three
-    replies take longer, as many as lie between two words of a run, or where a robot's hold alone takes so long: no computer is on time within less than
+    The result is four times the slowest reply, and at least `LEAST_PATIENCE`; the robot should be at rest
+    within `AT_REST_WITHIN`. That isn't reached if three replies, as many as lie between two messages of a
+    run, take longer, or if the robot's hold time alone is that long: no computer is punctual within less than
     `_SHORTEST_PATIENCE`.
 
     Args:
-        slowest: the slowest reply while the controller was looked at [s].
-        hold_time: of the robot [s].
+        slowest: slowest reply during the inspection [s].
+        hold_time: hold time of the robot [s].
     """
     wanted = max(LEAST_PATIENCE, _REPLIES * slowest)
     return max(min(wanted, AT_REST_WITHIN - hold_time), needed(slowest), _SHORTEST_PATIENCE)
 
 
 def needed(slowest: float) -> float:
-    """Return the silence that a link itself may cause [s], whose slowest reply took `slowest` [s]."""
+    """Return the silence that a link itself may cause [s].
+
+    Args:
+        slowest: slowest reply of the link [s].
+    """
     return _LEAST_REPLIES * slowest + _ONE_MORE
 
 
 def wound_up(controller: TurboPmac, seconds: float) -> str:
-    """Return the assignment that winds the watchdog up for `seconds` [s of the controller]."""
+    """Return the assignment that sets the watchdog to `seconds` [s of the controller]."""
     cycles = round(seconds / (controller.i10 / 2**23 * MS))
     return f"{watchdog(controller.coordinate_system)}={min(max(cycles, _SHORTEST_TIMER), _LONGEST_TIMER)}"
 
 
 def remember(operation: Operation, robot: Robot, settings: Sequence[tuple[str, str, str]]) -> Script[Memory]:
-    """Ask what is compared from now on. No buffer may be open on this port.
+    """Ask for the values that are compared from now on. No buffer may be open on this port.
 
     Args:
         operation: the run.
-        robot: whose motors and coordinate system.
-        settings: what was looked at: the subject, the question, and whether it is a `number`, a `definition` or a `listing`.
+        robot: the robot with its motors and coordinate system.
+        settings: the inspected settings: the subject, the question, and its kind, `number`, `definition` or
+            `listing`.
     """
     controller = turbo_pmac(robot)
     numbers = [(subject, question) for subject, question, kind in settings if kind == "number"]
@@ -129,7 +142,7 @@ def remember(operation: Operation, robot: Robot, settings: Sequence[tuple[str, s
 
 
 def _lines(parts: Sequence[tuple[str, str]]) -> list[Question]:
-    """As few lines as the length of one allows."""
+    """Group questions into as few lines as the length of a line allows."""
     lines: list[list[tuple[str, str]]] = []
     for part in parts:
         if not lines or sum(len(one[1]) for one in lines[-1]) + len(part[1]) > _LONGEST_QUESTION:
@@ -139,7 +152,7 @@ def _lines(parts: Sequence[tuple[str, str]]) -> list[Question]:
 
 
 def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[list[Remembered]]:
-    """What is answered now; a line that the controller doesn't take as one is asked in its parts."""
+    """Return the current answers. A line that the controller doesn't accept as a whole is asked in parts."""
     found: list[Remembered] = []
     for question in questions:
         reply: tuple[str, ...] = ()
@@ -158,7 +171,11 @@ def _remembered(operation: Operation, questions: Sequence[Question]) -> Script[l
 
 @dataclass(frozen=True, slots=True)
 class Flow:
-    """One answer: `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's flag, the heartbeat as PLC 0 saw it, and what the job watches."""
+    """One answer about the flow.
+
+    It has the `ahead` lines in the rotary, the override [%], the guard's flag and heartbeat, the watchdog's
+    flag, the heartbeat as seen by PLC 0, and the inputs that the job watches.
+    """
 
     ahead: int
     percent: float
@@ -170,7 +187,9 @@ class Flow:
 
 
 class Supervision:
-    """Watches one controller while one job is streamed to it, and lets the controller watch this computer."""
+    """Supervision of one controller while one job is streamed to it. It also lets the controller watch this
+    computer.
+    """
 
     def __init__(self, operation: Operation, job: Job) -> None:
         self.operation = operation
@@ -179,7 +198,7 @@ class Supervision:
             Question(_MARKS, ("I16", "I17")), (str(loading_of(job).low), str(loading_of(job).full))
         )
         self._winds = wound_up(turbo_pmac(job.robot), operation.silence)
-        # what is commanded goes first, and % last: behind it, what follows might be taken for its value
+        # Assignments go first and % last: text after % might be taken for its value.
         self._watches = job.watches
         self._search = job.search
         searched = (job.search.variable,) if job.search is not None else ()
@@ -199,10 +218,12 @@ class Supervision:
     # the watchdog
 
     def begin(self) -> Script[None]:
-        """Wait for the override, and let the controller watch this computer from now on. No buffer may be open on this port; R comes next.
+        """Wait for the override, and let the controller watch this computer from now on.
+
+        No buffer may be open on this port; R comes next.
 
         Raises:
-            Trouble: the override doesn't become what is wanted.
+            Trouble: the override doesn't reach the wanted value.
         """
         operation = self.operation
         wanted, since = 100.0 * operation.override, operation.now
@@ -221,32 +242,35 @@ class Supervision:
 
     @property
     def overdue(self) -> bool:
-        """Whether the watchdog should be wound up before anything else is sent."""
+        """Return True if the watchdog should be restarted before anything else is sent."""
         return self._watching and self.operation.now - self._asked > self.operation.silence / 3.0
 
-    # what is expected
+    # expected values
 
     def slews(self, percent: float) -> None:
-        """From now on, the time base goes from `percent` to the override."""
+        """Record that the time base goes from `percent` to the override from now on."""
         operation, wanted = self.operation, 100.0 * self.operation.override
+        # While an earlier change is in progress, the time base may still be anywhere in its range, too.
         ends = (percent, wanted, *(self._slews if operation.now < self._slews_until else ()))
         self._expected, self._slews = wanted, (min(ends), max(ends))
         way = (max(ends) - min(ends)) / 100.0
         self._slews_until = operation.now + way * self._robot.controller.hold_time + _ONE_MORE
 
     def lines_sent(self, lines: Sequence[str]) -> None:
-        """These lines are in the rotary."""
+        """Record that these lines are in the rotary."""
         for row, line in enumerate(lines):
             if line.startswith(f"{ARMED}="):
                 self._arms.append((self._sent + row, float(line.partition("=")[2])))
         self._sent += len(lines)
 
     def rearmed(self, flow: Flow, all_in: bool) -> str:
-        """Return the assignment that makes the guard's flag what the motion needs when it goes on; empty where it is so.
+        """Return the assignment that sets the guard's flag as the motion needs it on continuing; empty if it
+        is already set so.
 
         Args:
             flow: the last answer, at rest.
-            all_in: whether all lines are in: fewer may be than the guard wants, and no more come.
+            all_in: True if all lines were sent: the buffer may then hold fewer lines than the guard wants,
+                and no more come.
         """
         if all_in and (
             flow.armed or self._disarmed
@@ -256,13 +280,13 @@ class Supervision:
         wanted = self._flag(self._sent - flow.ahead)
         return f"{ARMED}={wanted:g}" if flow.armed != wanted else ""
 
-    # what is asked
+    # questions
 
     def ask(self) -> Script[Flow]:
-        """Ask for the flow, and wind the watchdog up. No buffer may be open on this port.
+        """Ask for the flow, and restart the watchdog. No buffer may be open on this port.
 
         Raises:
-            Lost: the answer isn't one.
+            Lost: the answer can't be parsed.
         """
         operation = self.operation
         asked = operation.now
@@ -290,11 +314,11 @@ class Supervision:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the next question should come soon: the heartbeat hasn't changed."""
+        """Return True if the next question should come soon, because the heartbeat hasn't changed."""
         return self._still > 0.0
 
     def stands_still(self, flow: Flow) -> str:
-        """Return which PLC doesn't run any more; empty where both do."""
+        """Return which PLC has stopped; empty if both run."""
         if self._still > max(_STANDS_STILL, _BEATS * self.operation.beat):
             return f"PLC {GUARD_PLC}, the guard, doesn't run any more: its heartbeat stays at {flow.beat:g}"
         if flow.beat - flow.echo > _BEHIND:
@@ -302,11 +326,12 @@ class Supervision:
         return ""
 
     def changed(self, flow: Flow, *, moving: bool) -> str:
-        """Return what in an answer is otherwise than this run has left it; empty where nothing is.
+        """Return how an answer differs from the state in which this run has left the controller; empty if it
+        doesn't.
 
         Args:
             flow: the answer.
-            moving: whether the program runs at its pace.
+            moving: True if the program runs at its pace.
         """
         if moving and (told := self._other_pace(flow.percent)):
             return told
@@ -326,14 +351,16 @@ class Supervision:
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
-        """The values that the guard's flag may have, with so many lines ahead: as the last line that was calculated has set it."""
+        """Return the values that the guard's flag may have with `ahead` lines ahead, as set by the last
+        calculated line.
+        """
         if self._disarmed:
             return (0.0,)
         taken = self._sent - ahead
         return self._flag(taken), self._flag(taken + _RACE)
 
     def _flag(self, taken: int) -> float:
-        """What the last of so many lines that sets the guard's flag has made of it."""
+        """Return the guard's flag after the first `taken` lines."""
         flag = 0.0
         for row, value in self._arms:
             if row >= taken:
@@ -344,23 +371,23 @@ class Supervision:
     # inputs that hold the motion
 
     def held_by(self, flow: Flow) -> str:
-        """Return which input is in the state in which nothing may move, as of an answer; empty where none is."""
+        """Return the input whose state forbids motion, according to an answer; empty if there is none."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         held = [one for one in self._watches if read[one.variable] == one.value]
         return ", ".join(f"{one.name} ({one.variable}) is {state_text(one.value)}" for one in held)
 
     def found(self, flow: Flow) -> bool:
-        """Return True if the input that ends this motion is as it is searched for."""
+        """Return True if the input that ends this motion has the value that is searched for."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
         return self._search is not None and read[self._search.variable] == self._search.value
 
     # settings
 
     def check(self) -> Script[None]:
-        """Check, before anything moves, that nobody has changed anything since the look.
+        """Check, before anything moves, that no one has changed anything since the inspection.
 
         Raises:
-            Trouble: somebody has.
+            Trouble: someone has.
         """
         if told := (yield from self.compare(all_=True)):
             raise Trouble(
@@ -370,20 +397,23 @@ class Supervision:
             )
 
     def hold_again(self, told: str) -> str:
-        """Return the assignment without which no hold comes to rest as it was proved; empty if nobody has changed that.
+        """Return the assignment without which a hold would not come to rest as proved; empty if no one has
+        changed that value.
 
         Args:
-            told: what somebody else has changed.
+            told: what someone else has changed.
         """
         slew = system_variable(turbo_pmac(self._robot).coordinate_system, _HOLD_SLEW)
         was = self.operation.memory.value(slew)
         return f"{slew}={was}" if was and slew in told else ""
 
     def compare(self, *, all_: bool = False) -> Script[str]:
-        """Ask what the controller was told, and return what is otherwise than when it was looked at; empty where nothing is.
+        """Ask for the settings again, and return the differences from the inspection; empty if there are
+        none.
 
         Args:
-            all_: everything; else what is asked each second, and one of those that are asked seldom.
+            all_: if True, ask for everything; else for what is asked every second, and for one of the
+                settings that are asked seldom.
         """
         memory = self.operation.memory
         seldom = list(memory.seldom) if all_ else [next(self._seldom)] if self._seldom else []

@@ -1,4 +1,6 @@
-"""Barriers at which the robot stands until an input, a condition, the time or the operator lets it go on; and the orders that are heard meanwhile. No I/O."""
+"""Barriers at which the robot stands until an input, a condition, a time or the operator lets it continue;
+and the orders that are obeyed meanwhile. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ from yarclang.runtime.state import Event
 
 
 def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
-    """Until the input is as it shall be, or its time is over."""
+    """Wait until the input has its wanted value, or the time is over."""
     since = operation.now
     (value,) = yield from operation.numbers(barrier.variable, 1)
     place = barrier.label or f"line {barrier.source_line}"
@@ -50,9 +52,19 @@ def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
 
 
 def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: Held) -> Script[bool]:
-    """Until a condition holds, or its time is over: False then. At each look all inputs are read, each once.
+    """Wait until a condition holds, or the time is over.
 
-    Registers of the condition that other programs fill begin anew, and are taken until the end.
+    At each step, all inputs are read, each once. Registers of the condition that other programs fill are
+    cleared first, and values for them are taken until the end.
+
+    Args:
+        operation: the run.
+        barrier: the WAIT, with its time.
+        condition: the condition.
+        held: registers and inputs of the run.
+
+    Returns:
+        False if the time is over.
     """
     since, place = operation.now, barrier.label or f"line {barrier.source_line}"
     name = awaited(barrier, condition)
@@ -69,7 +81,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
             waited = operation.now - since
             is_over = barrier.timeout is not None and waited > barrier.timeout
             if is_over:
-                operation.want(None)  # what comes from now on is late
+                operation.want(None)  # values that come from now on are late
                 if not is_given(operation):
                     operation.notices.append(
                         WaitEnded(operation.now, place, name, "", 0.0, waited, met=False)
@@ -93,7 +105,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
 
 
 def awaited(barrier: Barrier, condition: Value) -> str:
-    """Return what is waited for, with the names of the program where the text has them."""
+    """Return what is waited for, with the program's own names if the text has them."""
     compared = simple(condition)
     if barrier.kind == "when" and compared is not None and barrier.name:
         return f"{barrier.name} is {state_text(compared[1])}"
@@ -101,7 +113,14 @@ def awaited(barrier: Barrier, condition: Value) -> str:
 
 
 def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: float) -> None:
-    """Tell that a WAIT is over."""
+    """Report that a WAIT is over.
+
+    Args:
+        operation: the run.
+        barrier: the WAIT.
+        value: value of the input.
+        waited: duration of the wait [s].
+    """
     place = barrier.label or f"line {barrier.source_line}"
     met = value == barrier.value
     operation.notices.append(
@@ -110,7 +129,14 @@ def _tell_end(operation: Operation, barrier: Barrier, value: float, waited: floa
 
 
 def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Script[None]:
-    """Until somebody says that it goes on, with an answer if there is a question; outputs are safe meanwhile."""
+    """Wait until someone continues, with an answer if there is a question; outputs are safe meanwhile.
+
+    Args:
+        operation: the run.
+        job: the program with its outputs and registers.
+        barrier: the HOLD.
+        held: registers of the run.
+    """
     outputs = Outputs(job)
     yield from outputs.remember(operation)
     yield from outputs.secure(operation)
@@ -128,7 +154,9 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
 def _hold(
     operation: Operation, barrier: Barrier, held: Held, answers: list[int | None] | None = None
 ) -> Script[None]:
-    """Until somebody says that it goes on. Registers that other programs fill are taken meanwhile, and none of them makes it go on."""
+    """Wait until someone continues. Values for registers that other programs fill are taken meanwhile, but
+    none of them continues the program.
+    """
     try:
         while True:
             if held.outside and operation.wants is None and not is_given(operation):
@@ -141,7 +169,7 @@ def _hold(
 
 
 def _ask(operation: Operation, barrier: Barrier, register: Register, held: Held) -> Script[None]:
-    """Until somebody answers with a number that the register can hold."""
+    """Wait until someone answers with a number that the register can hold."""
     asks = Question(barrier.name, register.name, register.low, register.high)
     wanted = f"a number from {register.low} to {register.high}"
     how = f"{wanted} and Enter, or `yarc resume --answer N`, goes on"
@@ -165,12 +193,15 @@ def obey(
     *,
     filling: tuple[Barrier, Held] | None = None,
 ) -> Script[bool]:
-    """Carry out what people order while the robot stands at a barrier; True if it may go on.
+    """Obey orders while the robot stands at a barrier.
 
     Args:
         operation: the run.
-        answers: what people answer is added here.
-        filling: the barrier that takes values from outside, and what is held; None: none are taken.
+        answers: answers of people are added here.
+        filling: the barrier that takes values from outside, and the run's state; None: no values are taken.
+
+    Returns:
+        True if the program may continue.
     """
     resumed = False
     while operation.orders:
@@ -180,7 +211,7 @@ def obey(
             case Abort():
                 raise Stopped(abort=True)
             case Fail(what=what, remedy=remedy):
-                raise Trouble(what, remedy, code="")  # no command's fault
+                raise Trouble(what, remedy, code="")  # no command is at fault
             case Resume(answer=answer):
                 resumed = True
                 if answers is not None:
@@ -189,9 +220,9 @@ def obey(
                 operation.override = percent / 100.0
                 operation.remark(f"override {percent:g} %")
             case Fill() as given if filling is not None:
-                operation.want(None)  # one message for each question
+                operation.want(None)  # one message per question
                 fill(operation, *filling, given)
             case Fill() | Hold():
                 pass
     return resumed
-    yield  # a script, though it asks nothing
+    yield  # makes this a script, though it asks nothing

@@ -1,4 +1,6 @@
-"""What a run looks at while it moves: motors, the program, positions. Nothing of it is stored by an open rotary. No I/O."""
+"""Checks during motion: motors, the program, positions. An open rotary stores none of the
+questions. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from yarclang.runtime.sample import Sample
 
 
 def look_at_motors(operation: Operation, robot: Robot) -> Script[tuple[MotorStatus, ...]]:
-    """Their words.
+    """Return the status words of the motors.
 
     Raises:
         Trouble: one of them can't move.
@@ -25,17 +27,19 @@ RESET_REMEDY = "find out why; look at the robot, home it, and run `yarc doctor`"
 
 
 def were_reset(motors: tuple[MotorStatus, ...]) -> bool:
-    """Whether no motor is closed-loop or homed, as behind a reset: positions mean nothing then."""
+    """Return True if no motor is closed-loop or homed, as after a reset: positions are invalid then."""
     return all(motor.has("open loop") and not motor.has("home complete") for motor in motors)
 
 
 def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
     """Raise what keeps a motor from moving.
 
-    A fault of one motor makes the controller kill others: what is told is the fault, not a loop that it has opened.
+    A fault of one motor makes the controller kill others. So the fault is reported, not a loop that it has
+    opened.
 
     Raises:
-        Trouble: a reset, which opens all loops; else the first motor's with a fault, else the first's that is open-loop.
+        Trouble: a reset, which opens all loops; else the first motor with a fault; else the first motor with
+            an open loop.
     """
     if were_reset(motors):
         raise Trouble("the controller was reset: no motor is closed-loop or homed", RESET_REMEDY, "Y1602")
@@ -51,15 +55,17 @@ def raise_trouble(robot: Robot, motors: tuple[MotorStatus, ...]) -> None:
 
 
 def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, int]) -> Script[None]:
-    """Raise if the controller commands the motors off the way of its lines; a motor that was stopped by a fault or a limit is told instead.
+    """Raise if the controller commands the motors off the path of its lines.
+
+    If a motor was stopped by a fault or a limit, that is reported instead.
 
     Args:
         operation: the run.
-        robot: whose motors.
-        off: how far [counts], and the row of the motor that is furthest.
+        robot: the robot whose motors are checked.
+        off: largest deviation [counts], and the row of its motor.
 
     Raises:
-        Trouble: it does.
+        Trouble: the motors are off the path.
     """
     counts, row = off
     if counts:
@@ -72,10 +78,10 @@ def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, in
 
 
 def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
-    """Where nothing moves: does it run?
+    """Check that the program runs although nothing moves.
 
     Raises:
-        Trouble: it doesn't, or has met an error.
+        Trouble: it doesn't run, or has met an error.
     """
     system = yield from system_words(operation, robot)
     if system.run_time_error:
@@ -95,16 +101,16 @@ def look_at_program(operation: Operation, robot: Robot) -> Script[None]:
 def sample(
     operation: Operation, robot: Robot, program_time: float, clock: float | None = None
 ) -> Script[Sample]:
-    """Where the robot is, by ^P and ^F.
+    """Return where the robot is, by ^P and ^F.
 
     Args:
         operation: the run.
-        robot: whose motors.
-        program_time: how far the program is [s], with the ways of a WHEN one after the other.
-        clock: likewise, with both ways at once.
+        robot: the robot whose motors are asked.
+        program_time: progress of the program [s], with the branches of a WHEN in sequence.
+        clock: progress of the program [s], with the branches of a WHEN in parallel.
 
     Raises:
-        Lost: a report isn't one.
+        Lost: a report can't be parsed.
     """
     motors = robot.controller.motors
     actual: dict[int, float] = {}

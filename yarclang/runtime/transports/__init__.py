@@ -1,1 +1,1 @@
-"""Ways to a controller, and the local socket by which other terminals reach a run."""
+"""Connections to a controller, and the local socket by which other terminals reach a run."""

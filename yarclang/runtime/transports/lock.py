@@ -1,7 +1,8 @@
 """The lock of a controller: one for all users and sessions of this machine.
 
-It is an abstract Unix socket: a name in the kernel, without a file, bound as long as the process lives. A process that asks for a name that is taken
-hears from the kernel who holds it, and from the holder since when.
+The lock is an abstract Unix socket: a name in the kernel, without a file, bound as long as the process lives.
+A process that asks for a name that is taken learns the holder's process from the kernel, and from the holder
+how long it has held the lock.
 """
 
 from __future__ import annotations
@@ -26,26 +27,32 @@ from pathlib import Path
 from yarclang.runtime.transports.private import ControlError, Peer, folder, peer_of, reason_of
 
 SPACE = "YARCLANG_LOCKS"
-"""Variable of the environment that gives locks a name space of their own: for tests, which must not disturb each other."""
+"""Environment variable that gives locks a name space of their own, so that tests do not disturb
+each other.
+"""
 
 _PREFIX = "yarclang/lock"
 _TABLE = Path("/proc/net/unix")
 """The kernel's list of Unix sockets; abstract names begin with @ there."""
 
 _PLAIN = re.compile(r"[\w.:%-]{1,64}", re.ASCII)
-"""Addresses that stand in a lock's name as they are; others as their SHA-256. A name has 107 bytes at most."""
+"""Addresses that occur in a lock's name as they are; any other address is replaced by its SHA-256. A name has
+107 bytes at most.
+"""
 
 _WAITING = 16
-"""Callers that may wait for an answer."""
+"""Number of callers that may wait for an answer."""
 
 _PAUSE = 0.02
-"""Pause between two answers [s]: a process that calls without end can't keep the holder from its work."""
+"""Pause between two answers [s], so that a process that calls endlessly can't keep the holder
+from its work.
+"""
 
 _PATIENCE = 0.5
-"""Time in which a holder answers, or a holder that has just begun or ended is waited for [s]."""
+"""Longest time to wait for a holder's answer, or for a holder that has just begun or ended [s]."""
 
 _LONGEST = 4096
-"""Bytes of an answer."""
+"""Longest answer [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,9 +60,9 @@ class Holder:
     """The process that holds a lock.
 
     Attributes:
-        peer: the process and its user, as the kernel tells; None if too many callers wait to learn it.
-        since: when the process took the lock, as it says itself; None if it doesn't.
-        folder: where its control socket is, as it says itself.
+        peer: the process and its user, from the kernel; None if too many callers wait to find out.
+        since: when the process took the lock, as stated by the process; None if it does not answer.
+        folder: folder of the process's control socket, as stated by the process.
     """
 
     peer: Peer | None
@@ -64,17 +71,17 @@ class Holder:
 
     @property
     def is_ours(self) -> bool:
-        """True if the process belongs to our own user."""
+        """Return True if the process belongs to our own user."""
         return self.peer is not None and self.peer.uid == os.getuid()
 
     @property
     def process(self) -> str:
-        """The process in words, as far as it is known."""
+        """Return the process in words, as far as it is known."""
         return f"process {self.peer.pid}" if self.peer is not None and self.peer.pid else "a process"
 
     @property
     def facts(self) -> str:
-        """The user and the time in words, as far as they are known."""
+        """Return the user and the time in words, as far as they are known."""
         known = [] if self.peer is None else [f"user {_user_name(self.peer.uid)}"]
         if self.since is not None:
             known.append(f"since {self.since.astimezone():%Y-%m-%d %H:%M:%S}")
@@ -88,14 +95,14 @@ class Holder:
 def controller_lock(host: str, port: int) -> Iterator[None]:
     """Keep all other runs on this machine from a controller, as long as the context lasts.
 
-    The kernel gives the lock back when the process dies, however that happens.
+    The kernel releases the lock when the process dies, for whatever reason.
 
     Args:
-        host: of the controller; all its names and addresses are one controller.
+        host: of the controller; all its names and addresses count as one controller.
         port: of the controller.
 
     Raises:
-        ControlError: another process has the lock; the message says which.
+        ControlError: another process has the lock; the message names it.
     """
     with contextlib.ExitStack() as stack:
         wires = [stack.enter_context(_claimed(name, host, port)) for name in _names(host, port)]
@@ -108,13 +115,13 @@ def controller_lock(host: str, port: int) -> Iterator[None]:
 
 
 def holder_of(host: str, port: int) -> Holder | None:
-    """Return who holds the lock of a controller, if anybody does."""
+    """Return the holder of a controller's lock; None if no one holds it."""
     found = (_asked(name) for name in _names(host, port))
     return next((one for one in found if one is not None), None)
 
 
 def own_holders() -> tuple[Holder, ...]:
-    """Return the processes of our own user that hold a lock of any controller."""
+    """Return the processes of our own user that hold the lock of any controller."""
     try:
         table = _TABLE.read_text(errors="replace")
     except OSError:
@@ -133,7 +140,9 @@ def _prefix() -> str:
 
 
 def _names(host: str, port: int) -> list[bytes]:
-    """Return a lock's names, one for each address of the controller, in an order that is the same for all processes."""
+    """Return a lock's names, one for each address of the controller, in an order that is the same for all
+    processes.
+    """
     names = (f"{address}:{port}" for address in _addresses(host, port))
     plain = (
         one if _PLAIN.fullmatch(one) else hashlib.sha256(one.encode(errors="replace")).hexdigest()
@@ -143,9 +152,9 @@ def _names(host: str, port: int) -> list[bytes]:
 
 
 def _addresses(host: str, port: int) -> set[str]:
-    """Return all addresses of a host; of an address of this machine, 127.0.0.1 as well.
+    """Return all addresses of a host. An address of this machine is returned together with 127.0.0.1.
 
-    127.0.0.2 and its like stand for themselves: people give them to simulators, so that each has its own.
+    127.0.0.2 and similar addresses are kept apart: people give them to simulators, so that each has its own.
     """
     try:
         found = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)
@@ -165,7 +174,7 @@ def _addresses(host: str, port: int) -> set[str]:
 def _is_here(
     family: int, place: tuple[object, ...], address: ipaddress.IPv4Address | ipaddress.IPv6Address
 ) -> bool:
-    """Return True for an address of this machine: what is sent there, is sent from there."""
+    """Return True for an address of this machine: packets to it are sent from that same address."""
     if address.is_loopback or address.is_unspecified:
         return True
     with socket.socket(family, socket.SOCK_DGRAM) as probe:
@@ -178,14 +187,14 @@ def _is_here(
 
 @contextlib.contextmanager
 def _claimed(name: bytes, host: str, port: int) -> Iterator[socket.socket]:
-    """Hold one name.
+    """Hold one name as long as the context lasts.
 
     Raises:
-        ControlError: another process has it.
+        ControlError: another process has the name.
     """
     until = time.monotonic() + _PATIENCE
     while (wire := _bound(name)) is None:
-        # a name that is bound and doesn't listen: its process has just begun, just ended, or means ill
+        # The name is bound but no one listens: its process has just begun or just ended, or is hostile.
         holder = _asked(name)
         if holder is not None or time.monotonic() > until:
             raise _refusal(holder or Holder(None), host, port)
@@ -198,7 +207,7 @@ def _bound(name: bytes) -> socket.socket | None:
     """Return a socket that listens at a name; None if the name is taken.
 
     Raises:
-        ControlError: the kernel doesn't let us have it.
+        ControlError: the kernel refuses the name.
     """
     wire = socket.socket(socket.AF_UNIX)
     try:
@@ -222,17 +231,17 @@ def _refusal(holder: Holder, host: str, port: int) -> ControlError:
 
 
 def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
-    """Return who listens at a name; None if no process does.
+    """Return the process that listens at a name; None if no process does.
 
     Args:
         name: of a lock.
-        ours: wait for what a process says of itself only if it is one of our own user.
+        ours: if True, wait for the process's own answer only if it belongs to our own user.
     """
     with socket.socket(socket.AF_UNIX) as wire:
         wire.settimeout(_PATIENCE)
         try:
             wire.connect(name)
-        except (BlockingIOError, TimeoutError):  # too many wait
+        except (BlockingIOError, TimeoutError):  # too many callers wait
             return Holder(None)
         except OSError:
             return None
@@ -240,13 +249,13 @@ def _asked(name: bytes, *, ours: bool = False) -> Holder | None:
         if ours and peer.uid != os.getuid():
             return Holder(peer)
         try:
-            return _told(peer, wire.recv(_LONGEST))  # once: no process keeps us waiting by a byte at a time
-        except OSError:  # it sleeps, or is a process that doesn't speak
+            return _told(peer, wire.recv(_LONGEST))  # once: no process can delay us by sending byte by byte
+        except OSError:  # it sleeps, or does not answer
             return Holder(peer)
 
 
 def _told(peer: Peer, line: bytes) -> Holder:
-    """Return what a holder says of itself. Nothing of that is relied on but in words, and by its own user."""
+    """Return a holder as it describes itself. The answer is used only in words, and only by its own user."""
     try:
         content = json.loads(line)
         since, place = datetime.fromisoformat(content["since"]), Path(content["folder"])
@@ -257,7 +266,9 @@ def _told(peer: Peer, line: bytes) -> Holder:
 
 
 class _Answering(threading.Thread):
-    """Tells callers since when the lock is held, and where the control socket of this process is."""
+    """A thread that answers callers: since when the lock is held, and where this process's
+    control socket is.
+    """
 
     def __init__(self, wires: list[socket.socket]) -> None:
         super().__init__(name="controller lock", daemon=True)
@@ -280,7 +291,7 @@ class _Answering(threading.Thread):
                 self._ended.wait(_PAUSE)
 
     def end(self) -> None:
-        """Answer no more."""
+        """Stop answering."""
         self._ended.set()
         for wire in self._wires:
             with contextlib.suppress(OSError):

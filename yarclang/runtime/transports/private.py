@@ -1,4 +1,6 @@
-"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the user at the other end."""
+"""Unix sockets for one user: the folder that only its owner may enter, listeners, and the user at the other
+end.
+"""
 
 from __future__ import annotations
 
@@ -18,23 +20,25 @@ MASTERS = ".follow"
 """Suffix of the sockets by which other processes steer."""
 
 _ALIVE_TIME = 0.5
-"""Time in which a listener lets a caller in [s]; one that takes longer hangs, and is alive."""
+"""Longest time for a listener to accept a caller [s]; one that takes longer hangs, but is alive."""
 
 _CREDENTIALS = struct.Struct("3i")
-"""Process, user and group, as SO_PEERCRED tells them."""
+"""Process, user and group, as returned by SO_PEERCRED."""
 
 
 class ControlError(Trouble):
-    """A run's socket, its folder or a controller's lock can't be used: what is the matter, and what to do about it."""
+    """A run's socket, its folder or a controller's lock can't be used: what is wrong, and what to do about
+    it.
+    """
 
 
 @dataclass(frozen=True, slots=True)
 class Peer:
-    """The process at the other end of a Unix socket, as the kernel knows it.
+    """The process at the other end of a Unix socket, according to the kernel.
 
     Attributes:
-        pid: of the process that connected, or that listens; 0 if it can't be seen from here (another container).
-        uid: of its user.
+        pid: process that connected, or that listens; 0 if it can't be seen from here (another container).
+        uid: user of the process.
     """
 
     pid: int
@@ -42,12 +46,12 @@ class Peer:
 
     @property
     def is_trusted(self) -> bool:
-        """True for our own user and for root, who may do everything anyway."""
+        """Return True if the process belongs to our own user or to root, who may do everything anyway."""
         return self.uid in (os.getuid(), 0)
 
 
 def peer_of(wire: socket.socket) -> Peer:
-    """Return who is at the other end of a connected Unix socket.
+    """Return the process at the other end of a connected Unix socket.
 
     Raises:
         OSError: the socket isn't connected.
@@ -58,7 +62,7 @@ def peer_of(wire: socket.socket) -> Peer:
 
 
 def folder() -> Path:
-    """Return the folder of our sockets; it is made if it is missing.
+    """Return the folder of our sockets. It is created if it is missing.
 
     Raises:
         ControlError: it isn't ours alone.
@@ -81,7 +85,7 @@ def check_private(path: Path) -> None:
     """Check that a folder is ours alone.
 
     Raises:
-        ControlError: it is a link or no folder, belongs to somebody else, or others may enter it.
+        ControlError: it is a link or no folder, belongs to someone else, or others may enter it.
     """
     try:
         found = path.lstat()
@@ -100,10 +104,11 @@ def check_private(path: Path) -> None:
 def private_listener(path: Path) -> socket.socket:
     """Return a socket that listens at a path, with rights for its owner alone.
 
-    The socket of a dead process is replaced; any other file is left as it is.
+    The socket of a dead process is replaced; any other file is left untouched.
 
     Raises:
-        ControlError: a process listens there already, something else has that name, or the path can't be used.
+        ControlError: a process listens there already, something else has that name, or the path can't be
+            used.
     """
     if answers(path):
         raise ControlError(f"a process listens on {path} already", "choose another path")
@@ -125,7 +130,7 @@ def answers(path: Path) -> bool:
         wire.settimeout(_ALIVE_TIME)
         try:
             wire.connect(str(path))
-        except (BlockingIOError, TimeoutError):  # it hangs, and many wait
+        except (BlockingIOError, TimeoutError):  # it hangs, and many callers wait
             return True
         except OSError:
             return False
@@ -133,17 +138,17 @@ def answers(path: Path) -> bool:
 
 
 def own_name(robot: str) -> str:
-    """Return the name of this process's sockets, without their suffix: the robot and the process."""
+    """Return the base name of this process's sockets, without their suffix: the robot and the process."""
     return f"{re.sub(r'[^a-z0-9_.]+', '_', robot.lower())}-{os.getpid()}"
 
 
 def reason_of(error: OSError) -> str:
-    """Return what the system says about an error, as the end of a sentence."""
+    """Return the operating system's text for an error, as the end of a sentence."""
     return (error.strerror or str(error)).lower()
 
 
 def _is_ours(path: Path) -> bool:
-    """Return True for a folder of our own: after `su`, the variable may still name that of somebody else."""
+    """Return True if a folder is ours. After `su`, the variable may still name the folder of another user."""
     try:
         found = path.stat()
     except OSError:
@@ -152,7 +157,7 @@ def _is_ours(path: Path) -> bool:
 
 
 def _remove_dead(path: Path) -> None:
-    """Remove the socket that a process of ours has left behind."""
+    """Remove the socket that a dead process of ours has left behind."""
     with contextlib.suppress(FileNotFoundError):
         found = path.lstat()
         if stat.S_ISSOCK(found.st_mode) and found.st_uid == os.getuid():

@@ -1,4 +1,6 @@
-"""What this process can do itself so that a stop never waits for other work of this process or of the computer."""
+"""Measures by which this process makes sure that a stop never waits for other work of the process or of the
+computer.
+"""
 
 from __future__ import annotations
 
@@ -14,37 +16,49 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 _SWITCH = 0.0005
-"""How long a thread that plans may keep the interpreter from the thread that streams, while something moves [s]; Python's default is ten times that."""
+"""Longest time for which a planning thread may keep the interpreter from the streaming thread while something
+moves [s]; Python's default is ten times as long.
+"""
 
 _GARBAGE = (2_000, 20, 1_000)
-"""How many more objects, and how many rounds, Python waits before it looks through them for garbage while something moves. The third round looks through
-all objects of a long program, and takes 0.1 s in which no thread goes on."""
+"""Garbage collection thresholds while something moves: number of new objects and of rounds before Python
+searches for garbage.
+
+The third round looks through all objects of a long program and takes 0.1 s, during which no thread runs.
+"""
 
 _SLICE = 100_000
-"""Time that a thread wants at once [ns], the least that Linux takes: who wants little gets it soon."""
+"""Length of a thread's time slice [ns], the minimum of Linux: a thread that needs little time
+gets it soon.
+"""
 
 _ATTRIBUTES = struct.Struct("IIQiIQQQII")
-"""`struct sched_attr` of Linux: size, policy, flags, nice, priority, runtime, deadline, period and two bounds of utilisation."""
+"""`struct sched_attr` of Linux: size, policy, flags, nice, priority, runtime, deadline, period and two bounds
+of utilisation.
+"""
 
 _SET_ATTRIBUTES = {"x86_64": 314, "aarch64": 274}
 """Number of the system call `sched_setattr`, by the machine."""
 
 _NOT_FOR_OTHERS = 1
-"""SCHED_FLAG_RESET_ON_FORK: threads and processes that are begun later are ordinary ones."""
+"""SCHED_FLAG_RESET_ON_FORK: threads and processes that are started later are ordinary ones."""
 
 _STREAMS, _WORKS = 2, 1
-"""Priorities of the thread that streams, and of those that plan or log: these hold the interpreter, and must not be kept from giving it back by ordinary processes."""
+"""Priorities of the streaming thread, and of the threads that plan or log.
+
+The latter hold the interpreter, so ordinary processes must not keep them from releasing it.
+"""
 
 
 @dataclass(slots=True)
 class _Process:
-    """What is known of this process.
+    """State of this process.
 
     Attributes:
-        moving: robots that move.
+        moving: number of robots that move.
         beside: threads that plan or log.
-        first: whether the thread that streams goes before ordinary ones.
-        frozen: whether objects were frozen before something moved.
+        first: True if the streaming thread has priority over ordinary threads.
+        frozen: True if objects were frozen before something moved.
     """
 
     moving: int = 0
@@ -58,10 +72,11 @@ _PROCESS = _Process()
 
 @contextlib.contextmanager
 def prompt_thread() -> Iterator[None]:
-    """Have the calling thread woken soon, however busy the computer is, as long as the context lasts.
+    """Have the calling thread woken soon as long as the context lasts, however busy the computer is.
 
-    Where the user may (RLIMIT_RTPRIO, CAP_SYS_NICE), the thread goes before all ordinary ones. Else it asks for short slices of time, which everybody may, and
-    which Linux heeds from 6.12 on. Nothing happens where neither is possible. Threads and processes that are begun later stay ordinary.
+    If the user has the right (RLIMIT_RTPRIO, CAP_SYS_NICE), the thread gets priority over all ordinary
+    threads. Otherwise it asks for short time slices, which everyone may do and which Linux honours from 6.12
+    on. If neither is possible, nothing happens. Threads and processes that are started later stay ordinary.
     """
     if _PROCESS.first:
         yield
@@ -81,7 +96,10 @@ def prompt_thread() -> Iterator[None]:
 
 @contextlib.contextmanager
 def shares_the_interpreter() -> Iterator[None]:
-    """Say that the calling thread works beside the one that streams: while something moves, it mustn't be kept from giving the interpreter back."""
+    """Mark the calling thread as one that works beside the streaming thread.
+
+    While something moves, it must not be kept from releasing the interpreter.
+    """
     number = threading.get_native_id()
     _PROCESS.beside.add(number)
     if _PROCESS.first and _PROCESS.moving:
@@ -95,7 +113,9 @@ def shares_the_interpreter() -> Iterator[None]:
 
 
 def _goes_first(thread: int, priority: int) -> bool:
-    """Let a thread (0: this one) go before ordinary ones, or (priority 0) be one of them; false where that isn't allowed."""
+    """Give a thread (0: this one) priority over ordinary threads, or with priority 0 make it ordinary; return
+    False if that isn't allowed.
+    """
     policy = os.SCHED_RR if priority else os.SCHED_OTHER
     try:
         os.sched_setscheduler(thread, policy | os.SCHED_RESET_ON_FORK, os.sched_param(priority))
@@ -105,7 +125,7 @@ def _goes_first(thread: int, priority: int) -> bool:
 
 
 def _ask_for_slices(length: int) -> None:
-    """Ask for slices of so many nanoseconds for this thread; 0: the system's own."""
+    """Ask for time slices of `length` [ns] for this thread; 0: the system's own."""
     number = _SET_ATTRIBUTES.get(platform.machine())
     if sys.platform == "linux" and number is not None:
         size = _ATTRIBUTES.size
@@ -116,7 +136,9 @@ def _ask_for_slices(length: int) -> None:
 
 @contextlib.contextmanager
 def prompt_while_moving() -> Iterator[None]:
-    """Let threads that plan give way sooner, and put the search for garbage off, as long as the context lasts; then all is as before."""
+    """Let planning threads yield sooner, and postpone garbage collection, as long as the context lasts.
+    Afterwards, restore everything.
+    """
     _PROCESS.moving += 1
     if _PROCESS.moving > 1:  # another robot of this process moves already
         try:
@@ -127,9 +149,9 @@ def prompt_while_moving() -> Iterator[None]:
     for number in tuple(_PROCESS.beside) if _PROCESS.first else ():
         _goes_first(number, _WORKS)
     switch, garbage = sys.getswitchinterval(), gc.get_threshold()
-    frozen = _PROCESS.frozen = _PROCESS.frozen or gc.get_freeze_count() > 0  # to count them takes long
+    frozen = _PROCESS.frozen = _PROCESS.frozen or gc.get_freeze_count() > 0  # counting takes long
     sys.setswitchinterval(min(switch, _SWITCH))
-    if not frozen:  # who froze objects before wants just these to stay so
+    if not frozen:  # objects frozen by someone else must stay exactly as they are
         gc.freeze()
     gc.set_threshold(*map(max, garbage, _GARBAGE))
     try:

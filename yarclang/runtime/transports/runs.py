@@ -1,4 +1,4 @@
-"""Processes of this user on this computer that own a robot: where their sockets are."""
+"""Processes of this user on this computer that own a robot, and the places of their sockets."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})")
 
 @dataclass(frozen=True, slots=True)
 class Run:
-    """A run on this computer: `name` as `industrial6-4711`, its robot and process, and its socket."""
+    """A run on this computer: its `name`, such as `industrial6-4711`, its robot and process, and
+    its socket.
+    """
 
     name: str
     robot: str
@@ -26,11 +28,11 @@ class Run:
 def find_runs() -> tuple[Run, ...]:
     """Return the runs of this user that are alive, in the order of their names.
 
-    They are looked for in our own folder, and in those of runs that were begun where XDG_RUNTIME_DIR or TMPDIR is another one: each run tells who asks
-    for its controller's lock.
+    They are searched in our own folder, and in the folders of runs that were started with another
+    XDG_RUNTIME_DIR or TMPDIR: each run reports its folder to those who ask for its controller's lock.
 
     Raises:
-        ControlError: our own folder isn't to be trusted.
+        ControlError: our own folder can't be trusted.
     """
     place = folder()
     remove_stale(place)
@@ -38,7 +40,8 @@ def find_runs() -> tuple[Run, ...]:
 
 
 def the_run(name: str | None = None) -> Run:
-    """The only run, or that with a name: the whole of it, its robot, or the number of its process.
+    """Return the only run, or the run with a name, which is its full name, its robot, or the number of its
+    process.
 
     Raises:
         ControlError: there is none, or several.
@@ -60,10 +63,10 @@ def the_run(name: str | None = None) -> Run:
 
 
 def run_on(host: str, port: int) -> Run | None:
-    """Return the run of this user that drives a controller, if there is one.
+    """Return the run of this user that drives a controller; None if there is none.
 
     Raises:
-        ControlError: our own folder isn't to be trusted.
+        ControlError: our own folder can't be trusted.
     """
     holder = holder_of(host, port)
     if holder is None or holder.peer is None or not holder.is_ours:
@@ -73,7 +76,7 @@ def run_on(host: str, port: int) -> Run | None:
 
 
 def _alive(places: set[Path]) -> tuple[Run, ...]:
-    """Return the runs whose sockets lie in some folders, as far as they are alive."""
+    """Return the runs whose sockets are in these folders and that are alive."""
     found = {run.name: run for place in places for run in _runs_in(place) if answers(run.path)}
     return tuple(found[name] for name in sorted(found))
 
@@ -90,13 +93,13 @@ def _folder_of(holder: Holder) -> Path | None:
 
 
 def _runs_in(place: Path) -> list[Run]:
-    """All sockets of a folder, alive or not."""
+    """Return all sockets of a folder, alive or not."""
     named = [(path, _NAME.fullmatch(path.stem)) for path in sorted(place.glob("*.sock"))]
     return [Run(path.stem, name["robot"], int(name["pid"]), path) for path, name in named if name]
 
 
 def remove_stale(place: Path) -> None:
-    """Remove the sockets of dead processes, also those that masters were to steer by."""
+    """Remove the sockets of dead processes, including the sockets for masters."""
     for path in (*place.glob("*.sock"), *place.glob(f"*{MASTERS}")):
         named = _NAME.fullmatch(path.stem)
         try:

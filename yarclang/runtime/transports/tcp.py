@@ -35,14 +35,14 @@ class Wire(asyncio.Protocol):
             self._transport.write(data)
 
     def take(self) -> bytes:
-        """What has come, each byte once."""
+        """Return received bytes, each byte once."""
         data = bytes(self._received)
         self._received.clear()
         self.arrived.clear()
         return data
 
     def close(self) -> None:
-        """End the connection; what was sent still goes out."""
+        """Close the connection; bytes that were already sent still go out."""
         if self._transport is not None:
             self._transport.close()
 
@@ -50,8 +50,13 @@ class Wire(asyncio.Protocol):
 async def connect(host: str, port: int, timeout: float) -> Wire:
     """Make a connection.
 
+    Args:
+        host: name or address of the controller.
+        port: port of the controller.
+        timeout: longest time for connecting [s].
+
     Raises:
-        OSError: it can't be made, or not within `timeout` [s].
+        OSError: it can't be made, or not within `timeout`.
     """
     loop = asyncio.get_running_loop()
     try:

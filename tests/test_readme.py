@@ -6,6 +6,7 @@
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -29,6 +30,8 @@ LONGEST = 150
 """Lines of README.md."""
 _PROGRAM = re.compile(r"^```yarc\n(! (\S+)\n.*?)^```$", re.DOTALL | re.MULTILINE)
 _SESSION = re.compile(r"^```console\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+_SERVED = re.compile(r"^```sh\n(yarc .*)\n```$", re.MULTILINE)
+_ADDRESS = re.compile(r"http://127\.0\.0\.1:\d+")
 _LINK = re.compile(r"\]\(([^)#:]*)(?:#([^)]+))?\)")
 
 
@@ -78,6 +81,39 @@ def test_sessions(tmp_path, rewrite_golden, page):
     if rewrite_golden:
         path.write_text(now, encoding="utf-8")
     assert path.read_text(encoding="utf-8").splitlines() == now.splitlines()
+
+
+@pytest.mark.parametrize(
+    ("word", "more"), [("view", "--no-browser --port 0"), ("pendant", "--data users --port 0")]
+)
+def test_what_readme_serves(tmp_path, word, more):
+    """What README starts in a browser is served, until Ctrl-C."""
+    (command,) = (
+        each
+        for each in _SERVED.findall((ROOT / "README.md").read_text(encoding="utf-8"))
+        if each.split()[1] == word
+    )
+    (tmp_path / "first.yarc").write_text(programs()["first.yarc"], encoding="utf-8")
+    (tmp_path / "run").mkdir(mode=0o700)
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    with subprocess.Popen(
+        ["bash", "-c", f"yarc check --fix first.yarc && exec timeout 120 {command} {more}"],
+        cwd=tmp_path,
+        env={**os.environ, "PATH": path, "XDG_RUNTIME_DIR": str(tmp_path / "run")},
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        start_new_session=True,
+    ) as served:
+        said = ""
+        while not _ADDRESS.search(said) and (line := served.stdout.readline()):
+            said += line
+        os.killpg(served.pid, signal.SIGINT)
+        said += served.communicate()[0]
+    assert _ADDRESS.search(said), said
+    assert "error" not in said
+    assert served.returncode == 0, said
 
 
 def slug(heading: str) -> str:

@@ -53,6 +53,15 @@ def test_enter_goes_on_behind_a_hold(workshop):
     assert "p.yarc: done" in terminal.end(0)
 
 
+def test_a_terminal_shows_the_lines_of_a_pipe(workshop):
+    piped = workshop.yarc("run", "p.yarc", "--no-log", "--rate", "4")
+    shown = workshop.terminal("run", "p.yarc", "--no-log", "--rate", "4").end(0)
+    lines = [line.strip("\r") for line in screen(shown)]
+    last, *before = piped.splitlines()  # standard output comes first here, and last on a terminal
+    assert sum(line.startswith(("P0010 ", "P0020 ", "P0030 ")) for line in lines) == 3
+    assert lines == [*before, last, ""]
+
+
 def test_the_line_that_changes(workshop):
     workshop.write(
         "long.yarc",
@@ -61,7 +70,9 @@ def test_the_line_that_changes(workshop):
     # at this rate a busy computer may delay the robot, but not keep the line from changing
     text = workshop.terminal("run", "long.yarc", "--no-log").end(0)
     written = [part for line in text.split("\n") for part in line.split("\r\x1b[K")]
-    live = [part for part in written if part.startswith("P0010 MOVEJ")]
+    begins = "P0010 MOVEJ  0.0 s to 3.0 s of 3.0 s"
+    assert [part.rstrip("\r") for part in written].count(begins) == 1
+    live = [part for part in written if part.startswith("P0010 MOVEJ") and part.rstrip("\r") != begins]
     assert len(live) > 3
     for part in written:
         assert len(part) < 80

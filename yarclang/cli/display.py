@@ -1,4 +1,4 @@
-"""A run as it is shown: on a terminal with one line that changes, else with a line now and then."""
+"""A run as it is shown: a line for each command, and on a terminal one more, which changes."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ _SELDOM = 1.0
 
 
 class Display:
-    """Shows a run: on a terminal with one line that changes, else with a line now and then."""
+    """Shows a run: a line for each command; on a terminal, one more, which changes; elsewhere, one now and then for a long command."""
 
     def __init__(self, screen: Screen, picture: Picture, joints: Axes, program: ProgramDescribed) -> None:
         self._screen = screen
@@ -125,14 +125,21 @@ class Display:
         return replace(progress, left=left, command=self._instead or progress.command)
 
     def _show_progress(self) -> None:
-        if self._screen.live:
-            self._screen.change(self._view.line)
-        elif self._view.state is not State.INIT and self._view.progress is not None:
-            self._show_plain(self._view.progress)
-
-    def _show_plain(self, progress: Progress) -> None:
-        """Each command as it begins, and now and then how far a long one is."""
+        progress = self._view.progress
         now = time.monotonic()
+        loading = self._view.state is State.INIT
+        begun = [] if loading or progress is None else self._now_begun(progress, now)
+        if begun:
+            self._written = now
+            self._screen.say("\n".join(begun), below=self._view.line)
+        elif self._screen.live:
+            self._screen.change(self._view.line)
+        elif not loading and self._command and now - self._written > PLAIN_EACH:
+            self._written = now
+            self._screen.say(self._view.line)
+
+    def _now_begun(self, progress: Progress, now: float) -> list[str]:
+        """Return a line for each command that has begun since the last call, at `now` [s]."""
         if self._instead:
             begun = [] if self._command else [self._instead]
         elif self._program.by_legs:  # which commands are executed isn't known before
@@ -141,13 +148,7 @@ class Display:
         else:
             begun = self._begun(progress.done, now)
         self._command = progress.command
-        for line in begun:
-            self._screen.say(line)
-        if begun:
-            self._written = now
-        elif progress.command and now - self._written > PLAIN_EACH:
-            self._written = now
-            self._screen.say(self._view.line)
+        return begun
 
     def _begun(self, done: float, now: float) -> list[str]:
         """The commands that have begun since the last ones were written, `done` [s] into the program at `now`; at the end all, also those that nobody was told of.

@@ -15,14 +15,25 @@ from yarclang.cli.door import Door
 class LazyGroup(Door, click.Group):
     """A group whose commands are modules of `yarclang.cli.commands` with an object `command`.
 
-    `commands_by_name` has each command's summary; `prefix` stands in front of a command's module name.
+    Args:
+        commands_by_section: for each section of --help, its commands and their summaries.
+        prefix: start of the names of the commands' modules.
     """
 
     def __init__(
-        self, *args: Any, commands_by_name: Mapping[str, str] | None = None, prefix: str = "", **settings: Any
+        self,
+        *args: Any,
+        commands_by_section: Mapping[str, Mapping[str, str]] | None = None,
+        prefix: str = "",
+        **settings: Any,
     ) -> None:
         super().__init__(*args, **settings)
-        self.commands_by_name = dict(commands_by_name or {})
+        self.commands_by_section = dict(commands_by_section or {})
+        self.commands_by_name = {
+            name: summary
+            for commands in self.commands_by_section.values()
+            for name, summary in commands.items()
+        }
         self.prefix = prefix
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
@@ -38,9 +49,11 @@ class LazyGroup(Door, click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:  # noqa: ARG002
-        """The list of commands of --help."""
-        with formatter.section("Commands"):
-            formatter.write_dl(list(self.commands_by_name.items()))
+        """Write the commands of --help, section by section, with all summaries in one column."""
+        width = max(map(len, self.commands_by_name), default=0)
+        for title, commands in self.commands_by_section.items():
+            with formatter.section(title):
+                formatter.write_dl([(f"{name:<{width}}", summary) for name, summary in commands.items()])
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]

@@ -33,16 +33,22 @@ class Screen:
         self._thread = threading.Thread(target=self._write, name="screen", daemon=True)
         self._thread.start()
 
-    def say(self, text: str) -> None:
-        """Write whole lines; on a terminal, broken where words end."""
+    def say(self, text: str, below: str = "") -> None:
+        """Write whole lines; on a terminal, broken where words end.
+
+        Args:
+            text: the lines.
+            below: on a terminal, the line that changes from then on; none if empty.
+        """
         before = "\r\x1b[K" if self._shown else ""
-        self._shown = False
-        self._queue.put(f"{before}{self._broken(text) if self.live else text}\n")
+        self._shown = self.live and bool(below)
+        after = _changing(below) if self._shown else ""
+        self._queue.put(f"{before}{self._broken(text) if self.live else text}\n{after}")
 
     def change(self, text: str) -> None:
         """Put a line in the place of the one that changes."""
         if self._queue.empty():
-            self._queue.put(f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}")
+            self._queue.put(_changing(text))
             self._shown = True
 
     def ask(self, text: str) -> None:
@@ -50,9 +56,9 @@ class Screen:
         self._queue.put(text)
 
     def close(self) -> None:
-        """Write what is left, if the terminal is still there."""
+        """Write what is left, if the terminal is still there; the line that changes goes away."""
         if self._shown:
-            self._queue.put("\n")
+            self._queue.put("\r\x1b[K")
             self._shown = False
         self._queue.put(None)
         self._thread.join()
@@ -73,6 +79,11 @@ class Screen:
             else:
                 lines += wrapped(line, width - 1, indent)
         return "\n".join(lines)
+
+
+def _changing(text: str) -> str:
+    """Return what puts a line in the place of the one that changes."""
+    return f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}"
 
 
 def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:

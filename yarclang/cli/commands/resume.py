@@ -14,7 +14,7 @@ _PATIENCE = 20.0
 @run_option
 @click.option("--answer", type=int, metavar="N", help="What a HOLD of the program has asked for.")
 def command(run: str | None, answer: int | None) -> None:
-    """Go on behind a hold, or to the next command of `yarc run --step`."""
+    """Go on after a hold, or to the next command of `yarc run --step`."""
     with trouble_is_said():
         from yarclang.cli.ordering import order, status_of
         from yarclang.runtime.transports.runs import the_run

@@ -13,6 +13,6 @@ _COMMANDS = {
 }
 
 
-@click.command("robot", cls=LazyGroup, commands_by_name=_COMMANDS, prefix="robot_")
+@click.command("robot", cls=LazyGroup, commands_by_section={"Commands": _COMMANDS}, prefix="robot_")
 def command() -> None:
     """Make, check and list robots."""

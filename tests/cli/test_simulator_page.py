@@ -1,6 +1,6 @@
-"""README.md's session with `yarc sim`: two terminals and a client, on a port that is free.
+"""The session of docs/simulator.md with `yarc sim`: two terminals and a client, on a port that is free.
 
-`pytest tests/cli/test_readme_sim.py --rewrite-golden` puts the output of today into README.md.
+`pytest tests/cli/test_simulator_page.py --rewrite-golden` puts the output of today into the page.
 """
 
 import os
@@ -10,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "simulator.md"
 _CLIENT = re.compile(r"^```python\n(# (\w+\.py): .*?)^```$", re.DOTALL | re.MULTILINE)
 _SIMULATOR = re.compile(r"^```console simulator\n\$ (.*?)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 _SESSION = re.compile(r"^```console client\n(.*?)^```$", re.DOTALL | re.MULTILINE)
@@ -32,7 +32,7 @@ def started(command, folder):
 
 
 def test_session(tmp_path, rewrite_golden):
-    text = README.read_text(encoding="utf-8")
+    text = PAGE.read_text(encoding="utf-8")
     ((client, name),) = _CLIENT.findall(text)
     ((command, _),) = _SIMULATOR.findall(text)
     ((session),) = _SESSION.findall(text)
@@ -55,5 +55,5 @@ def test_session(tmp_path, rewrite_golden):
     now = _SIMULATOR.sub(lambda _: f"```console simulator\n$ {command}\n{listens}```", text)
     now = _SESSION.sub(lambda _: f"```console client\n{answers}```", now)
     if rewrite_golden:
-        README.write_text(now, encoding="utf-8")
-    assert README.read_text(encoding="utf-8").splitlines() == now.splitlines()
+        PAGE.write_text(now, encoding="utf-8")
+    assert PAGE.read_text(encoding="utf-8").splitlines() == now.splitlines()

@@ -1,12 +1,13 @@
-"""README.md's session in a second terminal, beside a run. All but its numbers is compared, for they differ each time.
+"""The session in a second terminal of docs/runtime.md, beside a run. All but its numbers is compared, for they differ each time.
 
-`pytest tests/cli/test_run_readme.py --rewrite-golden` puts the output of today into README.md.
+`pytest tests/cli/test_run_page.py --rewrite-golden` puts the output of today into the page.
 """
 
 import re
 from pathlib import Path
 
-README = Path(__file__).resolve().parents[2] / "README.md"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+PAGE = DOCS / "runtime.md"
 _PROGRAM = re.compile(r"^```yarc\n(! bend\.yarc\n.*?)^```$", re.DOTALL | re.MULTILINE)
 _SECOND = re.compile(r"^```console second\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 
@@ -18,8 +19,8 @@ def shape(text):
 
 
 def test_second_terminal(workshop, rewrite_golden):
-    text = README.read_text(encoding="utf-8")
-    ((program),) = _PROGRAM.findall(text)
+    text = PAGE.read_text(encoding="utf-8")
+    ((program),) = _PROGRAM.findall((DOCS / "tour.md").read_text(encoding="utf-8"))
     ((session),) = _SECOND.findall(text)
     workshop.write("bend.yarc", program)
     run = workshop.start("run", "bend.yarc", "--rate", "2", "--no-log")
@@ -28,6 +29,6 @@ def test_second_terminal(workshop, rewrite_golden):
     now = "".join(f"$ {command}\n{workshop.here(*command.split()[1:])}" for command in commands)
     run.kill()  # the rest of it is nobody's concern
     if rewrite_golden and shape(session) != shape(now):
-        README.write_text(_SECOND.sub(lambda _: f"```console second\n{now}```", text), encoding="utf-8")
+        PAGE.write_text(_SECOND.sub(lambda _: f"```console second\n{now}```", text), encoding="utf-8")
         session = now
     assert shape(session) == shape(now)

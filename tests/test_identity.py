@@ -17,6 +17,7 @@ from yarclang.hir import (
     PoseGoal,
     PoseSplineMove,
     Reading,
+    Search,
     TimedMove,
     Timetable,
     Timing,
@@ -83,6 +84,7 @@ OTHERS = {
     "timing": (TIMING, Timing(3.0)),
     "tolerance": (None, 1e-3),
     "blend": (None, Reading(1e-3, None)),
+    "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
 }
 """Two values of each field of a motion. A new field needs a pair here."""

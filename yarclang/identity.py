@@ -18,6 +18,8 @@ from yarclang.hir import (
     Goal,
     JointDelta,
     JointGoal,
+    JointMove,
+    LineMove,
     Motion,
     Origin,
     PoseDelta,
@@ -48,6 +50,7 @@ _WITHOUT_REFERENCES = 2
 def key_of(step: Motion) -> bytes:
     """Return a key of what a motion does and which frame it moves, without its position in the text."""
     timing, speed = step.timing, step.timing.speed
+    search = step.search if isinstance(step, JointMove | LineMove) else None
     return flat(
         type(step).__name__,
         tuple(map(_key_of_goal, step.goals)),
@@ -65,6 +68,12 @@ def key_of(step: Motion) -> bytes:
         step.tolerance,
         None if step.blend is None else _key_of_reading(step.blend),
         _key_of_link(step.origin.tool),
+        # Written only if an input may end the motion, like the ceiling.
+        *(
+            ()
+            if search is None
+            else ((search.variable, search.value, search.name, search.flag, search.depth),)
+        ),
     )
 
 

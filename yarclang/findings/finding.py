@@ -65,6 +65,8 @@ class Finding:
     hides: Literal["", "names", "module"] = ""
     """What can't be seen because of it: the names that its line would use, or all names of a module."""
     sort: Sort = ""
+    is_explained: bool = False
+    """True if a rule's warning about the same command gives its reason, so that both are said as one."""
     tag: Literal["", "unneeded", "outdated"] = ""
     """How editors show the text: as something that could as well be taken away, or as something that is written otherwise today."""
 
@@ -72,6 +74,11 @@ class Finding:
     def family(self) -> str:
         """The two digits of the family."""
         return family_of(self.code)
+
+    @property
+    def anchor(self) -> str:
+        """The anchor of its page among those of all findings."""
+        return f"{self.code.lower()}-{self.name}"
 
     @property
     def need(self) -> Need:

@@ -12,6 +12,7 @@ FINDINGS = (
         "P0010 MOVEJ_RPY {TCP} 0 4000 1176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         sort="unreachable",
+        is_explained=True,
     ),
     Finding(
         "Y0502",
@@ -21,6 +22,7 @@ FINDINGS = (
         "The target needs a joint position outside the limits of the robot; the message says by how much.",
         "P0010 MOVEJ 171 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ 169 0 0 0 0 0 [5] (deg,s)",
+        is_explained=True,
     ),
     Finding(
         "Y0503",

@@ -6,10 +6,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 
 from yarclang.diagnostics import Diagnostic
+from yarclang.findings import CATALOGUE
 from yarclang.lint.registry import rules
-
-_UNREACHED = ("Y0501", "Y0502")
-"""A pose out of reach, and a pose that needs a joint beyond its limits."""
 
 
 def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
@@ -20,7 +18,7 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
         diagnostics: all findings; those of one command have the same file and first line.
     """
     found = tuple(diagnostics)
-    unreached = {_place(one) for one in found if one.is_error and one.code in _UNREACHED}
+    unreached = {_place(one) for one in found if one.is_error and _is_explained(one)}
     if not unreached:
         return found
     reasons: dict[tuple[str, int], Diagnostic] = {}
@@ -31,11 +29,16 @@ def explained(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
     told: list[Diagnostic] = []
     for one in found:
         reason = reasons.get(_place(one))
-        if reason is None or (one is not reason and one.code not in _UNREACHED):
+        if reason is None or (one is not reason and not _is_explained(one)):
             told.append(one)
         elif one.is_error:
             told.append(replace(one, help=f"{reason.help} {reason.message}", fix=one.fix or reason.fix))
     return tuple(told)
+
+
+def _is_explained(one: Diagnostic) -> bool:
+    """Return True if a rule may give a finding's reason."""
+    return CATALOGUE[one.code].is_explained
 
 
 def _place(one: Diagnostic) -> tuple[str, int]:

@@ -63,7 +63,7 @@ def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
     for title, lines in (("For example", finding.example), ("Better", finding.better)):
         if lines:
             text += f"\n\n{title}:\n\n{lines}"
-    page_of = {"helpUri": f"{documentation.rstrip('/')}/findings#{finding.code.lower()}-{finding.name}"}
+    page_of = {"helpUri": f"{documentation.rstrip('/')}/findings#{finding.anchor}"}
     return (page_of if documentation else {}) | {
         "id": finding.code,
         "name": "".join(part.capitalize() for part in finding.name.split("-")),

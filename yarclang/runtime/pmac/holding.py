@@ -1,4 +1,4 @@
-"""Holds of one job: who has held it, what is said of it, and how it goes on. No I/O."""
+"""Hold one job, report the reason, and resume it. No I/O."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.runtime.state import Event, State
 _PAUSED = "this computer or the link has paused: `yarc doctor` measures it, and --patience allows for more"
 
 _STILL = 0.5
-"""How long after a hold nothing may move [s], besides what the hold itself takes."""
+"""Time after the end of a hold in which the robot may still come to rest [s]."""
 
 
 class Holding:
@@ -48,11 +48,11 @@ class Holding:
             yield from self._outputs.secure(self.operation)
 
     def remember_outputs(self) -> Script[None]:
-        """Ask what the outputs are before the job."""
+        """Ask for the values of the outputs before the job."""
         yield from self._outputs.remember(self.operation)
 
     def for_person(self) -> Script[None]:
-        """Hold until a person wants it otherwise; what was ordered before the hold is overtaken by it."""
+        """Hold until a person resumes. Orders that were given before the hold are dropped."""
         orders = self.operation.orders
         last = max(place for place, order in enumerate(orders) if order == Hold())
         kept = [
@@ -67,7 +67,10 @@ class Holding:
             yield from self.hold("a hold was asked for")
 
     def for_low_water(self) -> Script[None]:
-        """Hold; refill and go on as the next step. If the guard PLC was faster, the same."""
+        """Hold because few lines are ahead; the next step refills the buffer and resumes.
+
+        A hold by the guard PLC, if it was faster, is handled in the same way.
+        """
         operation, feed = self.operation, self._rotary.feed
         ahead = feed.at_least(operation.now)
         yield from self.hold(f"low water: {ahead} lines ahead or few more, at least {feed.low} are wanted")
@@ -75,7 +78,7 @@ class Holding:
         self.refilling = True
 
     def look_at(self, rests: bool) -> Script[None]:
-        """In a hold, long after it: whoever moves the robot now isn't this run.
+        """Check, long after a hold, that nobody else moves the robot.
 
         Args:
             rests: whether no motor has a desired velocity.
@@ -104,7 +107,7 @@ class Holding:
         )
 
     def for_others(self, told: str) -> Script[None]:
-        """Somebody else has changed what was proved: hold, until it is as it was and a person says that it goes on.
+        """Hold because another client has changed what was proved, until the change is undone and a person resumes.
 
         Raises:
             Trouble: nobody is there who could say so.
@@ -128,7 +131,7 @@ class Holding:
         )
 
     def by_guard(self, flow: Flow) -> Script[None]:
-        """The controller's own guard has held, on the path: refill and go on."""
+        """Refill the buffer and resume after the controller's own guard has held on the path."""
         operation, controller = self.operation, turbo_pmac(self._job.robot)
         # whoever has set the flag, this holds
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
@@ -145,11 +148,11 @@ class Holding:
         self.refilling = True
 
     def for_input(self, told: str, *, moves: bool = True) -> Script[None]:
-        """An input that the program watches holds the motion, or keeps it from beginning, until it is over and a person says that it goes on.
+        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person resumes.
 
         Args:
-            told: which input is in which state.
-            moves: whether the program has begun.
+            told: the input and its state, in words.
+            moves: True if the program has begun.
 
         Raises:
             Trouble: nobody is there who could say so.
@@ -167,7 +170,7 @@ class Holding:
         self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` goes on", warning=True)
 
     def by_nobody(self) -> None:
-        """Nothing moves though lines are ahead, and nobody knows why: somebody must say.
+        """Report that nothing moves although lines are ahead; a person has to resume.
 
         Raises:
             Trouble: nobody is there.
@@ -178,7 +181,7 @@ class Holding:
         operation.remark("somebody else holds the motion; resume it when that is right", warning=True)
 
     def _check_attended(self, why: str) -> None:
-        """Check that somebody may resume a hold.
+        """Check that a person can resume the hold.
 
         Raises:
             Trouble: nobody is there.
@@ -187,7 +190,7 @@ class Holding:
             raise Trouble(why, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
-        """At rest: look whether all is as it was, refill, look after the guard, R."""
+        """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R."""
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
         motors = yield from come_to_rest(operation, self._job.robot)
         raise_trouble(self._job.robot, motors)
@@ -223,7 +226,7 @@ class Holding:
         operation.go(Event.RESUME)
 
     def _stay_held(self, told: str) -> Script[None]:
-        """It isn't as it was: whoever wants to go on is told again."""
+        """Stay held because a change isn't undone, and report it again."""
         self.refilling = False
         self._told.clear()
         yield from self.for_others(told)

@@ -1,4 +1,4 @@
-"""Programs with barriers: leg after leg is streamed, and between two of them the robot stands until it may go on. No I/O."""
+"""Stream the legs of a program with barriers; at a barrier the robot stands until it may go on. No I/O."""
 
 from __future__ import annotations
 
@@ -29,20 +29,27 @@ from yarclang.runtime.signals import state_text
 from yarclang.runtime.state import Event
 
 LOST = "Y1606"
-"""Code of a connection that was lost."""
+"""Code of the finding for a lost connection."""
 
 _TAKEN = {True: "its lines are carried out", False: "its lines are left out"}
-"""What a decision means for the lines under its word."""
+"""Words for the lines under a WHEN, by the value of its condition."""
 
 _LEFT = {True: "the loop is left", False: "the loop goes on"}
-"""The same of UNTIL."""
+"""Words for the loop of an UNTIL, by the value of its condition."""
 
 Perform = Callable[[Operation, Job], Script[Ended]]
 
 
 @frozen(eq=False)
 class _Standing:
-    """The robot stands at a barrier: at `joints` (n,) [rad or m], `done` [s] into the program, or `clock` [s] with both ways of a WHEN at once."""
+    """The robot standing at a barrier.
+
+    Attributes:
+        barrier: the barrier.
+        joints: (n,) joint positions [rad or m].
+        done: program time, with the branches of a WHEN one after the other [s].
+        clock: program time, with both branches of a WHEN at once [s].
+    """
 
     barrier: Barrier
     joints: Array
@@ -51,7 +58,7 @@ class _Standing:
 
 
 def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[Ended]:
-    """Stream the legs of a job; at a barrier, wait, or choose the way that is taken.
+    """Stream the legs of a job; at a barrier wait, or choose a branch.
 
     Args:
         operation: the run.
@@ -132,7 +139,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
 
 
 def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
-    """Tell what a run that ends early has counted: it isn't kept."""
+    """Report the registers of a run that ends early, since they aren't kept."""
     if held.in_words():
         kept = [one.name for one in job.registers if one.kept]
         but = f", but for {', '.join(kept)}" if kept else ""
@@ -142,7 +149,11 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
 
 
 def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
-    """Wait at a barrier, decide, begin a loop anew, or change a register; the number of the leg that comes next."""
+    """Pass a barrier: wait, decide, begin a loop anew, or change a register.
+
+    Returns:
+        The number of the next leg.
+    """
     if barrier.kind in ("wait", "hold") or barrier.timeout is not None:
         operation.notices.append(Reached(operation.now, barrier.label))
     match barrier.kind:
@@ -183,7 +194,7 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
 
 
 def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Script[int]:
-    """Go back to the first leg of a loop. A pass in which nothing has moved takes a while all the same, and people's orders are heard."""
+    """Go back to the first leg of a loop, and carry out orders. A pass without motion takes some time as well."""
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
         operation.go(Event.HOLD, "held between two passes of a loop; Enter or `yarc resume` goes on")
@@ -203,7 +214,7 @@ def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Scrip
 
 
 def _in_front(legs: tuple[Leg, ...], place: int) -> int:
-    """The leg in front of the innermost loop around a barrier."""
+    """Return the leg before the innermost loop around a barrier."""
     depth = 0
     for number in range(place - 1, -1, -1):
         barrier = legs[number].barrier
@@ -215,7 +226,7 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
 
 
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
-    """Decide a WHEN. Each input is read once; the ways of a CASE are decided with what was read at the first of them."""
+    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read at the first."""
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if barrier.timeout is not None:
         met = yield from wait_until(operation, barrier, barrier.decided, held)
@@ -248,7 +259,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
 
 
 def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
-    """Tell what was decided; once, as long as a loop comes here again and nothing has changed or moved."""
+    """Report a decision; in a loop only if it has changed or something has moved since the last pass."""
     place = f"{barrier.label} {barrier.source_line}"
     if held.said.get(place) != text:
         operation.remark(f"{title(barrier)}: {text}")
@@ -256,7 +267,14 @@ def _say(operation: Operation, barrier: Barrier, held: Held, text: str) -> None:
 
 
 def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
-    """The leg behind the next barrier of some kinds that belongs to the same block; `opens` begins such a block, and the last kind ends it."""
+    """Return the leg after the next barrier of the same block that has one of some kinds.
+
+    Args:
+        legs: of the job.
+        place: of the leg whose barrier begins the block.
+        opens: kind of barrier that begins such a block.
+        kinds: kinds that are looked for; the last one ends the block.
+    """
     depth = 0
     for number in range(place + 1, len(legs)):
         barrier = legs[number].barrier
@@ -271,7 +289,7 @@ def _behind(legs: tuple[Leg, ...], place: int, opens: str, *kinds: str) -> int:
 
 
 def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: Trouble) -> Script[Ended]:
-    """The robot stands: leave the controller in a state that is known, outputs safe."""
+    """End the run at rest: leave the controller in a known state, with outputs safe."""
     operation.orders.clear()
     barrier, joints, what = here.barrier, here.joints, why.what
     try:
@@ -298,7 +316,7 @@ def _ended(operation: Operation, job: Job, here: _Standing, event: Event, why: T
 
 
 def _lost(operation: Operation, here: _Standing, why: str) -> Ended:
-    """The connection is lost while the robot stands: it goes on standing."""
+    """End the run after the connection was lost at rest; the robot stays at rest."""
     what = f"the connection was lost: {why}"
     remedy = "the robot stands; find out why, run `yarc doctor`, then go on with --from"
     operation.go(Event.LOST, what, LOST, remedy)

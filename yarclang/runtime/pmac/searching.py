@@ -1,4 +1,4 @@
-"""What follows a motion that an input has ended on its way: planned and proved anew from where the robot stands. No I/O."""
+"""Have the steps after a search planned and proved from where the robot stands. No I/O."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.units import MM
 
 _STEP = 0.01
-"""What a register for a depth counts [mm]."""
+"""Unit of a register for a depth [mm]."""
 
 
 def found_at(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
-    """Note where a search has ended, and have what follows planned from there.
+    """Store where a search has ended, and have the next steps planned from there.
 
     Args:
         operation: the run.
@@ -26,10 +26,10 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
         held: takes the registers.
 
     Returns:
-        What is streamed instead of the next legs, up to where the robot stands where the text has it.
+        The jobs to stream instead of the next legs, up to the first place that the text fixes.
 
     Raises:
-        Trouble: what follows can't be proved from here, or the register for the depth can't hold it.
+        Trouble: the next steps can't be proved from here, or the depth is out of its register's range.
     """
     leg = job.legs[place]
     assert leg.job is not None
@@ -68,7 +68,7 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
 
 
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
-    """Return True if jobs set, wait and move as the next legs do, whatever lies between."""
+    """Return True if each job sets, waits and moves as one of the next legs does."""
     behind = [leg.job for leg in legs if leg.job is not None]
     return all(_deeds(one) in [_deeds(other) for other in behind] for one in jobs)
 

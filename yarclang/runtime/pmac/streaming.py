@@ -1,4 +1,4 @@
-"""One job through the rotary: loading, keeping it filled, obeying people, and coming to its end. No I/O."""
+"""Stream one job through the rotary buffer: load it, keep it filled, carry out orders, come to its end. No I/O."""
 
 from __future__ import annotations
 
@@ -30,33 +30,33 @@ from yarclang.runtime.standing import described
 from yarclang.runtime.state import Event, State
 
 STATUS_EACH = 0.1
-"""Time between two looks at the status words [s]."""
+"""Time between two questions for the status words [s]."""
 
 _OVERDUE = 0.4
-"""How late that may be for the sake of the feed [s]."""
+"""Delay of that question allowed while lines have to be sent first [s]."""
 
 _EXCHANGES = 3
-"""What may lie between two questions how many lines are ahead."""
+"""Exchanges allowed between two questions for the number of lines ahead."""
 
 _LINES_EACH = 0.05
 _WATCH_EACH = 0.005
-"""The same while inputs hold the motion: they are part of that question."""
+"""Time between two questions for the lines ahead while inputs are watched [s]: the inputs are part of it."""
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
-"""How long nothing may move with lines ahead, besides what segments take [s]."""
+"""Time without motion after which a program with lines ahead counts as held by others, besides segments [s]."""
 
 _LOOK = 0.01
 
 _DOUBT = 0.02
-"""When the flow is asked for again, if the guard's heartbeat hasn't changed [s]."""
+"""Time to the next question if the guard's heartbeat hasn't changed [s]."""
 
 _END = 1.0
-"""How far from its end a program may end [counts]."""
+"""Largest distance from its end at which a program may end [counts]."""
 
 
 @dataclass
 class _Due:
-    """When what is to be looked at next [s of the host's clock]."""
+    """Times of the next questions, by subject [s of the host's clock]."""
 
     positions: float = 0.0
     lines: float = 0.0
@@ -99,7 +99,10 @@ class Stream:
 
     @property
     def done(self) -> float:
-        """Return how far the job is [s], from the lines that were executed. During a dwell no line is executed, so the clock counts instead."""
+        """Return the program time that has passed [s], computed from the executed lines.
+
+        During a dwell no line is executed, so the clock is used instead.
+        """
         job, operation = self.job, self.operation
         executed = self._taken
         begins = job.time_of(executed)
@@ -119,7 +122,10 @@ class Stream:
         return begins + motion + min(passed - slowed, seconds)
 
     def _dwells_on(self) -> bool:
-        """Return True if the job ends with a dwell that may not be over. Called once the motors rest: they rest in a dwell as they do after it."""
+        """Return True if the job ends with a dwell that may not be over.
+
+        Called when the motors are at rest, which they are both during the dwell and after it.
+        """
         job = self.job
         if not job.dwells or job.dwells[-1][0] < len(job.lines) - 1:
             return False
@@ -129,12 +135,12 @@ class Stream:
 
     @property
     def command(self) -> JobCommand | None:
-        """What is executed."""
+        """The command that is being executed."""
         return self.job.command_at(self.done)
 
     @property
     def left(self) -> int:
-        """Lines that the controller hasn't got yet."""
+        """Number of lines that haven't been sent yet."""
         return self.feed.left
 
     def run(self) -> Script[None]:
@@ -172,7 +178,7 @@ class Stream:
     # before
 
     def _load(self) -> Script[None]:
-        """Make the buffer and fill it; nothing moves."""
+        """Define the rotary buffer and fill it. Nothing moves."""
         operation, rotary = self.operation, self.rotary
         yield from rotary.define()
         yield from self.holding.remember_outputs()
@@ -222,7 +228,7 @@ class Stream:
     # while it moves
 
     def _stream(self) -> Script[bool]:
-        """One step; whether nothing is left to send or to calculate."""
+        """Carry out one step; return True if no line is left to send or to calculate."""
         operation, feed, due = self.operation, self.feed, self._due
         now = operation.now
         moving = operation.state is State.MOVE
@@ -279,7 +285,11 @@ class Stream:
             yield from self._look_at(flow)
 
     def _look_at(self, flow: Flow) -> Script[None]:
-        """Whether all is as this run has left it: if the guard or the watchdog has held, refill and go on; else somebody else must say."""
+        """Compare the controller's state with the one that this run has left, and react to a difference.
+
+        A searched or watched input comes first. After a hold by guard or watchdog the buffer is refilled and the
+        motion goes on; after any other change a person has to resume it.
+        """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
             yield from self.holding.hold(self._found, secure=False)
@@ -293,18 +303,18 @@ class Stream:
 
     @property
     def _found(self) -> str:
-        """What is said when the input of a search is as it is searched for."""
+        """Message for the moment at which a search finds its input."""
         one = self.job.search
         return "" if one is None else f"{one.name} ({one.variable}) is {state_text(one.value)}: found"
 
     def _ask_settings(self) -> Script[None]:
-        """Whether the controller still has the settings that it was looked at with."""
+        """Compare the controller's settings with those found before the run, and hold if one has changed."""
         self._due.settings = self.operation.now + SETTINGS_EACH
         if told := (yield from self.supervision.compare()):
             yield from self.holding.for_others(told)
 
     def _tell_outputs(self, executed: int) -> None:
-        """Tell what the first `executed` lines have set, once."""
+        """Report each output that the first `executed` lines have set, once."""
         operation, sets = self.operation, self.job.sets
         while self._outputs_told < len(sets) and sets[self._outputs_told][0] < executed:
             _, variable, value = sets[self._outputs_told]
@@ -320,7 +330,7 @@ class Stream:
         )
 
     def _time_left(self, done: float) -> float:
-        """Return how long the rest takes at the present override [s]: it slows motions, and no dwell."""
+        """Return the time left at the present override [s], which slows motions but not dwells."""
         job = self.job
         stands = sum(
             min(seconds, max(float(job.times[row]) + seconds - done, 0.0)) for row, seconds in job.dwells
@@ -341,7 +351,7 @@ class Stream:
             yield from look_whether_astray(operation, job.robot, off)
 
     def _ask_status(self) -> Script[None]:
-        """Faults, and a program that doesn't go on though it should."""
+        """Check for faults, and for a program that stands still although it should move."""
         operation, feed = self.operation, self.feed
         self._due.status = operation.now + STATUS_EACH
         motors = yield from look_at_motors(operation, self.job.robot)
@@ -363,7 +373,7 @@ class Stream:
 
     @property
     def _patience(self) -> float:
-        """How long nothing may move with lines ahead [s]: no segment takes longer."""
+        """Time without motion after which a program with lines ahead counts as held [s]; no segment takes longer."""
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
     def _go_on(self) -> Script[None]:
@@ -373,7 +383,7 @@ class Stream:
     # orders
 
     def _obey(self) -> Script[None]:
-        """Do what people want, the most urgent first."""
+        """Carry out the orders that were given, the most urgent first."""
         operation = self.operation
         orders = operation.orders
         moved = operation.state in (State.MOVE, State.HOLD)
@@ -410,7 +420,7 @@ class Stream:
             orders.popleft()
 
     def _wake_up(self) -> Script[None]:
-        """This process stood still for long, and the guard PLC has held: what goes on is for a person to say, who looks first."""
+        """Hold after this process has slept: the guard PLC has held too, and a person has to look before resuming."""
         operation, feed = self.operation, self.feed
         if feed.heard_at < operation.now:
             yield from self._ask_lines()
@@ -428,7 +438,10 @@ class Stream:
     # after
 
     def _end(self) -> Script[bool]:
-        """One step; whether the motion has really ended: no motor has a desired velocity, and all stand where the program ends."""
+        """Carry out one step; return True if the motion has ended.
+
+        It has ended when no motor has a desired velocity and all stand where the program ends.
+        """
         operation, job = self.operation, self.job
         if operation.slept:
             yield from self._wake_up()

@@ -12,9 +12,10 @@ from runtime.virtual import moved_along, path_of, well_behaved, world_of
 
 from yarclang.certify.certifying import certify
 from yarclang.certify.flow import check_rests
+from yarclang.coordinator.backwards import known_behind_searches, passed
 from yarclang.decisions import Searched
 from yarclang.pipeline.jobs import job_of_compiled
-from yarclang.pipeline.parts import chains
+from yarclang.pipeline.parts import beginning, can_begin_at, chains, part
 from yarclang.pipeline.replanning import replanned
 from yarclang.pipeline.stages import Request
 from yarclang.robot.actuation import from_counts, to_counts
@@ -271,3 +272,32 @@ def test_what_fails_while_it_comes_to_rest(fault):
     ended = run(world, job)
     assert not ended.well
     assert world.anew == [] or "TOUCH" in world.words
+
+
+@pytest.mark.parametrize("place", ["P0030", "P0040", "P0050"])
+def test_no_run_begins_where_a_search_has_ended(place):
+    """That place is known only in the run that has found it: from where the robot stands the way to the line's end may not be free."""
+    value, _ = compiled(PROGRAM)
+    number, step = beginning(value.plan, place)
+    assert not can_begin_at(value.plan, place)
+    made = part(value.plan, Request(value.plan.robot), number, 4, with_lead=False, step=step)
+    assert [one.code for one in made.diagnostics] == ["Y1608"]
+    assert "P0020" in made.diagnostics[0].help
+    for begins in ("P0020", "P0060"):
+        number, step = beginning(value.plan, begins)
+        assert (
+            part(value.plan, Request(value.plan.robot), number, 4, with_lead=False, step=step).value
+            is not None
+        )
+
+
+def test_no_way_back_leads_to_the_end_of_a_search():
+    value, _ = compiled(PROGRAM)
+    motions = passed(value.plan)
+    assert [one.step.origin.index for one in motions] == ["P0010", "P0020", "P0050", "P0060"]
+    assert [one.step.origin.index for one in known_behind_searches(motions)] == ["P0060"]
+    assert known_behind_searches(motions[:3]) == []
+    assert known_behind_searches(motions[:1]) == list(motions[:1])
+    # stopped on its line: that line leads back
+    stopped = passed(value.plan, value.plan.sample(np.array([3.0]))[0][0], 3.0)
+    assert [one.step.origin.index for one in known_behind_searches(stopped)] == ["P0010", "P0020"]

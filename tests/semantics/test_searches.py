@@ -130,3 +130,12 @@ def test_no_gripper_acts_where_a_search_has_ended(tmp_path):
     opened = open_program(str(tmp_path / "p.yarc"), Options(robot="INDUSTRIAL6")).value
     found = compile_module(opened.module, opened.request).diagnostics
     assert "Y0950" in [one.code for one in found], found
+
+
+@pytest.mark.parametrize("line", ["ON TOUCH OFF HOLD", "MOVEL 0 1174.4 800 0 0 0 [V 100] UNTIL TOUCH"])
+def test_lines_that_are_typed_neither_watch_nor_search(line):
+    text = "INPUT TOUCH M12\nDEFAULT {TCP} (mm,deg,s) {B}\n" + line + "\n"
+    module = parse(SourceFile("<input>", text)).value
+    request = Request(load_robot("INDUSTRIAL6").value, index_needed=False)
+    found = compile_module(module, request).diagnostics
+    assert "Y0208" in [one.code for one in found], found

@@ -4,6 +4,7 @@ like any other.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -82,6 +83,24 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
     while first > 0 and motions[first - 1].flows:
         first -= 1
     return motions[first:]
+
+
+def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
+    """Return the motions that can be taken back: those after the last search and the motion that follows it.
+
+    A search may have ended anywhere on its line. The plan leads from the end of that line, where what was
+    searched for may be in the way.
+
+    Args:
+        motions: that were carried out, in order. A search that was stopped on its line is no obstacle, since
+            its own line leads back.
+    """
+    ended = [
+        number
+        for number, one in enumerate(motions)
+        if one.whole and isinstance(one.step, JointMove | LineMove) and one.step.search is not None
+    ]
+    return list(motions[ended[-1] + 2 :] if ended else motions)
 
 
 def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from yarclang.coordinator.backwards import Passed, passed
+from yarclang.coordinator.backwards import Passed, known_behind_searches, passed
 from yarclang.coordinator.carried_out import taken
 from yarclang.coordinator.history import History
 from yarclang.coordinator.kept_parts import Performed
@@ -61,12 +61,19 @@ class Undertaking:
 
     async def carry_out(self, way: Job | None) -> Ended:
         """Carry out the way to the start, then the program."""
-        steps = self.loaded.steps
         try:
             self._begin_registers()
         except Trouble as trouble:
             return Ended(False, trouble.what, trouble.remedy, code=trouble.code)
         self._session.replanner = self._replan
+        try:
+            return await self._carry_out(way)
+        finally:
+            # What is carried out next is another program.
+            self._session.replanner = None
+
+    async def _carry_out(self, way: Job | None) -> Ended:
+        steps = self.loaded.steps
         self._session.operation.outputs = output_names(self.loaded.origins().program, self.loaded.around)
         if way is not None:
             self._tell(way, 1, 1, to_the_start=True)
@@ -191,6 +198,10 @@ class Undertaking:
 
     def _note(self, number: int, ended: Ended) -> None:
         """Store the motions that a job of the program has carried out, completely or in part."""
+        self._store(number, ended)
+        self._done = known_behind_searches(self._done)
+
+    def _store(self, number: int, ended: Ended) -> None:
         loaded = self.loaded
         plan = loaded.plan
         if plan is None:

@@ -284,8 +284,11 @@ def _outermost_open(steps: tuple[Step, ...], at: int) -> Turn | None:
 def chain_begin(plan: MotionPlan, number: int) -> int:
     """Return the number of the motion with which the robot must start from rest to reach motion `number`
     without a stop; usually `number` itself.
+
+    Where a search ends is known only while the program runs, so the motion after it can't be begun with, either.
     """
-    while number and plan.motions[number - 1].flows:
+    searches = {one.step for one in searches_of(plan.program)}
+    while number and (plan.motions[number - 1].flows or plan.motions[number - 1].step in searches):
         number -= 1
     return number
 
@@ -334,8 +337,12 @@ def _in_a_chain(plan: MotionPlan, number: int, begin: int) -> Diagnostic:
     """Return why a program can't begin with motion `number`, and that it can with `begin`."""
     origin, first = _origin(plan, number), _origin(plan, begin)
     before = _origin(plan, number - 1)
-    message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
-    help_ = f"begin with {_called(first)}, where the chain begins"
+    if plan.motions[number - 1].flows:
+        message = f"{_called(before)} flows into {_called(origin)}: the robot doesn't stand between them, so a run can't begin there"
+    else:
+        message = f"{_called(origin)} begins where {_called(before)} has ended, and that place is known only in the run that has found it"
+    flows = plan.motions[number - 1].flows
+    help_ = f"begin with {_called(first)}{', where the chain begins' * flows}"
     if first.label:
         help_ += (
             f": --from '{first.label}'"

@@ -214,9 +214,21 @@ class _Unroller:
         if not isinstance(step, JointMove | LineMove) or step.search is None:
             self._steps.append(Gap())
             return
+        if self._is_typed(block.head, file):
+            return
         end = block.end or block.head
         origin = replace(origin_of(end, "END", file.findings), place=file.findings.place)
         self._decided.search(step, lambda: self._carry_out(block.otherwise or (), file, Scope(scope)), origin)
+
+    def _is_typed(self, statement: Statement, file: File) -> bool:
+        """Return True, with a finding, if a search is typed as a line by itself: nothing says what follows."""
+        if self._context.index_needed:
+            return False
+        until = next(one for one in statement.options if one.word.name == "UNTIL")
+        message = "UNTIL belongs into a program: each line that is typed is carried out by itself"
+        file.findings.add("Y0208", message, statement.span(until.word.place), "write a file, and run it")
+        self._steps.append(Gap())
+        return True
 
     def _carry_out(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> None:
         """Carry out lines of a block that is decided when the program runs."""
@@ -387,6 +399,8 @@ class _Unroller:
                 )
         for step in steps or (Gap(),):
             if isinstance(step, JointMove | LineMove) and step.search is not None:
+                if self._is_typed(statement, file):
+                    return
                 self._decided.search(step, None, replace(step.origin, name="END"))
                 continue
             self._steps.append(step)

@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 from runtime.virtual import SHORT, lines_of, moved_along, prepared, well_behaved, world_of
 
 from yarclang.certify.certifying import certify
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.parts import approach
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.notices import Abort, Hold, Resume, Stop
 from yarclang.runtime.pmac.messages import Ask, Write
@@ -220,3 +222,11 @@ def test_the_certificate_refuses_a_text_that_watches_otherwise(change, industria
     changed = program.text.replace(*change, 1)
     judged = certify(changed, program.program, industrial6, industrial6.tolerance)
     assert any(one.is_error for one in judged.diagnostics), change
+
+
+def test_the_way_to_the_start_is_watched_too(industrial6):
+    job, plan = prepared(WATCHED)
+    far = plan.program.start + np.radians([5.0, 5.0, 5.0, 5.0, 5.0, 5.0])
+    made = approach(industrial6, far, plan.program.start, None, plan.program.watches)
+    assert "; watch M11=0 CURTAIN\n" in made.value.text
+    assert job_of_compiled(made.value, "approach").watches == job.watches

@@ -222,7 +222,7 @@ def way_to_start(robot: Robot, loaded: Loaded, joints: Array, around: Cell | Non
     name = "" if zone is None else zone.name
     if (back := _along_the_path(loaded, joints, around)) is not None:
         return Way(text, job_of_compiled(back, APPROACH), zone=name)
-    made = approach(robot, joints, job.start, around or loaded.around_start)
+    made = approach(robot, joints, job.start, around or loaded.around_start, loaded.program.watches)
     if made.value is None:
         return Way(text, None, made.diagnostics, name)
     return Way(text, job_of_compiled(made.value, APPROACH), zone=name)

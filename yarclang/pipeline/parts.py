@@ -10,6 +10,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Leaving, Parts
 from yarclang.collision.zones.watched import tool_frame
+from yarclang.decisions import Watch
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.handling.parts import first_parts
 from yarclang.handling.present import around_start, is_same
@@ -59,7 +60,9 @@ _SHORTEST = 0.5
 """Shortest duration of an approach [s]."""
 
 
-def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) -> Result[Compiled]:
+def approach(
+    robot: Robot, here: Array, there: Array, cell: Cell | None = None, watches: tuple[Watch, ...] = ()
+) -> Result[Compiled]:
     """Plan a certified motion of all joints at the robot's rapid share of its limits: straight if that is
     free, else around obstacles.
 
@@ -68,6 +71,7 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
         here: (n,) where it stands [rad or m].
         there: (n,) where it should go [rad or m].
         cell: its surroundings; their parts are where they are when a program starts.
+        watches: inputs that hold the motion, as those of the program that it leads to.
 
     Returns:
         A finding instead, if there is no way.
@@ -78,7 +82,7 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
         source = SourceFile("<approach>", "")
         return Result(None, (Diagnostic("Y0926", _why(robot, way), source, None, _BY_HAND),))
     if not way.is_straight:
-        return _round(robot, here, way, cell)
+        return _round(robot, here, way, cell, watches)
     far = np.abs(there - here)
     limits, share = robot.limits, robot.controller.rapid_share
     by_speed = _PEAK * far / (limits.velocity * share)
@@ -86,16 +90,18 @@ def approach(robot: Robot, here: Array, there: Array, cell: Cell | None = None) 
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
     source, origin = _line(robot, f"MOVEJ_{DEFAULT_PROFILE}", [there], f"{duration:g}")
     move = JointMove(origin, JointGoal(there), DEFAULT_PROFILE, Timing(duration))
-    return compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
+    return compiled_part(Program(source, here, (move,), cell=cell, watches=watches), Request(robot))
 
 
-def _round(robot: Robot, here: Array, way: Way, cell: Cell | None) -> Result[Compiled]:
+def _round(
+    robot: Robot, here: Array, way: Way, cell: Cell | None, watches: tuple[Watch, ...]
+) -> Result[Compiled]:
     share = robot.controller.rapid_share
     points = list(way.waypoints)
     source, origin = _line(robot, f"MOVEJ_SPLINE_{DEFAULT_PROFILE}", points, f"{100.0 * share:g}%")
     goals = tuple(JointGoal(q) for q in points)
     move = SplineMove(origin, goals, DEFAULT_PROFILE, Timing(None, share=share))
-    made = compiled_part(Program(source, here, (move,), cell=cell), Request(robot))
+    made = compiled_part(Program(source, here, (move,), cell=cell, watches=watches), Request(robot))
     # Notes about its motion matter only for commands that someone has written.
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
 

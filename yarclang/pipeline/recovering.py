@@ -210,7 +210,8 @@ def _way(
         along = along_the_path(plan, place.number, here, now)
         if along is not None:
             return Result(along, ())
-    return approach(robot, here, place.there, cell)
+    watches = () if plan is None else plan.program.watches
+    return approach(robot, here, place.there, cell, watches)
 
 
 def _is_blocked(robot: Robot, here: Array, cell: Cell | None) -> bool:

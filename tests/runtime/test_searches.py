@@ -184,6 +184,20 @@ def test_a_hold_on_the_line():
     assert at_its_end(world, job)
 
 
+@pytest.mark.parametrize("after", [0.0, 0.02, 0.2, 0.4])
+def test_a_hold_while_it_comes_to_rest(after):
+    """It is held until a person resumes, on the line or where it was found."""
+    world, job, _ = made()
+    since = world.now
+    world.do(lambda: world.say("M12=1"), 3.0)
+    world.order(Hold(), 3.0 + after)
+    world.order(Resume(), 8.0)
+    assert run(world, job).well
+    assert at_its_end(world, job)
+    assert world.now - since > 8.0
+    assert State.HOLD in world.states
+
+
 def test_nobody_knows_what_follows():
     world, job, _ = made(known=False)
     world.do(lambda: world.say("M12=1"), 3.0)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from yarclang.robot.model import Array
-from yarclang.runtime.actions import Replan, Replanned, Script, Trouble
+from yarclang.runtime.actions import Replan, Replanned, Script, Trouble, Wait
 from yarclang.runtime.job import Job, Leg
-from yarclang.runtime.notices import Planned
+from yarclang.runtime.notices import Hold, Planned
+from yarclang.runtime.pmac.asked import LOOK
 from yarclang.runtime.pmac.assigning import keep
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
+from yarclang.runtime.pmac.waiting import obey
+from yarclang.runtime.state import Event
 from yarclang.units import MM
 
 _STEP = 0.01
@@ -64,7 +67,18 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
     follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
     operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")
+    yield from _held_meanwhile(operation, search.name)
     return list(answer.jobs)
+
+
+def _held_meanwhile(operation: Operation, name: str) -> Script[None]:
+    """Carry out orders that were given while the robot came to rest; a hold lasts until a person resumes."""
+    holds = any(isinstance(order, Hold) for order in operation.orders)
+    if not (yield from obey(operation)) and holds:
+        operation.go(Event.HOLD, f"held where {name} was found; Enter or `yarc resume` goes on")
+        while not (yield from obey(operation)):
+            yield Wait(operation.now + LOOK)
+        operation.go(Event.END, "the operator goes on")
 
 
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:

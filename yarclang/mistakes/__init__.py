@@ -1,1 +1,3 @@
-"""What people write instead of the language, and what they mean by it: one answer for a line, in its place, with its repair."""
+"""Recognise common mistakes in lines that can't be read, and answer each line with one finding and its
+repair.
+"""

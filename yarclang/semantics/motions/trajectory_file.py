@@ -46,7 +46,7 @@ _RATE = re.compile(r"(.*?)[ _](vel|velocity|acc|acceleration)", re.I)
 _RATE_ENDINGS = {"vel": 1, "velocity": 1, "acc": 2, "acceleration": 2}
 _NUMBERED = re.compile(r"J([1-9][0-9]?)", re.I)
 _NUMBERS = re.compile(r"[0-9eE+\-.,\n \t]*")
-"""Characters of numbers and separators: from these, `float` reads only decimal numbers, not `nan` or `1_0`."""
+"""Characters of numbers and separators: `float` reads only decimal numbers from these, not `nan` or `1_0`."""
 _MOST_COLUMNS = 1_000
 _SHOWN = 40
 

@@ -1,6 +1,4 @@
-"""Collect the names that a file declares and those that it uses. As in the language, names of frames are
-separate.
-"""
+"""Collect the names that a file declares and those that it uses; names of frames are separate."""
 
 from __future__ import annotations
 

@@ -1,3 +1,1 @@
-"""Recognise common mistakes in lines that can't be read, and answer each line with one finding and its
-repair.
-"""
+"""Recognise common mistakes in lines that can't be read: one finding for each line, with its repair."""

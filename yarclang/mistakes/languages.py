@@ -118,9 +118,7 @@ FORMS: tuple[tuple[re.Pattern[str], str, bool], ...] = tuple(
         (r"[XYZ][-+]?[0-9.]+(?:\s+[XYZABC][-+]?[0-9.]+)+$", MOVEL, False),
     )
 )
-"""Patterns of lines that aren't recognised by their first word, with the help, and True if they begin a
-block.
-"""
+"""Lines that need more than their first word to be recognised: pattern, help, True if it begins a block."""
 
 NUMBERED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"N[0-9]+\s+(?:G0?0(?![0-9])|[XYZ][-0-9.])", re.I), MOVEJ),

@@ -104,9 +104,7 @@ class Around:
         return [(number, int(match[1])) for number, line in lines if (match := _INDEX.match(line))]
 
     def units_at(self, number: int) -> dict[str, str]:
-        """Return the units by kind in line `number`, counted from 1: its own, or else those of DEFAULT above
-        it.
-        """
+        """Return the units by kind in line `number`, counted from 1: its own, or those of DEFAULT above."""
         found: dict[str, str] = {}
         for line, units in self._defaults:
             if line < number:

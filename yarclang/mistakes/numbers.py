@@ -272,9 +272,7 @@ def _units(line: Line) -> str:
 
 
 def _tokens(line: Line) -> Iterator[tuple[int, str]]:
-    """Yield the texts after the word that are separated by blanks, with their places, without those in
-    brackets.
-    """
+    """Yield the texts between blanks after the word, with their places; those in brackets are left out."""
     depth = 0
     for match in re.finditer(r"[\[({]|[\])}]|[^\s;\[\](){}\"]+", line.bare[line.behind :]):
         if match[0] in "[({":

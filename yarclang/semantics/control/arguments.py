@@ -1,6 +1,4 @@
-"""Name the arguments of a CALL in findings: one about `$T` in a SUB then names the line that gave T its
-value.
-"""
+"""Name arguments of a CALL in findings: one about `$T` in a SUB names the line that gave T its value."""
 
 from __future__ import annotations
 
@@ -14,9 +12,7 @@ from yarclang.syntax.ast import Computed, ComputedPercent, Statement, Time
 from yarclang.syntax.expressions import Expression, Name, parts_of
 
 Given = Mapping[str, str]
-"""For each parameter of a SUB, by its name in upper case: text that names its argument and the line of the
-CALL.
-"""
+"""Text about the argument of each parameter of a SUB and the line of the CALL, by its name in upper case."""
 
 
 def said_of_time(time: Time | None, given: Given) -> str:

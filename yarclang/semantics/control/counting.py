@@ -26,9 +26,7 @@ from yarclang.syntax.ast import Block, Computed, Node, Statement, Word
 from yarclang.syntax.words import DECLARATIONS
 
 MOST_LINES = 2 * MOST_COMMANDS
-"""Largest number of lines that a program carries out, with declarations and heads of blocks; a long line
-counts as several.
-"""
+"""Largest number of lines that a program carries out, with declarations; a long line counts as several."""
 
 LINE = 120
 """Number of characters that count as one line."""

@@ -106,9 +106,7 @@ class Decided:
 
     @property
     def is_open(self) -> bool:
-        """True if the present line stands in a block that is decided at run time: a STOP there ends only one
-        way.
-        """
+        """True if the present line is in a block that is decided at run time: STOP ends only one way."""
         return any(one.ways or one.loops for one in self._around)
 
     @property

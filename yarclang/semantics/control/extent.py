@@ -14,9 +14,7 @@ ENOUGH_WITH_ERRORS = 10_000
 """Number of lines in loops and SUBs that are carried out in a program with errors."""
 
 ENOUGH_WITH_SYNTAX_ERRORS = 1_000
-"""Number of such lines in a program with syntax errors: the effect of an unreadable line in a loop is
-unknown.
-"""
+"""Number of such lines in a program with syntax errors: the effect of an unreadable line is unknown."""
 
 _EVERY = 64
 """Number of lines between two checks of the findings."""

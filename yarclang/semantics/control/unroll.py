@@ -311,9 +311,7 @@ class _Unroller:
         self._add_counted(count, head, file)
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
-        """Add the count of a line outside of loops and SUBs; a finding if the program exceeds a limit with
-        it.
-        """
+        """Add the count of a line outside of loops and SUBs; a finding if the program exceeds a limit."""
         self._counted += count
         error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
         if error is not None:
@@ -434,8 +432,9 @@ class _Unroller:
         return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
 
     def _count_command(self, statement: Statement, file: File) -> None:
-        """Count a command that is carried out. Only lines with mistakes can make more than were counted
-        before.
+        """Count a command that is carried out.
+
+        The limit was checked in advance; only lines with mistakes can still lead to a finding here.
         """
         self._commands += 1
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))

@@ -129,9 +129,7 @@ class Cells:
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
-        """Return the findings. If a cell can't be read, leave out those about unknown names: it may declare
-        them.
-        """
+        """Return the findings, without those about unknown names if an unreadable cell may declare these."""
         return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
 
 
@@ -186,9 +184,7 @@ def declare_cell(
 
 
 def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
-    """Return the meaning of a cell's name. A wrong entry gets a default, so that its uses cause no more
-    errors.
-    """
+    """Return the meaning of a cell's name; a default for a wrong entry, so that its uses cause no errors."""
     match table:
         case "joints":
             return JointPosition(cell.joints.get(name, robot.home))

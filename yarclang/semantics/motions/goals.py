@@ -61,9 +61,7 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
 
 
 def _near(line: Line) -> Array | None:
-    """Return the joint position (n,) [rad or m] of NEAR, to which the solution is to be close; None without
-    one.
-    """
+    """Return the joint position (n,) [rad or m] of NEAR, which selects the solution; None without NEAR."""
     for option in line.statement.options:
         if option.word.name != "NEAR":
             continue

@@ -153,9 +153,7 @@ def joint_names(robot: Robot, others: Sequence[str] = ()) -> dict[str, int]:
 
 
 def rate_of(name: str) -> tuple[str, int]:
-    """Split a column's name into the joint and the order of the derivative: `J1` has 0, `J1_velocity` 1,
-    `J1_acc` 2.
-    """
+    """Split a column's name into joint and order of derivative: `J1` has 0, `J1_velocity` 1, `J1_acc` 2."""
     found = _RATE.fullmatch(name)
     return (name, 0) if found is None else (found[1], _RATE_ENDINGS[found[2].lower()])
 

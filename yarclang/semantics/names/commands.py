@@ -51,9 +51,7 @@ class CommandNames:
         self._told: dict[tuple[Collector, int], ResolvedName | None] = {}
 
     def resolved(self, statement: Statement, findings: Collector) -> ResolvedName | None:
-        """Resolve the name of a statement as `resolve_name` does; `findings` are those of the statement's
-        file.
-        """
+        """Resolve a statement's name as `resolve_name` does; `findings` are those of the statement's file."""
         if (sound := self._sound.get(statement.name.text)) is not None:
             return sound
         key = findings, statement.line

@@ -149,9 +149,7 @@ def _check_indices(element: Element, sizes: tuple[int, ...]) -> None:
 
 
 def is_place(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression is an element of a table of poses or joint positions, even with a wrong
-    index.
-    """
+    """Return True if an expression is an element of a table of places, even with a wrong index."""
     return isinstance(expression, Element) and isinstance(scope.name(expression.table.name), Places)
 
 

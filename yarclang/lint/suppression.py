@@ -1,4 +1,4 @@
-"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or on the line above it.
+"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone on one above it.
 
 A finding in a module that is shown at a CALL is suppressed by a comment at the CALL, for that line only, or
 by one in the module, for all programs.

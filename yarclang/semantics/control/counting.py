@@ -35,7 +35,7 @@ DEEPEST = 150
 """Largest depth of nested blocks and calls."""
 
 _EVERY = 1000
-"""Number of rounds between two checks for cancellation."""
+"""Number of rounds between two checks of their limit, with a progress report."""
 
 _FAULTS = 20
 """Number of mistakes after which the counting ends; the mistakes are reported when the lines are carried out.

@@ -67,8 +67,8 @@ class _Around:
 
     Attributes:
         loops: for each loop, from the outermost to the innermost, True if a way leads out of it.
-        ways: number of WHENs and CASEs.
-        returned: True if a way of a WHEN or CASE leaves the SUB.
+        ways: number of blocks with several ways, such as WHEN and CASE.
+        returned: True if one of these ways leaves the SUB.
         returns: for each loop, True if it has a RETURN.
         flag: register that is 1 after a loop if a RETURN in it leaves the SUB; empty without one.
     """

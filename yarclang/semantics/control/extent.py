@@ -1,6 +1,6 @@
 """Limit how much of a program's loops and calls is carried out.
 
-Without errors all of it is, unless the caller asks for a first look only.
+A program without errors is carried out completely, unless the caller asks for a first look only.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""All commands: each file of commands/builtin that has a COMMAND."""
+"""Registry of all commands: the COMMAND of each file in commands/builtin."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def commands() -> Mapping[str, CommandSpec]:
     """Return the commands with suffixes, values and times by name, in alphabetic order.
 
     Raises:
-        NamedTwice: two of them have one name, or one has the name that another had before.
+        NamedTwice: two commands share a name, or one has the old name of another.
     """
     return MappingProxyType({name: spec for name, spec in _found().items() if isinstance(spec, CommandSpec)})
 
@@ -28,7 +28,7 @@ def actions() -> Mapping[str, ActionSpec]:
     """Return the actions by name, in alphabetic order.
 
     Raises:
-        NamedTwice: as of `commands`.
+        NamedTwice: two commands share a name, or one has the old name of another.
     """
     return MappingProxyType({name: spec for name, spec in _found().items() if isinstance(spec, ActionSpec)})
 

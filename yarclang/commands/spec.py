@@ -1,7 +1,7 @@
-"""What a command is: one value of `CommandSpec`, or of `ActionSpec` for a word that isn't a motion, in one file of commands/builtin.
+"""Specifications of commands: a `CommandSpec`, or an `ActionSpec` for a command without motion.
 
-The checks, the documentation, the completion, the forms and the highlighter read it; nothing else in the language
-knows a command by name.
+Each stands in a file of commands/builtin. The checks, the documentation, the completion, the forms and the
+highlighter read it; nothing else in the language knows a command by name.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from yarclang.words.spec import Slot
 
 
 class Values(Enum):
-    """What the values between two semicolons mean."""
+    """Kind of the values between two semicolons."""
 
     JOINTS = "joint values"
     JOINT_DELTAS = "joint increments"
@@ -30,21 +30,21 @@ class Values(Enum):
 
     @property
     def of_joints(self) -> bool:
-        """Whether there is one value a joint, and so no frame is needed."""
+        """True if there is one value for each joint; no frame is needed then."""
         return self is Values.JOINTS or self is Values.JOINT_DELTAS
 
     @property
     def is_delta(self) -> bool:
-        """Whether the values are counted from where the robot stands."""
+        """True if the values are relative to the place where the robot stands."""
         return self is Values.JOINT_DELTAS or self is Values.DELTA_RPY or self is Values.DELTA_QUAT
 
     @property
     def is_quaternion(self) -> bool:
-        """Whether the orientation is a unit quaternion."""
+        """True if the orientation is a unit quaternion."""
         return self is Values.POSE_QUAT or self is Values.DELTA_QUAT
 
     def labels(self, joints: tuple[str, ...]) -> tuple[str, ...]:
-        """The name of each value, for a robot with these joints."""
+        """Return the name of each value, for a robot with these joints."""
         if self.of_joints:
             return joints
         if self is Values.POSITION:
@@ -54,7 +54,11 @@ class Values(Enum):
         return ("x", "y", "z", "roll", "pitch", "yaw")
 
     def kinds(self, joint_kinds: tuple[Kind, ...]) -> tuple[Kind | None, ...]:
-        """The kind of unit of each value (None: a plain number)."""
+        """Return the kind of unit of each value; None for a plain number.
+
+        Args:
+            joint_kinds: kind of unit of each joint value.
+        """
         if self.of_joints:
             return joint_kinds
         if self is Values.POSITION:
@@ -66,7 +70,14 @@ class Values(Enum):
 
 @frozen(eq=False)
 class Timed:
-    """The timetable of a motion: `table`, the tolerance `within` (n,) [rad or m], the factor `stretch` of all times, and the `file` that has the rows."""
+    """The timetable of a motion.
+
+    Attributes:
+        table: times and positions of the way-points.
+        within: (n,) tolerance of the joints [rad or m].
+        stretch: factor of all times.
+        file: path of the file with the rows; empty if they stand in the program.
+    """
 
     table: Timetable
     within: Array
@@ -76,10 +87,20 @@ class Timed:
 
 @frozen
 class Arguments:
-    """A checked command in SI, as its `build` gets it.
+    """A checked command in SI: the argument of its `build`.
 
-    `goals` has one entry a way-point: a JointGoal, JointDelta, PoseGoal or PoseDelta, as the
-    target of the command's name says (a JointGoal wherever a joint position's name stands); a position is an array (3,) in {B}. `avoids` says that the name has _AVOID.
+    Attributes:
+        origin: the command.
+        goals: for each way-point a JointGoal, JointDelta, PoseGoal or PoseDelta, by the target of the
+            command's name. The name of a joint position gives a JointGoal; a position is an array (3,) in {B}
+            [m].
+        profile: name of the profile.
+        timing: its motion time.
+        tolerance: TOL [m]; None without it.
+        blend: BLEND; None without it.
+        avoids: True if the name has _AVOID.
+        timed: timetable of a command with `is_timed`, instead of goals.
+        search: input that ends the motion, only for commands with `may_search`; None without one.
     """
 
     origin: Origin
@@ -90,21 +111,30 @@ class Arguments:
     blend: Reading | None = None
     avoids: bool = False
     timed: Timed | None = None
-    """What a command with `is_timed` has instead of goals."""
     search: Search | None = None
-    """What ends a motion on its way; only of a command with `may_search`."""
 
 
 @frozen
 class CommandSpec:
     """One command of the language.
 
-    `targets` maps the target suffix ("" for none) to what the values mean; a command
-    without values has none. `waypoints` is the least and the largest number of way-points
-    (None: any). `is_motion` commands take a profile and a motion time. `frames_may_move` allows a base
-    frame that is carried by the robot. `leading` are the values of the first way-points where they differ from the target's.
-    `moves_frame` commands lead the moving frame along a path, so that its speed may be given. `may_search`: an input may end it (UNTIL). `may_avoid`: it takes the suffix _AVOID, and `build` hears of it. `examples` are lines that compile as they stand for
-    every robot after the standard DEFAULT of the documentation.
+    Attributes:
+        name: the command's name.
+        summary: one line about it.
+        doc: its description on pages.
+        build: makes its step.
+        examples: lines that compile for every robot after the standard DEFAULT of the documentation.
+        old_name: a former name, which gets a finding with a fix; empty without one.
+        targets: kind of the values by the target suffix ("" for none); empty for a command without values.
+        waypoints: smallest and largest number of way-points (None: no limit).
+        is_motion: True if it takes a profile and a motion time.
+        frames_may_move: True if the base frame may be on the flange.
+        leading: kinds of the values of the first way-points, if they differ from the target's.
+        moves_frame: True if it leads the moving frame along a path: a speed is allowed then.
+        may_avoid: True if it takes the suffix _AVOID.
+        may_search: True if an input may end it (UNTIL).
+        is_timed: True if each way-point has its own time. The command then takes no profile, and no time from
+            DEFAULT; the path of a file in quotes may stand instead of the way-points.
     """
 
     name: str
@@ -122,13 +152,16 @@ class CommandSpec:
     may_avoid: bool = False
     may_search: bool = False
     is_timed: bool = False
-    """Whether each way-point has its own time: then the command takes no profile, and DEFAULT gives it no time. The way-points may stand in a file, whose path stands
-    in quotes instead of them."""
 
 
 @frozen
 class ActionForm:
-    """The parts that stand behind an action's word: the values, and whether a time in square brackets may (`may`) or must (`must`) follow."""
+    """The parts after an action's word.
+
+    Attributes:
+        slots: its values.
+        time: `may` or `must` if a time in square brackets may or must follow; empty if none is allowed.
+    """
 
     slots: tuple[Slot, ...] = ()
     time: Literal["", "may", "must"] = ""
@@ -136,13 +169,13 @@ class ActionForm:
 
 @frozen
 class ActionArguments:
-    """A checked action in SI, as its `build` gets it.
+    """A checked action in SI: the argument of its `build`.
 
     Attributes:
         origin: the command.
-        values: of its form's slots: a `Signal`, a number for a state, a str.
-        seconds: the time that stands behind them [s]; None if there is none.
-        report: adds a finding at the command: its code, its message, the help.
+        values: values of its form's slots: a `Signal`, a number for a state, or a str.
+        seconds: the time after the values [s]; None without one.
+        report: adds a finding at the command, from code, message and help.
     """
 
     origin: Origin
@@ -153,16 +186,16 @@ class ActionArguments:
 
 @frozen
 class ActionSpec:
-    """A command that isn't a motion: it says what is done between two motions.
+    """A command without motion, carried out between two motions.
 
     Attributes:
         name: the word.
-        title: the heading of its form on pages: a few words.
-        summary: one line.
-        wants: its values in words, for who writes others: `an output and its value`.
+        title: heading of its form on pages: a few words.
+        summary: one line about it.
+        wants: its values in words, for the finding about wrong ones: `an output and its value`.
         build: makes the steps, carried out one after the other. All of them have the origin of the arguments.
         forms: the sets of values that it takes, each with another number of values.
-        examples: lines without an index, for which a signal has to be declared.
+        examples: lines without an index; their signals must be declared first.
     """
 
     name: str
@@ -175,14 +208,14 @@ class ActionSpec:
 
     @property
     def fullest(self) -> ActionForm:
-        """The form with the most values."""
+        """Form with the most values."""
         return max(self.forms, key=lambda form: len(form.slots))
 
     @property
     def takes_time(self) -> bool:
-        """True if a time may stand behind the values."""
+        """True if a time may follow the values."""
         return any(form.time for form in self.forms)
 
     def form_of(self, count: int) -> ActionForm | None:
-        """Return the form with so many values."""
+        """Return the form with `count` values; None without one."""
         return next((form for form in self.forms if len(form.slots) == count), None)

@@ -1,1 +1,1 @@
-"""What else is worth saying of a program that can be carried out: rules, one file each."""
+"""Lint: rules about programs that compile, one file each in `rules`."""

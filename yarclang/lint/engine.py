@@ -1,4 +1,4 @@
-"""Asks the rules: each of them, about what it reads, as far as that is there."""
+"""Run the rules on the results of the stages, as far as there are results."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.progress import each, go_on
 from yarclang.source import SourceFile
 
 Remarks = Mapping[Rule[Any], tuple[Remark, ...]]
-"""What each rule has to say."""
+"""The remarks of each rule."""
 
 
 def lint(
@@ -21,19 +21,19 @@ def lint(
     found: Collection[Diagnostic],
     silent: Collection[str] = (),
 ) -> tuple[Diagnostic, ...]:
-    """What the rules say of a program.
+    """Return the findings of the rules about a program.
 
     Args:
-        products: the stages' results that there are, of the types that rules read.
-        surroundings: what every rule may know.
-        found: what the stages have found already; rules don't speak of commands that have errors.
-        silent: codes of the rules that needn't be asked.
+        products: the available results of the stages, of the types that rules read.
+        surroundings: context for every rule.
+        found: findings of the stages; rules skip commands with errors, unless they explain errors.
+        silent: codes of rules that are not run.
     """
     return findings_of(remarks(products, surroundings, silent), surroundings, found)
 
 
 def remarks(products: Iterable[object], surroundings: Surroundings, silent: Collection[str]) -> Remarks:
-    """What the rules that read these products have to say, whatever the stages have found; else as `lint`."""
+    """Run the rules that read these products, and return their remarks. The arguments are those of `lint`."""
     by_type = {type(product): product for product in products}
     said: dict[Rule[Any], tuple[Remark, ...]] = {}
     for rule in rules():
@@ -46,7 +46,14 @@ def remarks(products: Iterable[object], surroundings: Surroundings, silent: Coll
 def findings_of(
     said: Remarks, surroundings: Surroundings, found: Collection[Diagnostic]
 ) -> tuple[Diagnostic, ...]:
-    """Return the findings that become of what rules have to say; else as `lint`."""
+    """Convert the remarks of rules to findings.
+
+    Args:
+        said: the remarks.
+        surroundings: context for every rule.
+        found: findings of the stages; remarks on commands with errors are dropped, unless they explain
+            errors.
+    """
     failed = {
         (one.source.name if one.source else "", line)
         for one in each(found)
@@ -59,7 +66,7 @@ def findings_of(
         for one in each(said.get(rule, ())):
             source = one.source or own
             if source.name != own.name:
-                continue  # each file is spoken of when it is checked itself
+                continue  # a module gets its findings when it is checked itself
             if not rule.explains_errors and (source.name, one.span.line) in failed:
                 continue
             diagnostics.append(_finding(rule, one, source))

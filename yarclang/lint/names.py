@@ -1,4 +1,4 @@
-"""Which names a file declares, and which it speaks of. Names are told apart as the language does: frames have their own."""
+"""Collect the names that a file declares and those that it uses; names of frames are separate."""
 
 from __future__ import annotations
 
@@ -24,7 +24,14 @@ from yarclang.words.registry import word_specs
 
 @frozen
 class Declared:
-    """A declaration: its word (FRAME for both kinds), the name in upper case, its statement, where the name stands."""
+    """A declaration.
+
+    Attributes:
+        word: its word; FRAME for both kinds of frames.
+        name: the declared name in upper case.
+        statement: the line.
+        span: place of the name.
+    """
 
     word: str
     name: str
@@ -34,16 +41,22 @@ class Declared:
 
 @dataclass(slots=True)
 class Names:
-    """What a file declares in order, and the names of numbers and others (`words`) and of frames that it speaks of elsewhere."""
+    """The declared and the used names of a file.
+
+    Attributes:
+        declared: declarations, in order.
+        words: used names of everything but frames, in upper case.
+        frames: used names of frames, in upper case.
+        is_program: True if there is a command outside of SUBs. The names of a module are for other files.
+    """
 
     declared: list[Declared] = field(default_factory=list)
     words: set[str] = field(default_factory=set)
     frames: set[str] = field(default_factory=set)
     is_program: bool = False
-    """Whether a command stands outside of SUBs; of a module, what is declared is for others."""
 
     def unused(self, *words: str) -> Iterator[Declared]:
-        """The declarations of some kinds that the file doesn't speak of; none of a module's."""
+        """Yield the declarations with one of some words whose name the file doesn't use; none in a module."""
         if not self.is_program:
             return
         for one in each(self.declared):
@@ -53,7 +66,7 @@ class Names:
 
 
 def names_of(module: Module) -> Names:
-    """Look through a file. What couldn't be read may speak of any name: then nothing is said to be unused."""
+    """Collect the names of a file. An unreadable line may use any name: no name is unused then."""
     found = Names()
     depth, sub_depth = 0, 0
     for statement in each(module.statements):
@@ -92,7 +105,7 @@ def _read(statement: Statement, word: str, found: Names) -> None:
         _expression(statement.expression, found)
     for waypoint in statement.waypoints:
         for value in waypoint.items:
-            if type(value) is not Number and value is not own:  # most are numbers
+            if type(value) is not Number and value is not own:  # most values are numbers: skip these quickly
                 _speak_of(value, found)
     if statement.time is not None:
         for item in statement.time.items:

@@ -1,4 +1,4 @@
-"""All rules: each file of lint/rules that has a RULE; and the catalogue of all that can be found."""
+"""Registry of all rules, the RULE of each file in lint/rules, and the catalogue of all findings."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from yarclang.named import by_name
 
 @cache
 def rules() -> tuple[Rule[Any], ...]:
-    """The rules in the order of their codes."""
+    """Return the rules in the order of their codes."""
     return tuple(rule for _, rule in _placed())
 
 
 def _placed() -> list[tuple[str, Rule[Any]]]:
-    """Return module and rule of each, in the order of their codes."""
+    """Return the rules with the names of their modules, in the order of their codes."""
     modules = [f"{folder.__name__}.{module.name}" for module in iter_modules(folder.__path__)]
     found: list[tuple[str, Rule[Any]]] = [(name, import_module(name).RULE) for name in sorted(modules)]
     return sorted(found, key=lambda one: one[1].finding.code)
@@ -30,10 +30,10 @@ def _placed() -> list[tuple[str, Rule[Any]]]:
 
 @cache
 def everything() -> Mapping[str, Finding]:
-    """Return every finding by its code: those of the language, and those of the rules.
+    """Return the findings of the language and of the rules by their codes.
 
     Raises:
-        NamedTwice: two of them have one code or one name.
+        NamedTwice: two findings share a code or a name.
     """
     placed = [("yarclang.findings", finding) for finding in CATALOGUE.values()]
     placed += [(place, rule.finding) for place, rule in _placed()]
@@ -43,7 +43,11 @@ def everything() -> Mapping[str, Finding]:
 
 
 def codes_of(word: str) -> tuple[str, ...]:
-    """The codes that a word means: a code (Y0611), the beginning of some (Y06), or a name (slow-motion); none where it is unknown."""
+    """Return the codes that a word means: a code (Y0611), the beginning of codes (Y06), or a name
+    (slow-motion).
+
+    The result is empty for an unknown word.
+    """
     upper = word.strip().upper()
     if upper.startswith("Y") and upper[1:].isdigit():
         return tuple(code for code in everything() if code.startswith(upper))

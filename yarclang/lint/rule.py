@@ -1,4 +1,4 @@
-"""What a rule is: what it says, what it reads, how it looks, and the examples that are its tests."""
+"""Definition of lint rules: their finding, their input, the check, and examples that serve as tests."""
 
 from __future__ import annotations
 
@@ -22,9 +22,15 @@ T = TypeVar("T")
 
 @frozen
 class Remark:
-    """What a rule says of one place: a sentence with its figures, and what to do.
+    """A remark of a rule about one place.
 
-    `source` is None for the file that is checked; `place` tells what led to a command in unrolled code.
+    Attributes:
+        message: the sentence, with its figures.
+        span: the place.
+        help: remedy.
+        fix: edit that repairs it; None without one.
+        source: file of the place; None for the file that is checked.
+        place: the calls and loops around a command in unrolled code.
     """
 
     message: str
@@ -37,8 +43,14 @@ class Remark:
 
 @dataclass(frozen=True, eq=False)
 class Surroundings:
-    """What every rule may know besides what it reads: the file that is checked, its robot, the steps of the program by their numbers,
-    whether the project is for teaching (reduced speed), and what rules remember of texts that they looked at before.
+    """Context for every rule, besides the product that it reads.
+
+    Attributes:
+        module: the file that is checked.
+        robot: the robot.
+        steps: the steps of the program.
+        teach: True if the project is for teaching, at reduced speed.
+        memory: cache of results of the rules.
     """
 
     module: Module
@@ -49,7 +61,7 @@ class Surroundings:
 
     @cached_property
     def names(self) -> Names:
-        """What the file declares and speaks of."""
+        """Names that the file declares and uses."""
         return names_of(self.module)
 
 
@@ -57,12 +69,19 @@ class Surroundings:
 class Rule(Generic[T]):
     """One rule.
 
-    `finding` is its entry in the catalogue: code, name, severity, and the documentation. `reads` is what `look` gets: the syntax tree
-    (`Module`), the checked program (`Program`), the plan (`MotionPlan`) or the certificate (`Certificate`). A rule is asked only where
-    that is there: a program with errors has no plan. It is left out at a command that has an error, unless it `explains_errors`.
+    A rule runs only if the product that it reads is available: a program with errors has no plan. Its remarks
+    on commands with errors are dropped, unless it explains errors.
 
-    `valid` and `invalid` are programs for INDUSTRIAL6 without and with the finding; both compile, but that an `invalid` one may have the error that
-    is explained. `teach` says that they are looked at with `teach = true`.
+    Attributes:
+        finding: its entry in the catalogue: code, name, severity, and the documentation.
+        reads: type of the product that `look` gets: the syntax tree (`Module`), the checked program
+            (`Program`), the plan (`MotionPlan`) or the certificate (`Certificate`).
+        look: yields the remarks about a product.
+        valid: programs for INDUSTRIAL6 without the finding.
+        invalid: programs for INDUSTRIAL6 with the finding. All programs compile, except that an `invalid` one
+            may contain the error that the rule explains.
+        explains_errors: True if its remarks stay on commands with errors.
+        teach: True if the examples are checked with `teach = true`.
     """
 
     finding: Finding
@@ -75,5 +94,12 @@ class Rule(Generic[T]):
 
 
 def remark_at(origin: Origin, message: str, help_: str, fix: Fix | None = None) -> Remark:
-    """A remark about a command."""
+    """Return a remark about a command.
+
+    Args:
+        origin: the command.
+        message: the sentence, with its figures.
+        help_: remedy.
+        fix: edit that repairs it; None without one.
+    """
     return Remark(message, origin.span, help_, fix, origin.source, origin.place)

@@ -1,6 +1,7 @@
-"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone above it.
+"""Comments that suppress findings: `! yarc: ignore[Y0505]`, at the end of a line or alone on one above it.
 
-A finding in a module that is shown at a CALL is suppressed by a comment at the CALL, for that line alone, or in the module, for all programs.
+A finding in a module that is shown at a CALL is suppressed by a comment at the CALL, for that line only, or
+by one in the module, for all programs.
 """
 
 from __future__ import annotations
@@ -23,12 +24,19 @@ _WORD = re.compile(r"[^\s,\[\]]+")
 _BEGINNING = re.compile(r"[Yy]\d{0,3}")
 
 _MOST_HELPED = 20
-"""Wrong words of a comment that get help: findings of further ones in the same line aren't shown."""
+"""Largest number of wrong words in a comment that get help; further findings on one line aren't shown."""
 
 
 @frozen
 class Suppression:
-    """One code in a comment: for which line, where it stands, and how it is taken away."""
+    """One code in a comment.
+
+    Attributes:
+        code: the code.
+        line: the line whose findings it suppresses.
+        span: place of the code.
+        fix: edit that removes the code.
+    """
 
     code: str
     line: int
@@ -48,13 +56,14 @@ def suppress(
     is_whole: bool = True,
     unjudged: Collection[int] = (),
 ) -> tuple[Diagnostic, ...]:
-    """The findings without those that the source's comments suppress, and a finding for each comment that suppresses nothing.
+    """Remove the findings that comments suppress, and add a finding for each comment that suppresses nothing.
 
     Args:
-        source: the file whose comments are read, besides those of modules that findings are about.
+        source: the file whose comments are read, besides those of modules with findings.
         diagnostics: all findings; errors stay.
-        is_whole: whether all was looked for; if not, a comment that suppresses nothing may be right.
-        unjudged: lines in which a comment that suppresses nothing may be right all the same: those of SUBs that only other files call.
+        is_whole: True if all checks were made; otherwise an unused comment may be right, and gets no finding.
+        unjudged: lines in which an unused comment may be right, too: those of SUBs that only other files
+            call.
     """
     found = _without_those_of_modules(source, tuple(diagnostics))
     if not has_suppressions(source):
@@ -78,7 +87,7 @@ def suppress(
 
 
 def _without_those_of_modules(source: SourceFile, found: tuple[Diagnostic, ...]) -> tuple[Diagnostic, ...]:
-    """Return the findings without those that a comment in a module suppresses, at the module's line."""
+    """Return the findings without those that a comment in a module suppresses at the module's own line."""
     read: dict[str, set[tuple[str, int]]] = {}
 
     def is_suppressed(one: Diagnostic) -> bool:
@@ -141,7 +150,7 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
 
 
 def _code(word: str) -> tuple[str, str]:
-    """Return the code that a word means, or an empty text and what is wrong with the word."""
+    """Return the code that a word means and an empty text, or an empty text and the word's message."""
     codes = _codes(word)
     if not codes:
         return "", f"no finding is called {word}"
@@ -151,7 +160,7 @@ def _code(word: str) -> tuple[str, str]:
 
 
 def _help(word: str) -> tuple[str, Name | None]:
-    """Return what to do about a word that can't be suppressed, and the word if it is no finding's."""
+    """Return the help about a word that can't be suppressed, and the word itself if it is unknown."""
     if _codes(word):
         return "yarc explain says what to do about it", None
     subject = subjects.unknown(word, everything())
@@ -159,12 +168,12 @@ def _help(word: str) -> tuple[str, Name | None]:
 
 
 def _codes(word: str) -> tuple[str, ...]:
-    """Return the codes that a word means in a comment, where the beginning of codes means none."""
+    """Return the codes that a word means in a comment; empty for the mere beginning of codes."""
     return () if _BEGINNING.fullmatch(word) else codes_of(word)
 
 
 def _next_lines(source: SourceFile) -> list[int]:
-    """Return for each line (from 1) the next one that is more than a comment; 0 after the last of these."""
+    """Return for each line (from 1) the number of the next line with code; 0 if there is none."""
     found, following = [0], 0
     for number in each(range(len(source.lines), 0, -1)):
         found.append(following)
@@ -174,10 +183,16 @@ def _next_lines(source: SourceFile) -> list[int]:
 
 
 def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
-    """The whole comment away; a line that has nothing else goes with it."""
+    """Return the fix that removes a whole comment, with its line if there is nothing else.
+
+    Args:
+        source: the file.
+        number: the line, from 1.
+        found: the suppression in the line.
+    """
     line = source.line(number)
     rest = line[found.end() :].strip()
-    if rest:  # words of the comment that are for people stay
+    if rest:  # keep the rest of the comment, which is for people
         span = Span.on_line(number, found.start() + 1, len(line) + 1)
         return Fix("take the suppression away", (Edit(span, f"! {rest.lstrip('!').lstrip()}"),))
     begin = len(line[: found.start()].rstrip())
@@ -187,7 +202,13 @@ def _without(source: SourceFile, number: int, found: re.Match[str]) -> Fix:
 
 
 def _fewer(number: int, words: list[re.Match[str]], at: int) -> Fix:
-    """One code away, and a comma beside it."""
+    """Return the fix that removes one code and a comma beside it.
+
+    Args:
+        number: the line, from 1.
+        words: the codes in the comment.
+        at: number of the code in `words`.
+    """
     word = words[at]
     begin, end = (
         (word.start(), words[at + 1].start()) if at + 1 < len(words) else (words[at - 1].end(), word.end())

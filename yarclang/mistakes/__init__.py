@@ -1,1 +1,1 @@
-"""What people write instead of the language, and what they mean by it: one answer for a line, in its place, with its repair."""
+"""Recognise common mistakes in lines that can't be read: one finding for each line, with its repair."""

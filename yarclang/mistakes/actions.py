@@ -1,4 +1,4 @@
-"""What commands that don't move want, and what is written instead."""
+"""Answer mistakes in commands without motion, and in conditions and registers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _STATES = {
 
 
 def signal(line: Line) -> Guess | None:
-    """Answer what SET and WAIT want otherwise."""
+    """Answer a SET or WAIT with a wrong signal, state or operator."""
     word = line.word.upper()
     if word not in ("SET", "WAIT"):
         return None
@@ -86,7 +86,7 @@ def signal(line: Line) -> Guess | None:
 
 
 def wait(line: Line) -> Guess | None:
-    """Answer a WAIT whose time has other brackets."""
+    """Answer a WAIT whose time has wrong brackets or none, or whose input is written in a foreign form."""
     if line.word.upper() != "WAIT":
         return None
     found = re.fullmatch(
@@ -128,7 +128,11 @@ def wait(line: Line) -> Guess | None:
 
 
 def turned(line: Line) -> Guess | None:
-    """Answer an output and its state without SET, in another order, or with a comma; and a WHEN without the state."""
+    """Answer signals and states in the wrong form.
+
+    These are an output without SET, a state before its output or after a comma, a WHEN without a state, a
+    STOP with a text, and a REGISTER without a range.
+    """
     outputs, inputs = _named(line, "OUTPUT"), _named(line, "INPUT")
     word = line.word.upper()
     if word in outputs and (found := re.fullmatch(r"\s*=?\s*(?P<state>ON|OFF)\s*;?", line.values, re.I)):
@@ -204,7 +208,7 @@ def turned(line: Line) -> Guess | None:
 
 
 def rounds(line: Line) -> Guess | None:
-    """Answer a REPEAT that counts as loops of other languages do."""
+    """Answer a REPEAT that counts like a loop of another language."""
     if line.word.upper() != "REPEAT":
         return None
     found = re.fullmatch(

@@ -1,4 +1,4 @@
-"""Findings of lines that aren't understood, with one answer a line where somebody knows what was meant."""
+"""Replace the findings of a line that can't be read by one answer, if a guesser recognises the mistake."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ from yarclang.syntax.lines import code_of
 from yarclang.syntax.parse import parse_statement
 
 _FAMILIES = (SYNTAX, "02", "03", "04")
-"""Of what is said of a line that isn't understood: syntax, names, frames and units, values."""
+"""Families of findings about lines that can't be read: syntax, names, frames and units, values."""
 
 _NO_INDEX, _NO_UNIT, _NO_END, _NO_BLOCK = "Y0105", "Y0304", "Y0113", "Y0114"
 _NO_TEXT, _CHARACTER = "Y0108", "Y0118"
 
 _UNDERSTOOD = frozenset((_NO_INDEX, _NO_UNIT, _NO_TEXT))
-"""The findings of lines that are understood all the same, and of a file that is no program."""
+"""Codes of these families that don't count: of lines that can be read, and of a file that is no program."""
 
 _MOST_LINES = 200
-"""Lines with errors that are looked at; who has more has another file."""
+"""Largest number of lines with errors that are examined; a file with more of them is probably no program."""
 
 _LONGEST = 400
-"""Characters of a line that somebody has typed."""
+"""Largest number of characters in a line that is examined; longer lines weren't typed by a person."""
 
 GUESSERS: tuple[Guesser, ...] = (
     characters.alike,
@@ -87,13 +87,13 @@ GUESSERS: tuple[Guesser, ...] = (
     numbers.number,
     words.word,
 )
-"""Who may know what was meant, those first that need the least of a line to be right."""
+"""Guessers in order: those first that need the least of a line to be correct."""
 
 
 def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Diagnostic, ...]:
-    """Return the findings, those of a line that isn't understood as one, where it is known what was meant.
+    """Return the findings, with those of a line that can't be read replaced by one answer, if there is one.
 
-    The answer keeps the code and the subject of the line's first error. It has a fix where only one repair is likely.
+    The answer keeps the code of the line's first error. It has a fix if only one repair is likely.
 
     Args:
         diagnostics: all findings.
@@ -125,9 +125,9 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
     for one in found:
         line = _line(one, source)
         if one.code == _NO_END and ends:
-            ends -= 1  # the line that was meant for it has an answer
+            ends -= 1  # the line that was meant as END has an answer
         elif one.code == _NO_BLOCK and line not in answers and begins and begins[0] < line:
-            begins.pop(0)  # so has the line that was meant to begin its block
+            begins.pop(0)  # the line that was meant to begin the block has an answer
         elif line not in answers or (one.code == _NO_INDEX and answers[line].fix is not None):
             told.append(one)
         elif one is wrong[line][0]:
@@ -138,12 +138,12 @@ def answered(diagnostics: Iterable[Diagnostic], source: SourceFile) -> tuple[Dia
 
 
 def _is_of_the_line(one: Diagnostic) -> bool:
-    """Return True if a finding says that its line isn't understood."""
+    """Return True if a finding says that its line can't be read."""
     return one.is_error and one.code not in _UNDERSTOOD and family_of(one.code) in _FAMILIES
 
 
 def _line(one: Diagnostic, source: SourceFile) -> int:
-    """Return the line of the program that a finding is about; 0 for one in another file, or of several lines."""
+    """Return the line of the program that a finding is about; 0 for another file, or for several lines."""
     if (
         one.source is not source
         or one.span is None
@@ -167,12 +167,18 @@ def _answer(wrong: list[Diagnostic], guess: Guess, text: str) -> Diagnostic:
 
 
 def _is_read(line: str) -> bool:
-    """Return True if a line is one of the language, whatever its names mean."""
+    """Return True if a line can be parsed, whatever its names mean."""
     return not code_of(line).strip() or isinstance(parse_statement(line), Statement)
 
 
 def _edit(number: int, text: str, lines: tuple[str, ...]) -> Edit:
-    """Return the smallest edit that makes lines of a line."""
+    """Return the smallest edit that replaces a line by other lines.
+
+    Args:
+        number: number of the line, from 1.
+        text: the line.
+        lines: the new lines.
+    """
     put = "\n".join(lines)
     begin = 0
     while begin < min(len(text), len(put)) and text[begin] == put[begin]:

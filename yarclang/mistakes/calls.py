@@ -1,4 +1,4 @@
-"""Commands that are written as calls of functions."""
+"""Answer commands that are written as function calls."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def request(line: Line) -> Guess | None:
     if found is None or found["name"].upper() not in _of(line, "OUTPUT"):
         return None
     if found["word"].upper() == "SET" and not found["all"].endswith(";"):
-        return None  # the state is missing, which may be either
+        return None  # a YARC line without its state, which may be ON or OFF
     state = "OFF" if found["word"].upper().startswith("RESET") else "ON"
     end = found.end("all") if state == "ON" else found.end("word")
     index = "" if line.index.strip() else f"{line.around.free_index(line.number)} "
@@ -25,7 +25,7 @@ def request(line: Line) -> Guess | None:
 
 
 def call(line: Line) -> Guess | None:
-    """Answer SET(GLUE, ON), HOLD("text"), CALL "PICK" and PICK; as one writes them elsewhere."""
+    """Answer SET(GLUE, ON), HOLD("text"), CALL "PICK", CALL PICK(1, 2) and PICK; as in other languages."""
     word = line.word.upper()
     found = _CALL.fullmatch(line.values)
     if found is not None and word in ("SET", "PULSE") and "," in found["inside"]:

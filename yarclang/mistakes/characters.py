@@ -1,4 +1,4 @@
-"""Signs that stand in tables and texts, but in no program."""
+"""Answer signs that are usual in tables and texts, but not allowed in programs."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _COMMAS = re.compile(r"[،，、؛；](?=\s|$)")
 
 
 def alike(line: Line) -> Guess | None:
-    """Answer a degree sign behind a number, and commas of other scripts."""
+    """Answer degree and minute signs after a number, fractions, and commas of other scripts."""
     if found := _DEGREES.search(line.bare):
         every = _DEGREES.sub("", line.text)
         unit = line.units.get("angle")

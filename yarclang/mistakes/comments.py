@@ -1,4 +1,4 @@
-"""Comments as other languages begin them."""
+"""Answer comments that begin as in other languages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _WORDS = re.compile(r"[A-Za-z][A-Za-z'.,-]*(?:\s|$)")
 
 
 def whole(line: Line) -> Guess | None:
-    """Answer a comment alone in its line that begins with another sign than `!`."""
+    """Answer a comment on a line of its own that begins with another sign than `!`."""
     found = _REM.match(line.text) or _WHOLE.match(line.text)
     if found is not None:
         sign, said = found["sign"], found["said"] or ""
@@ -33,7 +33,7 @@ def whole(line: Line) -> Guess | None:
 
 
 def behind(line: Line) -> Guess | None:
-    """Answer a comment behind a command that begins with another sign than `!`."""
+    """Answer a comment after a command that begins with another sign than `!`."""
     found = _BEHIND.search(line.text)
     if found is None or not line.word or "!" in line.text or '"' in line.bare:
         return None
@@ -46,7 +46,10 @@ def behind(line: Line) -> Guess | None:
 
 
 def _are_words(line: Line, said: str) -> bool:
-    """Return True if what stands behind a semicolon is a remark, and no way-point: several words, none of them a name of the program."""
+    """Return True if the text after a semicolon is a remark and no way-point.
+
+    A remark has several words, none of them a name of the program.
+    """
     words = said.split()
     known = {name.upper() for names in line.around.declared.values() for name in names} | {"HOME"}
     return (

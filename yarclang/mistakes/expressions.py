@@ -1,4 +1,4 @@
-"""Sums and functions without their `$()`, and dollar signs apart from their names."""
+"""Answer sums and functions without `$()`, and dollar signs with a blank before the name."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _APART_UNIT = re.compile(
 
 
 def sum_(line: Line) -> Guess | None:
-    """Answer arithmetic that isn't written `$(...)`."""
+    """Answer arithmetic that isn't written as `$(...)`."""
     if not line.is_motion:
         return None
     begin = line.behind

@@ -1,4 +1,4 @@
-"""Indices that aren't written as `P0010 `."""
+"""Answer indices that aren't written as `P0010 `."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _DIGITS = str.maketrans("OoIl", "0011")
 
 
 def index(line: Line) -> Guess | None:
-    """Answer an index with a letter for a digit, without its P, close to the command, or with a colon."""
+    """Answer an index with a letter for a digit, without P, without a blank after it, or with a colon."""
     if found := _ALONE.match(line.bare):
         name = found["index"]
         return Guess(

@@ -1,4 +1,4 @@
-"""Words and forms of other robot languages, with what serves instead: data."""
+"""Tables of words and lines of other robot languages, with the help for each."""
 
 from __future__ import annotations
 
@@ -82,13 +82,13 @@ WORDS = MappingProxyType(
         ),
     }
 )
-"""By the word that begins a line of another language, what serves instead."""
+"""Help by the first word of a line of another language."""
 
 BLOCKS = frozenset(("DEF", "PROC", "DEFFCT", "FUNCTION", "ROUTINE", "SWITCH", "TEST", "SELECT"))
-"""Those that begin a block: an END below belongs to them."""
+"""Words that begin a block; an END further down belongs to them."""
 
 WHOLE = frozenset(("VAR", "PERS", "CONST", "DECL"))
-"""Those that say nothing without the rest of their line."""
+"""Words whose finding spans the whole line."""
 
 FORMS: tuple[tuple[re.Pattern[str], str, bool], ...] = tuple(
     (re.compile(pattern, re.I), help_, begins)
@@ -118,7 +118,7 @@ FORMS: tuple[tuple[re.Pattern[str], str, bool], ...] = tuple(
         (r"[XYZ][-+]?[0-9.]+(?:\s+[XYZABC][-+]?[0-9.]+)+$", MOVEL, False),
     )
 )
-"""Lines that a word alone doesn't tell, with what serves instead, and True if they begin a block."""
+"""Lines that need more than their first word to be recognised: pattern, help, True if it begins a block."""
 
 NUMBERED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"N[0-9]+\s+(?:G0?0(?![0-9])|[XYZ][-0-9.])", re.I), MOVEJ),
@@ -127,4 +127,4 @@ NUMBERED: tuple[tuple[re.Pattern[str], str], ...] = (
     (re.compile(r"[0-9]+\s*:\s*J\s+P\[.*", re.I), MOVEJ),
     (re.compile(r"[0-9]+\s*:\s*L\s+P\[.*", re.I), MOVEL),
 )
-"""The same of lines that begin with their number."""
+"""Patterns of lines that begin with their number, with the help."""

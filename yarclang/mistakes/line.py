@@ -1,4 +1,4 @@
-"""A line that isn't understood, what stands around it, and a guess of what was meant."""
+"""A line that can't be read, the program around it, and a guess of its intended meaning."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ _DECLARED = re.compile(
 )
 _BLOCK = re.compile(r"^\s*(SUB|IF|WHEN|CASE|REPEAT|LOOP|WHILE|END)(?![A-Za-z0-9_])", re.I)
 _LONGEST = 400
-"""Characters of a line that somebody has typed."""
+"""Number of characters of each line that are examined; longer lines weren't typed by a person."""
 
 _INDEX = re.compile(r"\s*[Pp]([0-9]{1,9})(?![^\s])")
 _NUMBER = re.compile(r"[-+]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][-+]?[0-9]+)?")
 
 
 class Guess:
-    """What was meant.
+    """A guess of the intended meaning of a line.
 
     Args:
-        begin: where the mistake begins in the line, from 0.
-        end: where it ends.
-        message: the finding's sentence.
-        help_: what to do.
-        lines: what stands instead of the line, if one repair is likely.
+        begin: start of the mistake in the line, from 0.
+        end: end of the mistake.
+        message: message of the finding.
+        help_: remedy.
+        lines: the lines that replace the line, if one repair is likely.
     """
 
     __slots__ = ("begin", "begins_block", "end", "ends_block", "help", "lines", "message")
@@ -44,23 +44,23 @@ class Guess:
     def __init__(self, begin: int, end: int, message: str, help_: str, *lines: str) -> None:
         self.begin, self.end, self.message, self.help, self.lines = begin, end, message, help_, lines
         self.ends_block = False
-        """Whether it is an END: the block's first line has one then."""
+        """True if the line is meant as END; the block's first line is then not without one."""
         self.begins_block = False
-        """Whether it begins a block: an END below is its own."""
+        """True if the line is meant to begin a block; an END further down then belongs to it."""
 
 
 Guesser = Callable[["Line"], Guess | None]
 
 
 class Around:
-    """What the lines of a program say about the others: names that are declared, and units."""
+    """The program around a line: its declared names, blocks, indices and units."""
 
     def __init__(self, source: SourceFile) -> None:
         self._source = source
 
     @cached_property
     def declared(self) -> dict[str, list[str]]:
-        """The names of each word that declares some, as they are written."""
+        """Declared names as written, by the word that declares them."""
         found: dict[str, list[str]] = {}
         for line in self._source.lines:
             if match := _DECLARED.match(line[:_LONGEST]):
@@ -69,7 +69,7 @@ class Around:
 
     @cached_property
     def lines_of(self) -> dict[str, int]:
-        """The line that declares each name first, by the name in upper case."""
+        """Number of the first line that declares each name, by the name in upper case."""
         found: dict[str, int] = {}
         for number, line in enumerate(self._source.lines, 1):
             if match := _DECLARED.match(line[:_LONGEST]):
@@ -77,11 +77,11 @@ class Around:
         return found
 
     def before(self, number: int) -> str:
-        """Return the line before one, counted from 1."""
+        """Return the code of the line before line `number`, counted from 1; empty for the first line."""
         return code_of(self._source.line(number - 1)[:_LONGEST]) if number > 1 else ""
 
     def has_open_block(self, number: int) -> bool:
-        """Return True if a block that began before a line, counted from 1, has no END before it."""
+        """Return True if a block is open at line `number`, counted from 1."""
         depth = 0
         for line in self._source.lines[: number - 1]:
             if match := _BLOCK.match(line[:_LONGEST]):
@@ -89,7 +89,7 @@ class Around:
         return depth > 0
 
     def free_index(self, number: int) -> str:
-        """Return an index for a new command in a line, counted from 1, that no line has."""
+        """Return an unused index for a new command in line `number`, counted from 1."""
         indices = self._indices
         before = [one for line, one in indices if line < number]
         taken = {one for _, one in indices}
@@ -104,7 +104,7 @@ class Around:
         return [(number, int(match[1])) for number, line in lines if (match := _INDEX.match(line))]
 
     def units_at(self, number: int) -> dict[str, str]:
-        """Return the units by their kinds in a line, counted from 1: its own, else those of the last DEFAULT before it."""
+        """Return the units by kind in line `number`, counted from 1: its own, or those of DEFAULT above."""
         found: dict[str, str] = {}
         for line, units in self._defaults:
             if line < number:
@@ -118,19 +118,28 @@ class Around:
 
 
 def _units_of(line: str) -> dict[str, str]:
-    """Return the units by their kinds that a line gives."""
+    """Return the units that a line gives, by kind."""
     names = (name.strip().lower() for match in _UNITS.finditer(code_of(line)) for name in match[1].split(","))
     return {UNITS[name].kind: name for name in names if name in UNITS}
 
 
 class Line:
-    """A line: its code, its comment, and the parts that a command has.
+    """A line, with the parts of a command.
 
     Args:
         text: the line.
-        number: counted from 1.
-        around: the rest of the program.
-        after: the line behind it.
+        number: its number, from 1.
+        around: the program around it.
+        after: the next line.
+
+    Attributes:
+        bare: the code, without the comment.
+        comment: the comment, with the blanks before it.
+        index: the index with its blanks; empty without one.
+        word: the first word after the index; empty without one.
+        begin: place at which the word begins, from 0.
+        behind: place at which the word ends.
+        values: the code after the word.
     """
 
     def __init__(self, text: str, number: int, around: Around, after: str = "") -> None:
@@ -138,46 +147,52 @@ class Line:
         self.bare = code_of(text).rstrip()
         self.comment = text[len(self.bare) :]
         found = _PARTS.match(self.bare)
-        assert found is not None  # it may be empty
+        assert found is not None  # the pattern matches an empty text, too
         self.index, self.word = found["index"], found["word"] or ""
         self.begin = len(self.index)
-        """Where the word begins."""
         self.behind = found.end()
-        """Where it ends."""
         self.values = self.bare[self.behind :]
 
     @property
     def is_command(self) -> bool:
-        """Whether the word is one of a command."""
+        """True if the word is the name of a command."""
         return is_command(self.word)
 
     @property
     def is_motion(self) -> bool:
-        """Whether the word is that of a motion."""
+        """True if the word is the name of a motion."""
         return any(self.word.upper() == one or self.word.upper().startswith(one + "_") for one in commands())
 
     @property
     def is_declaration(self) -> bool:
-        """Whether the word declares something, or begins or ends a block."""
+        """True if the word declares something, or begins or ends a block."""
         return self.word.upper() in DECLARATIONS
 
     @property
     def units(self) -> dict[str, str]:
-        """The units by their kinds."""
+        """Units in this line by kind."""
         return self.around.units_at(self.number)
 
     def with_(self, begin: int, end: int, put: str) -> str:
-        """Return the line with other text from one place to another."""
+        """Return the line with the text between two places replaced."""
         return f"{self.text[:begin]}{put}{self.text[end:]}"
 
     def guess(self, begin: int, end: int, message: str, put: str | None = None, help_: str = "") -> Guess:
-        """Return a guess: what stands from one place to another is to be something else."""
+        """Return a guess about the text between two places.
+
+        Args:
+            begin: start of the mistake, from 0.
+            end: end of the mistake.
+            message: message of the finding.
+            put: text that replaces it; None without a repair.
+            help_: remedy; if empty, the repair in words.
+        """
         lines = () if put is None else (self.with_(begin, end, put).rstrip(),)
         return Guess(begin, end, message, help_ or (f"write {put}" if put else "take it away"), *lines)
 
 
 def is_number(text: str) -> bool:
-    """Return True if a text is a number of the language."""
+    """Return True if a text is a valid number of the language."""
     return _NUMBER.fullmatch(text) is not None
 
 
@@ -185,16 +200,16 @@ _THOUSAND = re.compile(r"[-+]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
 def is_thousand(text: str) -> bool:
-    """Return True if the comma of a number may part its thousands as well as its decimals."""
+    """Return True if the comma of a number may separate either thousands or decimals."""
     return _THOUSAND.fullmatch(text) is not None
 
 
 def first(line: Line, guessers: Iterable[Guesser]) -> Guess | None:
-    """Return what the first of several guessers says, if one says something."""
+    """Return the guess of the first guesser that has one; None if none has."""
     return next((found for one in guessers if (found := one(line)) is not None), None)
 
 
 def only(word: str, known: Iterable[str]) -> str:
-    """Return the known name that a word is like, if it is like no other as much."""
+    """Return the known name that is most similar to a word; empty if there is none or more than one."""
     found = near(word, known)
     return found[0] if len(found) == 1 else ""

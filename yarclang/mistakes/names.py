@@ -1,4 +1,4 @@
-"""Names that aren't known: the one that is meant, and one that is declared too late."""
+"""Answer unknown names: suggest the intended name, or point out a declaration that comes too late."""
 
 from __future__ import annotations
 
@@ -15,7 +15,13 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.]*")
 
 
 def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
-    """Return the fix that writes a name in the place of the one that a finding is about."""
+    """Return the fix that replaces the name in a finding by another; None if it isn't exactly one name.
+
+    Args:
+        source: the program's file.
+        finding: the finding about the name.
+        name: the new name.
+    """
     span = finding.span
     if span is None or span.line != span.end_line:
         return None
@@ -28,7 +34,11 @@ def with_name(source: SourceFile, finding: Diagnostic, name: str) -> Fix | None:
 
 
 def named(one: Diagnostic, source: SourceFile, around: Around) -> Diagnostic:
-    """Return the finding of an unknown name with its fix, if it is one known name but for a slip of the fingers; or with the line that declares it too late."""
+    """Return a finding about an unknown name with a fix, or with the line of its declaration.
+
+    A name declared further down gets that line as help; a typing error of exactly one known name gets a fix.
+    Any other finding is returned as it is.
+    """
     if one.fix is not None or not isinstance(one.subject, Name) or one.span is None:
         return one
     if (line := around.lines_of.get(one.subject.name, 0)) > one.span.line:

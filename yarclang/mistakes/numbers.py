@@ -1,4 +1,4 @@
-"""Numbers with units, commas and letters in them, and lists of numbers as other languages write them."""
+"""Answer numbers with units, commas or letters in them, and lists of numbers as in other languages."""
 
 from __future__ import annotations
 
@@ -30,12 +30,12 @@ _ORDERS = frozenset(
     (*"XYZ", *turns) for turns in ((), tuple("ABC"), tuple("RPY"), ("RX", "RY", "RZ"), tuple("UVW"))
 )
 _SEVERAL = 3
-"""So many numbers at least make a list."""
+"""Smallest number of values with the names of axes that counts as a list."""
 _WAYS = re.compile(r"[0-9.]\s+[-+]?[0-9.]")
 
 
 def value_list(line: Line) -> Guess | None:
-    """Answer a list of values with commas, semicolons, brackets or the names of axes."""
+    """Answer a list of values with commas, semicolons, brackets or names of axes."""
     if not line.is_motion:
         return None
     begin = line.behind + len(line.values) - len(line.values.lstrip())
@@ -65,7 +65,12 @@ def value_list(line: Line) -> Guess | None:
 
 
 def _are_decimals(text: str, count: int) -> bool:
-    """Return True if the commas of a list are decimal signs: blanks stand between its numbers."""
+    """Return True if the commas of a list are decimal signs: its numbers are separated by blanks.
+
+    Args:
+        text: the list.
+        count: how many of its numbers have a comma.
+    """
     return count > 0 and text.count(",") == count and len(text.split()) > count - 1 and len(text.split()) > 1
 
 
@@ -95,14 +100,14 @@ def _named(line: Line, begin: int, rest: str) -> Guess | None:
 
 
 def _in_order(names: list[str]) -> bool:
-    """Return True if the names of axes have the order in which a command takes its values."""
+    """Return True if axes are in the order in which a command takes its values."""
     if names[0].startswith("J"):
         return names == [f"J{number}" for number in range(1, len(names) + 1)]
     return tuple(names) in _ORDERS
 
 
 def decimal_commas(line: Line) -> Guess | None:
-    """Answer decimal commas: one, or several in a list whose numbers have blanks between them."""
+    """Answer decimal commas in one number, or in several numbers that are separated by blanks."""
     if not (line.is_command or line.is_declaration):
         return None
     tokens = [one for one in _tokens(line) if _COMMA.fullmatch(one[1])]
@@ -140,7 +145,12 @@ def decimal_commas(line: Line) -> Guess | None:
 
 
 def _values_around(line: Line, tokens: list[tuple[int, str]]) -> tuple[int, int]:
-    """Return from where to where the numbers stand to which some tokens belong."""
+    """Return start and end of the numbers in a line, including some tokens.
+
+    Args:
+        line: the line.
+        tokens: numbers with decimal commas, each with its place.
+    """
     every = [(at, text) for at, text in _tokens(line) if is_number(text.replace(",", "."))]
     return min(every[0][0], tokens[0][0]), max(
         every[-1][0] + len(every[-1][1]), tokens[-1][0] + len(tokens[-1][1])
@@ -210,7 +220,7 @@ def _one(line: Line, at: int, text: str) -> Guess | None:
 
 
 def _half_turn(unit: str | None) -> str:
-    """Return what to write for half a turn."""
+    """Return the help about half a turn."""
     if unit == "rad":
         return "write $PI"
     return f"write 180 for half a turn: the line's angles are in {unit or 'deg'}; the number is $PI"
@@ -262,7 +272,7 @@ def _units(line: Line) -> str:
 
 
 def _tokens(line: Line) -> Iterator[tuple[int, str]]:
-    """Yield what stands between blanks and brackets behind the word, with its place; not what stands in brackets."""
+    """Yield the texts between blanks after the word, with their places; those in brackets are left out."""
     depth = 0
     for match in re.finditer(r"[\[({]|[\])}]|[^\s;\[\](){}\"]+", line.bare[line.behind :]):
         if match[0] in "[({":

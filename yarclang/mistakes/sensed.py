@@ -1,4 +1,4 @@
-"""What is written instead of UNTIL and ON, which look at an input while the robot moves."""
+"""Answer mistakes in UNTIL and ON, which watch an input while the robot moves."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _WATCH = re.compile(
 
 
 def until(line: Line) -> Guess | None:
-    """Answer a condition behind UNTIL, which takes an input by its name."""
+    """Answer a condition after UNTIL, which takes the name of an input."""
     if not line.is_motion:
         return None
     if nothing := _NOTHING.search(line.bare, line.behind):
@@ -35,7 +35,7 @@ def until(line: Line) -> Guess | None:
 
 
 def watch(line: Line) -> Guess | None:
-    """Answer an ON with a condition, or without what happens."""
+    """Answer an ON with a condition, or without a reaction."""
     found = _WATCH.fullmatch(line.values) if line.word.upper() == "ON" else None
     if found is None:
         return None
@@ -47,12 +47,12 @@ def watch(line: Line) -> Guess | None:
     at = line.behind + found.start("all")
     end = line.behind + len(line.values.rstrip())
     message = "ON wants an input, the state in which nothing may move, and HOLD"
-    sure = told and reaction in ("", "HOLD")  # a stop that can't be resumed is something else
+    sure = told and reaction in ("", "HOLD")  # other words may mean a stop that can't be resumed
     return line.guess(at, end, message, put if sure else None, f"write ON {put}")
 
 
 def _is_other(found: re.Match[str]) -> bool:
-    """Return True if an input and its state are written otherwise than the language does."""
+    """Return True if an input and its state are not written as in the language."""
     plain = (found["plain"] or "ON").upper()
     return bool(found["open"] or found["not"] or found["sign"] or found["is"]) or plain not in ("ON", "OFF")
 
@@ -62,7 +62,7 @@ def _is_told(found: re.Match[str]) -> bool:
 
 
 def _is_off(found: re.Match[str]) -> bool:
-    """Return True if the condition is that the input is OFF."""
+    """Return True if the condition holds while the input is OFF."""
     said = (found["state"] or found["plain"] or found["is"] or "ON").upper()
     is_off = said in _OFF
     turns = bool(found["not"]) + (found["sign"] in ("<>", "!=", "~="))

@@ -1,4 +1,4 @@
-"""The word of a command: its suffixes, relative motions, and words that are only like one."""
+"""Answer mistakes in the name of a command: wrong suffixes, relative motions, and misspelt words."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ _RELATIVE = re.compile(
 )
 _APART = re.compile(r"(?P<sign>\s*[-.]\s*|\s+)(?P<suffix>[A-Za-z][A-Za-z0-9]*)(?=\s|$)")
 _POSITION = 3
-"""Values of a position."""
+"""Number of values of a position."""
 
 _SAME = {"DMOVEL": "DMOVE", "DMOVEC": "DMOVE", "DMOVE_L": "DMOVE", "DMOVE_J": "DMOVEJ"}
 
 
 def suffix(line: Line) -> Guess | None:
-    """Answer a suffix that is mistyped, apart, behind a hyphen, or in the wrong order."""
+    """Answer a suffix that is mistyped, after a blank or hyphen, or in the wrong order."""
     if not line.is_motion:
         return None
     upper = line.word.upper()
@@ -80,7 +80,7 @@ def suffix(line: Line) -> Guess | None:
 
 
 def relative(line: Line) -> Guess | None:
-    """Answer a word for a relative motion: never with an absolute one."""
+    """Answer a foreign word for a relative motion. The answer never proposes an absolute motion."""
     upper = line.word.upper()
     if (meant := _SAME.get(upper)) is not None:
         if len(line.values.split()) == _POSITION and all(map(is_number, line.values.split())):
@@ -96,7 +96,7 @@ def relative(line: Line) -> Guess | None:
 
 
 def word(line: Line) -> Guess | None:
-    """Answer a word that is no command, by the known words that are like it."""
+    """Answer a word that is no command with the known words that are similar."""
     upper = line.word.upper()
     if not upper or line.is_command or line.is_declaration or line.values.lstrip()[:1] in ("=", ":", "("):
         return None

@@ -1,4 +1,4 @@
-"""Commands that move nothing, as their files say, values of registers, and the heads of WHEN."""
+"""Read commands without motion, assignments to registers and outputs, and the conditions of WHEN and WAIT."""
 
 from __future__ import annotations
 
@@ -45,13 +45,13 @@ from yarclang.words.registry import word_specs
 from yarclang.words.spec import Slot
 
 LONGEST_WAIT = 3600.0
-"""The controller's timer counts no further by far [s]."""
+"""Longest wait [s]; the controller's timer can count much further."""
 
 
 def read_action(
     statement: Statement, spec: ActionSpec, scope: Scope, defaults: Defaults, findings: Collector
 ) -> tuple[Action, ...] | None:
-    """Return the steps of an action; None with findings if it can't be understood."""
+    """Return the steps of an action; None with findings if it has an error."""
     before = len(findings.found)
     origin = origin_of(statement, spec.name, findings)
     refused = ("a moving frame", "a base frame", "options")
@@ -91,7 +91,12 @@ def _in_steps(
     statement: Statement,
     findings: Collector,
 ) -> tuple[Signal | float | str, ...] | None:
-    """Return an action's values, a number for an analogue output or input as so many of its steps; None with a finding where it lies between two."""
+    """Convert an action's numbers for an analogue output or input to steps of that signal.
+
+    Returns:
+        All values of the action, unchanged if no signal among them is analogue; None with a finding if a
+        number is out of range or lies between two steps.
+    """
     found = next((scope.name(one.name) for one in given if isinstance(one, Word)), None)
     if not isinstance(found, Output | Input) or found.step is None:
         return values
@@ -112,7 +117,7 @@ def _in_steps(
 
 
 def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement, findings: Collector) -> bool:
-    """Return True if all that stands in braces in a text are registers; a finding tells the first that isn't."""
+    """Return True if every name in braces in a text is a register; otherwise report the first that isn't."""
     wrong = next((one for one in names_in(step.text) if not isinstance(scope.name(one), Register)), None)
     if wrong is None:
         return True
@@ -126,7 +131,7 @@ def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement,
 def _keeps_to_groups(
     statement: Statement, form: ActionForm, values: tuple[Signal | float | str, ...], findings: Collector
 ) -> bool:
-    """Whether groups are given numbers, and stand nowhere else; a finding says what is wrong."""
+    """Return True if groups of bits are only set, to numbers that they can hold; otherwise add a finding."""
     groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
     for one in groups:
         if form.slots != (Slot.OUTPUT, Slot.STATE):
@@ -144,7 +149,7 @@ def _keeps_to_groups(
 
 
 def read_when(statement: Statement, scope: Scope, findings: Collector) -> When | None:
-    """Read what a WHEN, WHILE or UNTIL decides by."""
+    """Read the condition of a WHEN, WHILE or UNTIL line; None with findings if it has an error."""
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     values, spec = values_of(statement), word_specs()[statement.name.name]
     origin = origin_of(statement, spec.name, findings)
@@ -165,7 +170,7 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
         return None
     if register is not None:
         return When(origin, Between("=", RegisterValue(register.name), Constant(value)))
-    assert signal is not None  # as above
+    assert signal is not None  # without a register and a signal the function has returned above
     as_steps = _in_steps((value,), values, scope, statement, findings)
     if as_steps is None:
         return None
@@ -176,7 +181,11 @@ def read_when(statement: Statement, scope: Scope, findings: Collector) -> When |
 def read_wait_else(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> When | None:
-    """WAIT DOOR ON [5] ELSE: what is decided by a WAIT whose time may be over."""
+    """Read WAIT DOOR ON [5] ELSE as a WHEN whose condition must hold within the time.
+
+    Returns:
+        None with findings if the line has an error, or no condition or time.
+    """
     *others, last = statement.options
     if others:
         message = f"WAIT doesn't take {others[0].word.name}"
@@ -219,7 +228,7 @@ def read_wait_else(
 def read_wait(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector
 ) -> WaitInput | WaitUntil | None:
-    """WAIT DOOR = ON AND JOB > 2 [5]."""
+    """Read WAIT DOOR = ON AND JOB > 2 [5]; None with findings if it has an error."""
     assert statement.expression is not None
     before = len(findings.found)
     refuse_parts(statement, ("a moving frame", "a base frame", "options"), findings)
@@ -258,7 +267,7 @@ def _is_outside(name: str, scope: Scope) -> bool:
 
 
 def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> Assign | None:
-    """SET COUNT = COUNT + 1, SET GO = COUNT and SET GO COUNT."""
+    """Read SET COUNT = COUNT + 1, SET GO = COUNT or SET GO COUNT; None with findings if it has an error."""
     before = len(findings.found)
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     word, *others = values_of(statement)
@@ -312,7 +321,7 @@ def read_assignment(statement: Statement, scope: Scope, findings: Collector) -> 
 
 
 def assigns(statement: Statement, scope: Scope) -> bool:
-    """Return True of a SET with an equals sign, of SET GO COUNT, and of SET FLAG ON where FLAG is a register."""
+    """Return True if a SET has an equals sign or names a register, as SET GO COUNT and SET FLAG ON may do."""
     values = values_of(statement)
     if statement.expression is not None:
         return True
@@ -356,7 +365,7 @@ def _value(
         case Slot.TEXT:
             return value.text.strip('"')
         case Slot.REACTION:
-            raise AssertionError(slot)  # a word of ON, which is no action
+            raise AssertionError(slot)  # only ON takes a reaction, and ON is a declaration
         case Slot.REGISTER:
             if (found := _register_named(value, scope)) is not None:
                 return found.name
@@ -378,7 +387,11 @@ def _value(
 def _seconds(
     statement: Statement, form: ActionForm, scope: Scope, defaults: Defaults, findings: Collector
 ) -> float | None:
-    """Return what stands in square brackets [s]; None if nothing does, and with a finding if it has to or can't be read."""
+    """Return the time in square brackets [s].
+
+    Returns:
+        None without brackets; a finding is added if the action needs a time, or if the time has an error.
+    """
     units = resolve_units(statement, statement.units, findings)
     time, word = statement.time, statement.name.name
     if time is None and form.time == "must":

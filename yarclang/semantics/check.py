@@ -1,4 +1,4 @@
-"""The checks, in order: declarations, indices, names, arguments, flow."""
+"""Check a parsed module and turn it into a program."""
 
 from __future__ import annotations
 
@@ -15,9 +15,13 @@ from yarclang.syntax.ast import Module
 def check(module: Module, context: Context) -> Result[Program]:
     """Check a module, and carry out its loops and calls.
 
+    Args:
+        module: the program's file.
+        context: inputs besides the text.
+
     Returns:
-        The program. A command with errors is a Gap in it, so that the planner can
-        still find what is wrong with the others. The value is never None.
+        The program; its value is never None. A command with errors becomes a Gap, so that the planner can
+        still check the other commands.
     """
     findings = Collector(module.source)
     commands = commands_of(module)

@@ -1,4 +1,4 @@
-"""What the checks need to know besides the text."""
+"""Inputs of the checks besides the text: robot, cell, modules, profiles and defaults."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from yarclang.units import Kind, Unit
 
 @frozen(eq=False)
 class GivenCell:
-    """The cell that a program keeps to whether or not a CELL line names it.
+    """The cell that the command line or yarc.toml gives to a program, with or without a CELL line.
 
     Attributes:
-        path: the file, as messages call it.
+        path: the cell's file, as shown in messages.
         loaded: the cell and the findings of its file.
-        giver: who names the file, for messages: `yarc.toml` or `the command line`.
-        remedy: what to change there, for the help of a finding.
+        giver: origin of the path, for messages: `yarc.toml` or `the command line`.
+        remedy: the change to make there, for the help of a finding.
         source: the file that names the cell; None for the command line.
-        span: where it does.
+        span: place of the path in `source`.
     """
 
     path: str
@@ -40,7 +40,7 @@ class GivenCell:
 
     @property
     def findings(self) -> tuple[Diagnostic, ...]:
-        """The findings of the file; one that says that it can't be read stands where the file is named."""
+        """The findings of the cell's file. One without a place gets the place where the file is named."""
         return tuple(
             one if one.source is not None else replace(one, source=self.source, span=self.span)
             for one in self.loaded.diagnostics
@@ -49,10 +49,22 @@ class GivenCell:
 
 @frozen
 class Context:
-    """The robot, the profiles that the planner has, where the robot stands, and how a module is found: `load` gives the module of a
-    name, or a finding.
+    """The inputs of the checks that are not in the text.
 
-    `start` (n,) [rad or m] holds whatever the program says, `fallback_start` where it doesn't say.
+    Attributes:
+        robot: the robot.
+        profiles: names of the planner's profiles.
+        start: (n,) [rad or m] start that overrides a START line; None without one.
+        fallback_start: (n,) [rad or m] start of a program without a START line.
+        load: returns the module of a name, or a finding.
+        load_cell: returns the cell of a path that is relative to a module's file (None: to the program).
+            Returns the same object for the same file.
+        load_table: returns the trajectory file of a path that is relative to a module's file (None: to the
+            program). Returns the same object as long as the file doesn't change.
+        cell: the cell that the command line or yarc.toml names.
+        index_needed: True if every command needs an index; False in the live interpreter.
+        memory: cache for the steps of commands.
+        enough: number of lines in loops and SUBs after which a loop makes no further round; None: no limit.
     """
 
     robot: Robot
@@ -61,24 +73,25 @@ class Context:
     fallback_start: Array | None = None
     load: Callable[[str], Result[Module]] | None = None
     load_cell: Callable[[str, SourceFile | None], Result[Cell]] | None = None
-    """Gives the cell of a path as it stands in a module's file (None: in the program); the same one for the same file."""
     load_table: Callable[[str, SourceFile | None], Result[TrajectoryFile]] | None = None
-    """Gives the trajectory file of a path as it stands in a module's file (None: in the program); the same one as long as the file doesn't change."""
     cell: GivenCell | None = None
-    """The cell that the command line or yarc.toml names."""
     index_needed: bool = True
-    """Whether a command needs an index (the live interpreter does without)."""
     memory: Memory = NO_MEMORY
-    """Keeps the steps of commands."""
     enough: int | None = None
-    """Lines in loops and SUBs after which a loop makes no further round; None: all are carried out."""
 
 
 @frozen
 class Defaults:
-    """What a DEFAULT line gives to the lines that leave it out; `statement` is the line itself.
+    """The parts that a DEFAULT line gives to lines without them.
 
-    `scope` is that of its file. `has_bad_time` says that it gave a motion time that isn't one, which was said there.
+    Attributes:
+        scope: names of the file.
+        statement: the DEFAULT line; None without one.
+        moving: the moving frame.
+        time: the motion time.
+        units: the units by kind.
+        base: the base frame.
+        has_bad_time: True if the line's motion time is wrong; the finding stands at the DEFAULT line.
     """
 
     scope: Scope

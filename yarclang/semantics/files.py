@@ -12,9 +12,15 @@ from yarclang.syntax.ast import Block, Statement, Value
 
 @dataclass(slots=True, eq=False)
 class File:
-    """A file that is being read: its names, its defaults, and who collects what is wrong with it.
+    """A file that is being read.
 
-    `seen` has the lines of the declarations so far by their words, `command_seen` says whether there was a command.
+    Attributes:
+        findings: collects the findings of the file.
+        scope: names of the file.
+        defaults: parts of its DEFAULT line.
+        is_program: True for the program, False for a module.
+        seen: first line of each kind of declaration so far, by its word.
+        command_seen: True after the first command.
     """
 
     findings: Collector
@@ -27,7 +33,13 @@ class File:
 
 @dataclass(slots=True, eq=False)
 class Sub:
-    """A SUB: its text, what its file had declared before it, and that file's defaults and findings."""
+    """A SUB.
+
+    Attributes:
+        block: its lines.
+        scope: the names that its file had declared before it.
+        file: the file, with its defaults and findings.
+    """
 
     block: Block
     scope: Scope
@@ -35,10 +47,10 @@ class Sub:
 
     @property
     def name(self) -> str:
-        """Its name in upper case."""
+        """Name of the SUB in upper case."""
         return values_of(self.block.head)[0].text.upper()
 
 
 def values_of(statement: Statement) -> list[Value]:
-    """The values of all way-points: what stands behind the name of a line that has none."""
+    """Return the values of all way-points; for lines that don't move, the values after the name."""
     return [value for waypoint in statement.waypoints for value in waypoint.values]

@@ -1,4 +1,4 @@
-"""Indices of commands: every command has one, each is there once in its file, and they ascend."""
+"""Check the indices of commands: every command has an index, each is unique in its file, and they ascend."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.syntax.words import DECLARATIONS, LONGEST_INDEX
 
 
 def commands_of(module: Module) -> list[Statement]:
-    """The commands of a file, in blocks too."""
+    """Return the commands of a file, including those in blocks."""
     return [
         statement
         for statement in each(module.statements)
@@ -20,11 +20,11 @@ def commands_of(module: Module) -> list[Statement]:
 
 
 STEP = 10
-"""From one index to the next, as `yarc fmt --renumber` has it."""
+"""Difference between two indices; `yarc fmt --renumber` uses the same step."""
 
 
 def check_indices(commands: list[Statement], findings: Collector) -> None:
-    """Every command has an index; each is there once; they ascend."""
+    """Check that every command has an index, that each index is unique, and that they ascend."""
     lines: dict[int, int] = {}
     out_of_order: Statement | None = None
     last = -1
@@ -64,12 +64,12 @@ def check_indices(commands: list[Statement], findings: Collector) -> None:
 
 
 def _number(statement: Statement) -> int:
-    assert statement.index is not None  # who asks has looked
+    assert statement.index is not None  # callers check this first
     return int(statement.index.text[1:])
 
 
 def _following(commands: list[Statement]) -> list[int]:
-    """Return the next index behind each command, of the last ones one that none reaches."""
+    """Return for each command the next index after it; for the last ones, a number above all indices."""
     found, following = 10**LONGEST_INDEX, []
     for statement in reversed(commands):
         following.append(found)
@@ -79,7 +79,13 @@ def _following(commands: list[Statement]) -> list[int]:
 
 
 def _free(before: int, following: int, taken: set[int]) -> int:
-    """Return an index between two others that no command has, and take it; -1 if there is none."""
+    """Reserve and return an unused index between two others; -1 if there is none.
+
+    Args:
+        before: the index below.
+        following: the index above.
+        taken: indices in use; the new one is added.
+    """
     number = max(before, 0) + STEP
     if number >= following:
         number = max(before, 0) + (following - max(before, 0)) // 2

@@ -1,4 +1,4 @@
-"""The parts of a statement that it doesn't take."""
+"""Refuse parts that a statement doesn't take."""
 
 from __future__ import annotations
 
@@ -8,15 +8,18 @@ from yarclang.diagnostics import Collector
 from yarclang.syntax.ast import Place, Statement
 
 NOT_FOR_BLOCKS = ("a moving frame", "a motion time", "units", "a base frame", "options")
-"""What the heads of blocks and CALL don't take."""
+"""Parts that the heads of blocks and CALL don't take."""
 
 ALL_PARTS = ("a moving frame", "values", "a motion time", "units", "a base frame", "options")
 
 
 def refuse_parts(statement: Statement, refused: Container[str], findings: Collector) -> None:
-    """A finding at the first part of a statement that is among the refused ones.
+    """Add a finding at the first refused part of a statement.
 
-    The parts are called as in ALL_PARTS.
+    Args:
+        statement: the line.
+        refused: names of parts, as in ALL_PARTS.
+        findings: receives the finding.
     """
     places: list[tuple[str, Place]] = []
     if statement.moving:

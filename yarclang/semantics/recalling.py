@@ -1,4 +1,4 @@
-"""Commands that were read before: by their text, and by what the names in them mean where they stand now."""
+"""Cache the steps of commands by their text and by the meanings of the names in them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _NO_TEXT = SourceFile("", "")
 
 
 class _Watched(Scope):
-    """A scope that remembers what was asked of it."""
+    """A scope that records which names are looked up in it."""
 
     __slots__ = ("_scope", "asked", "is_listed")
 
@@ -41,7 +41,7 @@ class _Watched(Scope):
         self._scope = scope
         self.asked: dict[tuple[bool, str], Named | Frame | None] = {}
         self.is_listed = False
-        """Whether all names were asked for: then the answer depends on all of them."""
+        """True if all names were listed: the result then depends on every name, and isn't cached."""
 
     def name(self, name: str) -> Named | None:
         found = self.asked[False, name] = self._scope.name(name)
@@ -74,20 +74,27 @@ class _Watched(Scope):
 
 _Asked = tuple[tuple[bool, str, Hashable], ...]
 _Link = tuple[int, bool, str]
-"""In which scope a frame was found, whether by its own name or by that of a pose that is given in it, and the name."""
+"""Origin of a frame: number of the scope, True for a frame's name (False: name of a pose in the frame), name.
+"""
 _Links = tuple[_Link | None, _Link | None]
 
 
 @frozen
 class _Kept:
-    """A step without its place in the text: what it asked of its scope and of that of DEFAULT, and which frames it names."""
+    """A step without its place in the text.
+
+    Attributes:
+        made: type of the step.
+        origin: fields of its origin.
+        parts: fields of the step after its origin.
+        line: line of the command when it was read.
+        asked: names that were looked up in the command's scope and in that of DEFAULT, with their meanings.
+        links: origins of its moving frame and its base frame.
+    """
 
     made: Callable[..., Step]
-    """The step's type."""
     origin: tuple[object, ...]
-    """What its origin is made of."""
     parts: tuple[object, ...]
-    """What the step is made of behind its origin."""
     line: int
     asked: tuple[_Asked, _Asked]
     links: _Links
@@ -102,18 +109,19 @@ def step_before(
     findings: Collector,
     make: Callable[[Defaults, Scope], Step | None],
 ) -> Step | None:
-    """The step of a command that stands in no loop and no SUB: as it was, where all that it speaks of is as it was, else what `make` gives.
+    """Return the step of a command outside of loops and SUBs.
 
-    Only commands about which nothing is told are kept.
+    The step comes from the cache if its text and the meanings of all names in it are unchanged; otherwise
+    `make` reads the command. Commands with findings are not cached.
 
     Args:
-        memory: keeps steps.
-        robot: for which the program is.
+        memory: the cache.
+        robot: the robot of the program.
         statement: the command.
-        defaults: of its file.
+        defaults: parts of the DEFAULT line of its file.
         scope: the names that are known there.
-        findings: where `make` tells; of the file in which the command stands.
-        make: reads the command with the defaults and the scope that it is given.
+        findings: receives the findings of `make`; those of the command's file.
+        make: reads the command with given defaults and scope.
     """
     source = findings.source
     default = defaults.statement
@@ -135,9 +143,9 @@ def step_before(
     links = tuple(_named(link, watched) for link in (step.origin.moving, step.origin.base))
     if any(one.is_listed for one in watched) or _LOST in links:
         return step
-    origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # no text is kept
+    origin = replace(step.origin, source=_NO_TEXT, moving=None, base=None)  # the cache must not hold the text
     asked = tuple(tuple((*which, _meaning(found)) for which, found in one.asked.items()) for one in watched)
-    # most commands ask the same: then it is looked at once for all of them
+    # Most commands look up the same names: shared, the names are compared once for all of these commands.
     shared = recall(memory, ("asked", asked), lambda: asked)
     parts = tuple(getattr(step, name) for name in list(step.__dataclass_fields__)[1:])
     memory.keep(key, _Kept(type(step), _PARTS(origin), parts, statement.line, shared, links))  # type: ignore[arg-type]
@@ -149,7 +157,7 @@ def _text(source: SourceFile, statement: Statement) -> Hashable:
 
 
 def _meaning(found: Named | Frame | None) -> Hashable:
-    """What a name means, by value; a SUB and a module by themselves."""
+    """Return a meaning as a value that can be compared; a SUB or a module stands for itself."""
     match found:
         case Frame():
             return found.transform.tobytes(), found.on_flange, _meaning_of_link(found.link)
@@ -158,7 +166,7 @@ def _meaning(found: Named | Frame | None) -> Hashable:
         case Pose():
             return found.transform.tobytes(), _meaning_of_link(found.link)
         case Amount():
-            return repr(found.value), found.unit  # zero has two signs
+            return repr(found.value), found.unit  # 0.0 equals -0.0, their texts differ
         case Places(rows=rows):
             return tuple(map(_meaning, rows))
         case Formula(meaning=meaning):
@@ -177,9 +185,10 @@ def _meaning_of_link(link: FrameLink | None) -> Hashable:
 def _frames_as_they_were(
     kept: _Kept, defaults: Defaults, scope: Scope
 ) -> tuple[FrameLink | None, ...] | None:
-    """What the frames are called now that a command names; None where something that it asked for means something else.
+    """Return today's frames of a cached command; None if a name that it looked up means something else now.
 
-    The scope remembers it up to its next declaration, with what was asked, so that nothing else can take its id.
+    The scope caches the answer up to its next declaration. It keeps `kept.asked` with it, so that no other
+    object can get the id that is part of the key.
     """
     key = id(kept.asked), kept.links
     seen: tuple[object, tuple[FrameLink | None, ...]] | None = scope.seen.get(key)
@@ -196,7 +205,7 @@ def _frames_as_they_were(
 
 
 def _link_of(scope: Scope, is_frame: bool, name: str) -> FrameLink | None:
-    """The frame that a name means, or in which the pose is given that it means."""
+    """Return the link of a frame, or of the frame in which a pose is given."""
     found = scope.frame(name) if is_frame else scope.name(name)
     return found.link if isinstance(found, Frame | Pose) else None
 
@@ -205,7 +214,7 @@ _LOST = (-1, False, "")
 
 
 def _named(link: FrameLink | None, watched: tuple[_Watched, _Watched]) -> _Link | None:
-    """Under which name a frame was found, and in which scope."""
+    """Return the scope and the name under which a frame was found; _LOST if it was found under none."""
     if link is None:
         return None
     for number, one in enumerate(watched):
@@ -222,8 +231,8 @@ _SOURCE, _MOVING, _BASE = (_NAMES.index(name) for name in ("source", "moving", "
 
 
 def _placed(kept: _Kept, line: int, source: SourceFile, frames: tuple[FrameLink | None, ...]) -> Step:
-    """The step where its command stands now."""
-    # twice as quick as `replace`: of a program that is edited, this is done for nearly every command
+    """Return a cached step at the line where its command stands now."""
+    # Twice as quick as `replace`. After an edit, nearly every command of the program comes through here.
     values: list[Any] = list(kept.origin)
     values[_SOURCE] = source
     values[_MOVING], values[_BASE] = frames

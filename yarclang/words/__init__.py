@@ -1,1 +1,1 @@
-"""Words of the language that begin a line and are neither a motion nor an action: one file each in `builtin`."""
+"""Words of the language that begin a line and are neither motions nor actions, one file each in `builtin`."""

@@ -1,4 +1,4 @@
-"""All words that are neither motions nor actions: each file of words/builtin."""
+"""Registry of all words that are neither motions nor actions: the WORD of each file in words/builtin."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def word_specs() -> Mapping[str, WordSpec]:
     """Return the words by name, in alphabetic order.
 
     Raises:
-        NamedTwice: two of them have one name.
+        NamedTwice: two words share a name.
     """
     modules = sorted(f"{builtin.__name__}.{module.name}" for module in iter_modules(builtin.__path__))
     specs: list[tuple[str, WordSpec]] = [(name, import_module(name).WORD) for name in modules]

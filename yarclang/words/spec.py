@@ -1,7 +1,8 @@
-"""What a word is that begins a line and is neither a motion nor an action: a value of `WordSpec`, in one file of words/builtin.
+"""Specifications of words that begin a line and are neither motions nor actions: a `WordSpec` for each.
 
-The parser's tables, the checks of where it may stand, completion, hover, snippets and the highlighter read it. What it does is known to `semantics/` alone, since such a word
-decides what names mean, or which lines are carried out.
+Each stands in a file of words/builtin. The parser's tables, the checks of its place, completion, hover,
+snippets and the highlighter read it. Its effect is implemented in `semantics/`, since such a word declares
+names or decides which lines are carried out.
 """
 
 from __future__ import annotations
@@ -13,17 +14,17 @@ from yarclang.frozen import frozen
 
 
 class Slot(Enum):
-    """What a value behind a word is."""
+    """Kind of a value after a word."""
 
     INPUT = "input"
     OUTPUT = "output"
     STATE = "state"
-    """ON, OFF or a number."""
+    """State of a signal: ON, OFF or a number."""
     TEXT = "text"
-    """A text in quotes."""
+    """Text in quotes."""
     REGISTER = "register"
     REACTION = "reaction"
-    """HOLD."""
+    """Reaction to a watched input: HOLD."""
 
     @property
     def is_signal(self) -> bool:
@@ -37,18 +38,20 @@ class WordSpec:
 
     Attributes:
         name: the word.
-        summary: one line.
-        example: a line as it is written, without an index.
-        is_command: True if it may have an index, as commands have.
-        opens_block: True if END ends what it begins, and `takes_else` if an ELSE may stand in between.
-        ends_block: True if it ends what another word begins.
-        in_blocks: True if it may stand in a block, though it is a declaration.
-        at_the_top: True if it stands before the first command.
-        once: True if a file has one at most.
-        of_programs: True if a module has none.
-        declares: what the name is that follows; a name that is never used is reported.
-        proposes: the names that are proposed behind it.
-        slots: its values, each of one kind, if there are as many in each line; `wants` says so in words.
+        summary: one line about it.
+        example: a line with it, without an index.
+        is_command: True if it may have an index like a command.
+        opens_block: True if it begins a block, up to END.
+        takes_else: True if the block may have an ELSE.
+        ends_block: True if it ends the block of another word.
+        in_blocks: True if it may stand in a block, although it is a declaration.
+        at_the_top: True if it must stand before the first command.
+        once: True if a file has at most one such line.
+        of_programs: True if it isn't allowed in a module.
+        declares: kind of the name after it; empty without one. Names that are never used are reported.
+        proposes: kind of names that completion proposes after it.
+        slots: kinds of its values, if each line has the same number of them.
+        wants: these values in words.
     """
 
     name: str

@@ -1,1 +1,1 @@
-"""One file a command; `yarclang.commands.registry` finds them."""
+"""One file for each command; `yarclang.commands.registry` finds them."""

@@ -1,1 +1,1 @@
-"""The rules; each file has a RULE. None imports another."""
+"""The rules: each file has a RULE, and none imports another."""

@@ -1,4 +1,4 @@
-"""A DMOVE along the base's axes that was probably meant along the tool's."""
+"""Find a DMOVE along the base's axes that was probably meant along the tool's axes."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
 
 TILTED = 10.0 * DEG
-"""A tool whose axis is off by less [rad] goes nearly the same way in both frames."""
+"""Least angle between the axes of tool and base for a remark [rad]; below it both ways are nearly equal."""
 
 _ALONG = 2.0 * DEG
-"""A way in that is off the tool's axis by less [rad] is along it."""
+"""Largest angle at which the way before counts as along the tool's axis [rad]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -49,13 +49,19 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _axis(goal: PoseDelta) -> int | None:
-    """The only axis along which the delta goes; None where it is not one, or turns."""
+    """Return the only axis along which an increment goes; None if there are several, or if it turns."""
     moves = np.flatnonzero(goal.shift)
     return int(moves[0]) if len(moves) == 1 and np.array_equal(goal.turn, np.eye(3)) else None
 
 
 def _between(one: Array, other: Array, *, both_ways: bool = False) -> float:
-    """The angle between two directions [rad]; of `both_ways`, that between the lines."""
+    """Return the angle between two directions [rad].
+
+    Args:
+        one: (3,).
+        other: (3,).
+        both_ways: True for the angle between the lines, up to a right angle.
+    """
     size = float(np.linalg.norm(one) * np.linalg.norm(other))
     cosine = float(one @ other) / size if size else 0.0
     return float(np.arccos(np.clip(abs(cosine) if both_ways else cosine, -1.0, 1.0)))

@@ -1,4 +1,4 @@
-"""A frame far outside of what the arm reaches."""
+"""Find a frame far out of the arm's reach."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 FAR = 2.0
-"""A frame that stands so many times farther from {B} than the arm is long is far."""
+"""Largest distance of a frame from {B} without a remark, as a multiple of the arm's length."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -38,7 +38,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _placed(link: FrameLink) -> Array:
-    """Where a frame stands in {B} or {FLANGE} (4, 4)."""
+    """Return the pose (4, 4) of a frame in {B} or {FLANGE}."""
     pose = link.parent_from_frame
     above = link.parent
     while above is not None:
@@ -47,7 +47,7 @@ def _placed(link: FrameLink) -> Array:
 
 
 def _length(robot: Robot) -> float:
-    """How far the flange can be from the first axis [m], sliding joints at their farthest."""
+    """Return the largest distance of the flange from the first axis [m], with all sliding joints extended."""
     limits = robot.limits
     travel = np.maximum(np.abs(limits.lower), np.abs(limits.upper))[robot.chain.is_prismatic]
     return arm_length(robot.chain, np.eye(4)) + float(travel.sum())

@@ -1,4 +1,4 @@
-"""A feed hold that asks more than the robot may be stopped with."""
+"""Find motions in which a feed hold needs more than the acceleration of an emergency stop."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.hir import Motion
 from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 
 MUCH = 1.9
-"""A hold that asks more than this share of the stop acceleration is told: motions with all their acceleration come near it."""
+"""Largest share of the stop acceleration without a remark. Motions at full acceleration come close to it."""
 
 
 def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:

@@ -1,4 +1,4 @@
-"""An OUTPUT that is on when the program ends, and that nothing switches off at a stop."""
+"""Find an OUTPUT that is on when the program ends and isn't switched off by a stop."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A joint near its limit at a target."""
+"""Find a joint near its limit at a target."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.robot.model import Limits
 
 NEAR = 2.0
-"""What is nearer to a limit [deg or mm] is near."""
+"""Least distance from a limit without a remark [deg or mm]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -35,7 +35,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _near(motions: Sequence[PlannedMotion], limits: Limits, units: Array) -> Iterator[PlannedMotion]:
-    """The motions with a way-point near a limit: all way-points are looked at together."""
+    """Yield the motions with a way-point near a limit. All way-points are compared in one array."""
     if not motions:
         return
     q = np.concatenate([motion.waypoints for motion in motions])

@@ -1,4 +1,4 @@
-"""Radians in a line of degrees."""
+"""Find joint values in rad in a line of degrees."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from yarclang.lint.rule import Remark, Rule, Surroundings, remark_at
 from yarclang.units import DEG
 
 _STEP = np.pi / 12.0
-"""People turn by multiples of 15 degrees [rad]."""
+"""People program multiples of this angle: 15 degrees [rad]."""
 
 _EXACT = 6e-5
-"""So near [rad] is a multiple that was written with four digits."""
+"""Largest deviation from such a multiple if it is written with four digits [rad]."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -34,7 +34,13 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _radian(values: Array) -> float | None:
-    """A value that is a multiple of 15 deg in rad, where all are small and none is a round number of degrees."""
+    """Return a value that is a multiple of 15 deg if read as rad; None if the values are plausible degrees.
+
+    They are plausible if one is large or is a round number of degrees.
+
+    Args:
+        values: values of the turning joints [deg].
+    """
     if np.abs(values).max(initial=0.0) > 2.0 * np.pi + _EXACT:
         return None
     moving = values[values != 0.0]

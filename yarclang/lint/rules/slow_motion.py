@@ -1,4 +1,4 @@
-"""A motion that takes much longer than it has to."""
+"""Find a motion that takes much longer than necessary."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from yarclang.motion.profile import load_profile
 from yarclang.motion.zones import slow_zones
 
 MANY = 20.0
-"""A motion that takes so many times the shortest time is slow."""
+"""Least ratio of a motion's time to the shortest time for a remark."""
 
 SHORT = 5.0
-"""Below so many seconds nobody waits [s]."""
+"""Least motion time for a remark [s]."""
 
 _NO_TIME = 1e-3
-"""A motion that could be done in less [s] goes nowhere: another finding."""
+"""Least shortest time for a remark [s]; a shorter motion goes nowhere, which is another finding."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -29,12 +29,12 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         step = plan.program.steps[motion.step]
         assert isinstance(step, Motion)
         given = step.timing.duration
-        # a timetable is as slow as whoever made it wanted
+        # A timetable is as slow as its author wanted it.
         if given is None or given < SHORT or isinstance(step, TimedMove):
             continue
         bounds = limits if load_profile(motion.profile).has_jerk_limit else limits.without_jerk()
         bounds = replace(bounds, zones=slow_zones(around.robot, plan.program.cell, step))
-        # the control points don't depend on the segment time: so short could it be for these very points
+        # The control points don't depend on the segment time: compute the shortest one for these points.
         needed = max(demand.segment for demand in bounds.demands(motion.curve.points))
         shortest = motion.curve.duration * needed / motion.curve.segment
         if _NO_TIME < shortest < given / MANY:

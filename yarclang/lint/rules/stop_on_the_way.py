@@ -1,4 +1,4 @@
-"""A stop between two motions that go straight on."""
+"""Find a stop between two motions in one direction."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.units import DEG
 
 STRAIGHT = 5.0 * DEG
-"""Paths that meet at a smaller angle [rad] go straight on."""
+"""Largest angle between two paths that counts as going straight on [rad]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -29,7 +29,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
         between: tuple[Step, ...] = steps[first.step + 1 : second.step]
         if step.blend is not None or not all(isinstance(one, SetOutput) for one in between):
             continue
-        # paths that were recalled are the same ones
+        # Paths from the cache are the same objects, so that they can be part of a key.
         key = ("angle", first.path, second.path)
         (angle,) = recall(around.memory, key, partial(_angle, first, second, ways))
         if angle is not None and angle < STRAIGHT:
@@ -45,7 +45,13 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 def _angle(
     first: PlannedMotion, second: PlannedMotion, ways: dict[int, tuple[Array, Array] | None]
 ) -> tuple[float | None]:
-    """The angle [rad] at which two paths of one moving frame meet; (None,) where that isn't what they are. `ways` has those of motions that were asked for."""
+    """Return the angle [rad] at which two Cartesian paths of one moving frame meet; (None,) for other paths.
+
+    Args:
+        first: the motion before the stop.
+        second: the motion after the stop.
+        ways: directions of motions by step, see `_ends`; receives those of both motions.
+    """
     one, other = first.path, second.path
     if not isinstance(one, CartesianPath) or not isinstance(other, CartesianPath):
         return (None,)
@@ -61,7 +67,7 @@ def _angle(
 
 
 def _ends(path: CartesianPath) -> tuple[Array, Array] | None:
-    """Where to a path goes at its start and its end (3,); None where it only turns."""
+    """Return the directions (3,) of a path at its start and at its end; None if it only turns."""
     if path.extent[1]:
         return None
     begin, end = path.frame.tangents(np.array([0.0, 1.0]))[:, :3]

@@ -1,4 +1,4 @@
-"""A tool that goes faster than people may be near."""
+"""Find motions faster than the reduced speed for people nearby."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ LARGEST = 250.0 * MM
 """The reduced speed of ISO 10218-1, 5.6.2 [m/s]."""
 
 _ROUNDING = 1e-3
-"""A speed that is exceeded by a smaller share is kept: the law of [V 250] rounds."""
+"""Allowed excess over this speed, as a share: the planner rounds a speed such as [V 250]."""
 
 
 def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
@@ -41,7 +41,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
 
 
 def _speed(robot: Robot, motion: PlannedMotion) -> float:
-    """The largest speed [m/s] of the origin of the frame that is moved, of joint motions {TCP}, over the samples."""
+    """Return the largest sampled speed [m/s] of the moving frame's origin; of {TCP} for joint motions."""
     path = motion.path
     frame: Array = robot.flange_from_frame.get("TCP", np.eye(4))
     if isinstance(path, CartesianPath):

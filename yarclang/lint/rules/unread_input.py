@@ -1,4 +1,4 @@
-"""An INPUT that nothing reads."""
+"""Find an INPUT that is never read."""
 
 from __future__ import annotations
 

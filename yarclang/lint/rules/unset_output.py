@@ -1,4 +1,4 @@
-"""An OUTPUT that nothing sets."""
+"""Find an OUTPUT that is never set."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.syntax.ast import Module
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
     for one in around.names.unused("OUTPUT"):
         if sum(len(waypoint.values) for waypoint in one.statement.waypoints) > 2:
-            continue  # its safe value is set at a stop
+            continue  # an output with a safe value is set at a stop
         message = f"nothing in this file sets the output {one.name}"
         yield Remark(
             message, one.span, f"write SET {one.name} ON where it is to be switched, or take the line away"

@@ -1,4 +1,4 @@
-"""A name that nothing speaks of."""
+"""Find a declared name that is never used."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _KINDS = {
 
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
     names = around.names
-    # of frames that the robot carries another rule speaks
+    # unused_tool.py reports frames on the flange.
     on_flange = set(around.robot.flange_from_frame)
     for one in names.declared:
         if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:
@@ -42,7 +42,7 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
 
 
 def _without(one: Declared) -> Fix | None:
-    """Nobody loses work with a USE; what else is declared may be wanted in a minute."""
+    """Return the fix that removes a USE without comments; None otherwise: other names may be needed soon."""
     statement = one.statement
     if one.word != "USE" or statement.comments:
         return None

@@ -1,4 +1,4 @@
-"""A tool that no command uses."""
+"""Find a tool that no command uses."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A magnitude that smells of the wrong unit."""
+"""Find magnitudes that suggest a wrong unit."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from yarclang.robot.kinematics.reach import arm_length
 from yarclang.units import DEG, MM
 
 _NEAR, _FAR = 0.005, 20.0
-"""A pose in {B} nearer to it than this share of the arm's length, or farther than so many lengths, smells."""
+"""Least and largest plausible distance of a pose from {B}, as multiples of the arm's length."""
 
 _SLOWEST, _FASTEST = 1.0 * MM, 10.0
-"""Speeds of a tool [m/s] beyond these smell."""
+"""Least and largest plausible speed of a tool [m/s]."""
 
 _BLEND = 0.1
-"""A smaller corner [mm and deg] smells."""
+"""Least plausible size of a corner [mm and deg]."""
 
 
 def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
@@ -37,7 +37,15 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
 
 
 def _oddly_placed(program: Program, arm: float) -> dict[int, float]:
-    """How far from {B} the first pose of a motion is that is too near or too far [m], by its number: all poses are looked at together."""
+    """Find motions with a pose implausibly near to {B} or far from it.
+
+    Args:
+        program: the program.
+        arm: length of the arm [m].
+
+    Returns:
+        Distance of the first such pose of each motion from {B} [m], by the number of the step.
+    """
     owners: list[int] = []
     points: list[Array] = []
     for number, step in enumerate(program.steps):
@@ -66,7 +74,7 @@ def _placed(away: float, arm: float) -> tuple[str, str]:
 
 
 def _points(step: Motion) -> list[Array]:
-    """The positions of its poses."""
+    """Return the positions (3,) of a motion's poses in {B} [m]."""
     return [one.base_from_moving[:3, 3] for one in step.goals if isinstance(one, PoseGoal)]
 
 

@@ -1,6 +1,7 @@
 """Loops, conditions and calls, carried out to a flat list of steps.
 
-`unroll.py` carries them out. `repeats.py` is REPEAT, `calling.py` CALL, `parameters.py` what a SUB takes,
-`arguments.py` what a call has given. `counting.py` counts what a loop comes to before it is carried out,
-`extent.py` says how much of it is, and `places.py` where a step comes from.
+`unroll.py` carries out a program. `repeats.py` reads REPEAT, `calling.py` CALL and `parameters.py` the
+parameters of a SUB; `arguments.py` names the arguments of calls in findings. `counting.py` counts the
+commands of loops and calls in advance, `extent.py` limits how many of them are carried out, and `places.py`
+builds the places of steps.
 """

@@ -1,4 +1,4 @@
-"""What a CALL gave: so that a finding about `$T` in a SUB names the line that said what T is."""
+"""Name arguments of a CALL in findings: one about `$T` in a SUB names the line that gave T its value."""
 
 from __future__ import annotations
 
@@ -12,17 +12,24 @@ from yarclang.syntax.ast import Computed, ComputedPercent, Statement, Time
 from yarclang.syntax.expressions import Expression, Name, parts_of
 
 Given = Mapping[str, str]
-"""By the name of each parameter of a SUB that is being carried out, in upper case: what was given for it, and where."""
+"""Text about the argument of each parameter of a SUB and the line of the CALL, by its name in upper case."""
 
 
 def said_of_time(time: Time | None, given: Given) -> str:
-    """What was given for the parameters in a motion time; empty where there is none in it."""
+    """Return the text about the arguments in a motion time; empty without parameters in it."""
     items = time.items if time is not None else ()
     return _said((item for item in items if isinstance(item, Computed | ComputedPercent)), given)
 
 
 def name_arguments(statement: Statement, findings: Collector, since: int, given: Given) -> None:
-    """Add to the findings about a statement, from number `since` on, what was given for the parameters that they are about."""
+    """Add the arguments of the parameters in a statement to the findings about them.
+
+    Args:
+        statement: the line, in a SUB.
+        findings: the findings of its file.
+        since: number of the first finding about the statement.
+        given: arguments of the SUB.
+    """
     if not given or len(findings.found) == since:
         return
     computed = [
@@ -43,14 +50,14 @@ def name_arguments(statement: Statement, findings: Collector, since: int, given:
 
 
 def name_arguments_of_times(findings: Iterable[Diagnostic], steps: Iterable[Step]) -> Iterator[Diagnostic]:
-    """The planner's findings; those about a motion time with what a CALL gave for it."""
+    """Yield the planner's findings; those about a motion time with the arguments that a CALL gave for it."""
     times: dict[tuple[SourceFile, Span, str], Origin] = {}
     for step in steps:
         if not isinstance(step, Gap) and step.origin.time_given and step.origin.time_span:
             times[step.origin.source, step.origin.time_span, step.origin.place] = step.origin
     for one in findings:
         origin = times.get((one.source, one.span, one.place)) if one.source and one.span else None
-        # the number would be written over the parameter, for all calls
+        # A fix would replace the parameter by a number, for all calls.
         yield one if origin is None else replace(_with(one, origin.time_given), fix=None)
 
 

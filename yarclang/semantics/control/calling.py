@@ -1,4 +1,4 @@
-"""CALL: which SUB is meant, and what it is given."""
+"""CALL: find the SUB and bind its parameters."""
 
 from __future__ import annotations
 
@@ -16,21 +16,26 @@ from yarclang.syntax.ast import Statement, Word
 
 @dataclass(slots=True)
 class Calls:
-    """The SUBs that are being carried out, from outside in, and what each was given."""
+    """The SUBs that are being carried out, from the outermost to the innermost, and their arguments."""
 
     _subs: list[Sub] = field(default_factory=list)
     _given: list[Given] = field(default_factory=list)
 
     @property
     def given(self) -> Given:
-        """What the innermost one was given."""
+        """Arguments of the innermost SUB; empty outside of SUBs."""
         return self._given[-1] if self._given else {}
 
     def begin(self, statement: Statement, file: File, scope: Scope) -> tuple[Sub, Scope] | None:
-        """Go into the SUB of a CALL, and out again by `end`.
+        """Enter the SUB of a CALL; `end` leaves it again.
+
+        Args:
+            statement: the CALL.
+            file: the file of the CALL.
+            scope: the names that are known there.
 
         Returns:
-            The SUB, and the scope of its body with what it is given; None with a finding where nothing can be called.
+            The SUB, and the scope of its body with its parameters; None with a finding if the CALL is wrong.
         """
         sub = self._meant(statement, file, scope)
         if sub is None:
@@ -43,7 +48,7 @@ class Calls:
         return sub, inner
 
     def end(self) -> None:
-        """The innermost one has ended."""
+        """Leave the innermost SUB."""
         self._given.pop()
         self._subs.pop().file.findings.place = ""
 

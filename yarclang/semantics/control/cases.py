@@ -1,4 +1,4 @@
-"""CASE: which of several ways is taken for which values of a register or an input."""
+"""CASE: choose one of several ways by the value of a register or an input."""
 
 from __future__ import annotations
 
@@ -26,17 +26,23 @@ from yarclang.syntax.ast import Block, Node, Statement, Word
 from yarclang.syntax.ast import Value as Written
 
 MOST_RANGES = 8
-"""Values and ranges behind one OF: each takes a comparison or two."""
+"""Largest number of values and ranges after one OF; each costs one or two comparisons."""
 
 MOST_WAYS = 64
-"""OF lines of a CASE: each stands in the second way of the one before it."""
+"""Largest number of OF lines in a CASE; each is nested in the ELSE of the one before."""
 
 _EXAMPLE = "for example OF 1, or OF 2..5 8"
 
 
 @dataclass(slots=True)
 class Way:
-    """What is done for some values: its OF, the condition (None: all values that no OF before has), and the lines."""
+    """One way of a CASE.
+
+    Attributes:
+        of: the OF line.
+        condition: condition of the way; None for all values without an earlier OF.
+        nodes: the lines of the way.
+    """
 
     of: Statement
     condition: Value | None
@@ -44,7 +50,7 @@ class Way:
 
 
 def ways_of(block: Block, scope: Scope, findings: Collector) -> list[Way] | None:
-    """Return the ways of a CASE, without that of its ELSE; None with findings if there is a mistake."""
+    """Return the ways of a CASE without its ELSE; None with findings if it has an error."""
     head = block.head
     refuse_parts(head, NOT_FOR_BLOCKS, findings)
     before = len(findings.found)
@@ -94,7 +100,7 @@ def _selector(head: Statement, scope: Scope, findings: Collector) -> tuple[Value
             message = f"{signal.name} is analogue, and CASE takes integers"
             findings.add("Y0472", message, span, "choose by WHEN PRESSURE > 4.5")
         case Input(signal=signal):
-            # a group is in its range as a register is: each of its bits is 0 or 1, or the run ends
+            # A group has a range like a register: each of its bits is 0 or 1, or the run ends.
             whole = Register(signal.name, 0, largest_of(signal.variable), 0)
             return InputValue(signal.variable, signal.name), whole if is_group(signal.variable) else None
         case None:
@@ -173,7 +179,7 @@ def _within(selector: Value, low: int, high: int) -> Value:
 
 
 def _missing(register: Register | None, taken: list[tuple[int, int, int]]) -> str:
-    """Return the first values without a way, in words; empty if all have one."""
+    """Return the first values without a way, in words; empty if each value has a way."""
     if register is None:
         return "other values of the input"
     next_ = register.low

@@ -1,4 +1,4 @@
-"""The names that an IF leaves behind: those that both of its ways declare."""
+"""The names that are known after an IF: those that both of its ways declare."""
 
 from __future__ import annotations
 
@@ -10,30 +10,30 @@ _FRAMES = frozenset({"FRAME", "FRAME_QUAT"})
 
 
 class KnownBehind:
-    """The names that blocks of IF leave behind, each looked up once: an IF may be carried out in many rounds."""
+    """Cache of the names that are known after each IF; an IF in a loop is carried out many times."""
 
     def __init__(self) -> None:
         self._found: dict[int, tuple[Block, frozenset[tuple[str, bool]]]] = {}
 
     def of(self, block: Block) -> frozenset[tuple[str, bool]]:
-        """Return what `known_behind` does."""
+        """Return the cached result of `known_behind`."""
         found = self._found.get(id(block))
         if found is None:
             found = self._found[id(block)] = (
                 block,
                 known_behind(block),
-            )  # which keeps the block, and so its identity
+            )  # keeps the block alive, so that no other block can get its id
         return found[1]
 
 
 def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
-    """Return the names that both ways of an IF declare: whichever is taken, they have a meaning behind its END.
+    """Return the names that both ways of an IF declare: these have a meaning after its END.
 
     Args:
         block: an IF, with an ELSE or without.
 
     Returns:
-        Names in upper case, and whether each is that of a frame; none where there is no ELSE.
+        Names in upper case, each with True for a frame's name; empty without an ELSE.
     """
     if block.otherwise is None:
         return frozenset()
@@ -41,7 +41,7 @@ def known_behind(block: Block) -> frozenset[tuple[str, bool]]:
 
 
 def _declared(nodes: tuple[Node, ...]) -> frozenset[tuple[str, bool]]:
-    """Return the names that some lines declare whatever happens: by a line of their own, or in both ways of an IF."""
+    """Return the names that lines declare in any case: in a line of their own, or in both ways of an IF."""
     found: set[tuple[str, bool]] = set()
     for node in nodes:
         if isinstance(node, Block):

@@ -1,7 +1,8 @@
-"""How many commands and rounds a loop or a call comes to, counted before it is carried out.
+"""Count the commands and rounds of loops and calls before they are carried out.
 
-A loop whose rounds are all alike is counted once and multiplied, and a SUB is counted once for all calls that give it the same numbers. Rounds
-that differ are counted one after the other, up to the limit, unless the least that each of them comes to is too much already.
+If all rounds of a loop are alike, one round is counted and multiplied. A SUB is counted once for all calls
+with equal arguments. Rounds that differ are counted one by one up to the limit, unless a lower bound of one
+round already exceeds the limit when multiplied.
 """
 
 from __future__ import annotations
@@ -25,24 +26,25 @@ from yarclang.syntax.ast import Block, Computed, Node, Statement, Word
 from yarclang.syntax.words import DECLARATIONS
 
 MOST_LINES = 2 * MOST_COMMANDS
-"""Lines that a program carries out, declarations and heads of blocks among them; a long line counts as several."""
+"""Largest number of lines that a program carries out, with declarations; a long line counts as several."""
 
 LINE = 120
-"""Characters of a line that counts as one."""
+"""Number of characters that count as one line."""
 
 DEEPEST = 150
-"""Blocks and calls inside each other."""
+"""Largest depth of nested blocks and calls."""
 
 _EVERY = 1000
-"""Rounds between two looks at whether to go on."""
+"""Number of rounds between two checks of their limit, with a progress report."""
 
 _FAULTS = 20
-"""After so many mistakes nothing more is counted: they are reported when the lines are carried out."""
+"""Number of mistakes after which the counting ends; the mistakes are reported when the lines are carried out.
+"""
 
 
 @frozen
 class Count:
-    """The commands, the lines that are carried out, and the rounds of loops that a part of a program comes to."""
+    """Commands, lines and rounds of loops that a part of a program carries out."""
 
     commands: int = 0
     lines: int = 0
@@ -50,7 +52,7 @@ class Count:
 
     @property
     def is_too_much(self) -> bool:
-        """True if a program must not have so many."""
+        """True if a count exceeds its limit for a whole program."""
         return self.commands > MOST_COMMANDS or self.rounds > MOST_ROUNDS or self.lines > MOST_LINES
 
     def __add__(self, other: Count) -> Count:
@@ -61,20 +63,20 @@ class Count:
 
 
 _Tally = tuple[int, int, int, int]
-"""Commands, lines, rounds, and how many blocks and calls are inside each other."""
+"""Commands, lines, rounds, and the depth of nested blocks and calls."""
 
 _NOTHING = (0, 0, 0, 0)
 
 
 class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a finding
-    """More than is ever carried out.
+    """The error that a program exceeds a limit.
 
     Attributes:
-        file: the file with the line that multiplies.
-        statement: that line.
-        code: of the finding.
-        message: its sentence.
-        help: what to do.
+        file: the file of `statement`.
+        statement: the line to which the finding belongs.
+        code: code of the finding.
+        message: message of the finding.
+        help: remedy.
     """
 
     def __init__(self, file: File, statement: Statement, code: str, message: str, help_: str) -> None:
@@ -84,17 +86,17 @@ class TooMuch(FindingError):  # noqa: N818 - ends the counting, and becomes a fi
 
 
 class Counter:
-    """Counts the commands of blocks and calls of a program.
+    """Counter of the commands in a program's blocks and calls.
 
     Args:
-        most: rounds that are counted one after the other (None: as many as there are).
+        most: largest number of rounds that are counted one by one; None: no limit.
     """
 
     def __init__(self, most: int | None = None) -> None:
         self._most = most
         self._one_by_one = 0
         self._differing = 0
-        """Loops around the present line whose rounds differ."""
+        """Number of loops with differing rounds around the present line."""
         self._sizes: dict[int, int] = {}
         self._read: dict[int, frozenset[str]] = {}
         self._subs: dict[tuple[Sub, tuple[object, ...]], _Tally] = {}
@@ -110,14 +112,14 @@ class Counter:
             node: the block or CALL.
             file: its file.
             scope: the names that are known there.
-            depth: the blocks and calls around it.
+            depth: number of blocks and calls around it.
 
         Returns:
             The count. Lines with mistakes count as nothing.
 
         Raises:
-            TooMuch: it is more than a program may have.
-            Uncounted: there are many mistakes, or more rounds that differ than are to be looked at.
+            TooMuch: the count exceeds a limit of programs.
+            Uncounted: there are too many mistakes, or too many differing rounds.
         """
         self._faults = self._differing = 0
         self._inside.clear()
@@ -125,7 +127,7 @@ class Counter:
         return Count(commands, lines, rounds)
 
     def size(self, statement: Statement, source: SourceFile) -> int:
-        """How many lines a statement counts as."""
+        """Return the number of lines that a statement counts as."""
         size = self._sizes.get(id(statement))
         if size is None:
             first = statement.line - 1
@@ -155,7 +157,7 @@ class Counter:
         return commands, lines, rounds, deepest
 
     def _node(self, node: Node, file: File, scope: Scope, depth: int, needed: frozenset[str]) -> _Tally:
-        """Count a block or a CALL, which is `depth` inside others."""
+        """Count a block or a CALL inside `depth` others."""
         if depth >= DEEPEST:
             raise too_deep(file, _head(node))
         head = _head(node)
@@ -229,12 +231,12 @@ class Counter:
         return commands, lines, rounds, deepest
 
     def _least_round(self, block: Block, file: File, scope: Scope) -> Count:
-        """Return a lower bound of what one round of a REPEAT comes to, with the names that are known outside."""
+        """Return a lower bound for one round of a REPEAT, from the names that are known outside."""
         least = self._least(block.body, file, scope) + Count(lines=1, rounds=1)
         return least if least.commands else least + Count(commands=1)
 
     def _least(self, nodes: tuple[Node, ...], file: File, scope: Scope) -> Count:
-        """Return a lower bound of what lines come to: SUBs, and loops whose number isn't known yet, count as one line."""
+        """Return a lower bound for lines; a CALL or a loop with an unknown number counts as one line."""
         total, source = Count(), file.findings.source
         for node in nodes:
             head = _head(node)
@@ -281,14 +283,14 @@ class Counter:
             before = self._faults
             tally = self._nodes(sub.block.body, sub.file, inner, depth + 1, needed)
             self._inside.pop()
-            if self._faults == before:  # a mistake may be there because another SUB is being counted
+            if self._faults == before:  # a mistake may depend on the SUBs that are being counted around it
                 self._subs[sub, given] = tally
         if depth + tally[3] >= DEEPEST:
             raise too_deep(file, statement)
         return tally
 
     def _declare(self, statement: Statement, scope: Scope, needed: frozenset[str]) -> None:
-        """Carry out a LET on which a count depends."""
+        """Carry out a LET if a count depends on it."""
         if statement.name.name != "LET" or statement.expression is None:
             return
         (word,) = values_of(statement)
@@ -296,23 +298,27 @@ class Counter:
             try:
                 scope.declare(word.name, evaluate(statement.expression, scope))
             except EvaluationError:
-                scope.declare(word.name, Amount(1.0))  # as in naming.py
+                scope.declare(word.name, Amount(1.0))  # as `declare_number` does
 
     def _fault(self) -> _Tally:
-        """A line with a mistake, which comes to nothing."""
+        """Count a line with a mistake as nothing.
+
+        Raises:
+            Uncounted: there are too many mistakes.
+        """
         self._faults += 1
         if self._faults > _FAULTS:
             raise Uncounted
         return _NOTHING
 
     def _needed(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
-        """The names on which the count of some lines depends, as far as they stand in these lines."""
+        """Return the names in some lines on which their count depends."""
         key = id(nodes) if len(nodes) != 1 else id(nodes[0])
         found = self._read.get(key)
         if found is None:
-            if self._reading > DEEPEST:  # then the calls are too deep, and nothing is multiplied
+            if self._reading > DEEPEST:  # the calls are nested too deep: the count ends with an error anyway
                 return frozenset()
-            self._read[key] = frozenset()  # of a SUB that calls itself
+            self._read[key] = frozenset()  # ends the recursion of a SUB that calls itself
             self._reading += 1
             found = self._read[key] = self._names(nodes, scope)
             self._reading -= 1
@@ -320,7 +326,7 @@ class Counter:
 
     def _names(self, nodes: tuple[Node, ...], scope: Scope) -> frozenset[str]:
         names: set[str] = set()
-        # backwards: what a LET says counts only if its name is needed below
+        # Backwards: the names in a LET are needed only if its own name is needed below.
         for node in _backwards(nodes):
             word = node.name.name
             if word in ("REPEAT", "IF"):
@@ -336,7 +342,7 @@ class Counter:
         return frozenset(names)
 
     def _names_given(self, statement: Statement, scope: Scope) -> Iterator[str]:
-        """The names in a CALL's arguments on which the count of its SUB depends."""
+        """Yield the names in a CALL's arguments on which the count of its SUB depends."""
         values = values_of(statement)
         found = scope.name(values[0].name) if values and isinstance(values[0], Word) else None
         if not isinstance(found, Routine) or not isinstance(sub := found.sub, Sub):
@@ -348,11 +354,11 @@ class Counter:
 
 
 class Uncounted(Exception):  # noqa: N818 - ends the counting
-    """There are many mistakes, so that a count would say nothing; or more rounds that differ than may be looked at."""
+    """The end of the counting without a result: there are too many mistakes, or too many differing rounds."""
 
 
 def _ofs(case: Block) -> int:
-    """Return how many OF a CASE has."""
+    """Return the number of OF lines of a CASE."""
     return sum(isinstance(one, Statement) and one.name.name == "OF" for one in case.body)
 
 
@@ -361,7 +367,7 @@ def _head(node: Node) -> Statement:
 
 
 def _backwards(nodes: tuple[Node, ...]) -> Iterator[Statement]:
-    """The statements of some lines and of the blocks in them, from the last to the first."""
+    """Yield the statements of some lines and of the blocks in them, from the last to the first."""
     for node in reversed(nodes):
         if isinstance(node, Block):
             yield from _backwards(node.otherwise or ())
@@ -372,7 +378,7 @@ def _backwards(nodes: tuple[Node, ...]) -> Iterator[Statement]:
 
 
 def _names_in(statement: Statement) -> Iterator[str]:
-    """Yield the names in what a REPEAT, IF or LET computes."""
+    """Yield the names in the expressions of a REPEAT, IF or LET."""
     if statement.expression is not None:
         yield from names_in(statement.expression)
     for value in values_of(statement):
@@ -381,14 +387,22 @@ def _names_in(statement: Statement) -> Iterator[str]:
 
 
 def _too_many_together(file: File, statement: Statement, count: Count) -> TooMuch:
-    """Return what is wrong with the lines of a body up to a statement, if they come to too much together."""
+    """Return the error that the lines of a body up to a statement exceed a limit together."""
     what, most = _excess(count)
     message = f"with this {statement.name.name} the lines around it come to {what}; {most}"
     return TooMuch(file, statement, "Y1004", message, SHORTER)
 
 
 def _too_many_alike(file: File, head: Statement, number: int, one: Count, about: str = "") -> TooMuch:
-    """Return what is wrong with a REPEAT of `number` rounds, each of which comes to `one`, or `about` so much."""
+    """Return the error that a REPEAT with equal rounds exceeds a limit.
+
+    Args:
+        file: the file.
+        head: the REPEAT line.
+        number: number of rounds.
+        one: count of one round.
+        about: words before the counts, such as "at least ".
+    """
     what, most = _excess(number * one)
     fit = min(MOST_COMMANDS // one.commands, MOST_LINES // one.lines, MOST_ROUNDS // one.rounds)
     help_ = f"at most {fit:,} round{'s fit' if fit != 1 else ' fits'}: {SHORTER}"
@@ -403,14 +417,14 @@ def _too_many_alike(file: File, head: Statement, number: int, one: Count, about:
 
 
 def _too_many_rounds(file: File, head: Statement, done: int, number: int, count: Count) -> TooMuch:
-    """Return what is wrong with a REPEAT that comes to too much in round `done` of `number`."""
+    """Return the error that a REPEAT exceeds a limit in round `done` of `number`."""
     what, most = _excess(count)
     message = f"up to round {done:,} of {number:,} this loop comes to {what}; {most}"
     return TooMuch(file, head, "Y1004", message, SHORTER)
 
 
 def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch | None:
-    """Return what is wrong with a line up to which the program comes to `count`; None if that isn't too much."""
+    """Return the error that the program up to a line exceeds a limit; None if it is within all limits."""
     if not count.is_too_much:
         return None
     what, most = _excess(count)
@@ -419,13 +433,13 @@ def too_much_so_far(file: File, statement: Statement, count: Count) -> TooMuch |
 
 
 def too_deep(file: File, statement: Statement) -> TooMuch:
-    """Return what is wrong with a CALL that is inside too many others."""
+    """Return the error that blocks and calls are nested too deep."""
     message = f"more than {DEEPEST} blocks and CALLs are inside each other here"
     return TooMuch(file, statement, "Y0112", message, "let the program call the inner SUBs itself")
 
 
 def _excess(count: Count) -> tuple[str, str]:
-    """Return which number of a count is too large, and the limit that it exceeds."""
+    """Return words for the number of a count that is too large, and for the limit that it exceeds."""
     if count.commands > MOST_COMMANDS:
         return _number(count.commands, "command"), f"a program has at most {MOST_COMMANDS:,} commands"
     if count.rounds > MOST_ROUNDS:
@@ -438,4 +452,4 @@ def _number(number: int, word: str) -> str:
 
 
 SHORTER = "make the loops shorter, or several programs"
-"""What to do if a program has too many commands."""
+"""Remedy if a program has too many commands."""

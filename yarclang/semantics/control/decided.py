@@ -1,6 +1,7 @@
-"""Blocks that are decided when the program runs: WHEN, CASE, LOOP, WHILE, and a REPEAT that a register counts.
+"""Blocks that are decided when the program runs: WHEN, CASE, LOOP, WHILE, and REPEAT or LOOP with a register.
 
-Each becomes steps at which ways part, meet and begin anew; a WHILE is a LOOP whose body stands in a WHEN, and a REPEAT counts a register of its own down.
+Each block becomes steps at which ways part, meet and start again. A WHILE becomes a LOOP with its body in a
+WHEN; a REPEAT counts down a register of its own.
 """
 
 from __future__ import annotations
@@ -36,18 +37,24 @@ from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.syntax.ast import Block, Node, Statement, Word
 
 SEARCHES = "SEARCH_"
-"""How registers begin that say whether a search has found what it was for."""
+"""First part of the names of registers that are 1 after a search has found its input."""
 
 COUNTER = "REPEAT_"
-"""How the registers begin that count the passes of a REPEAT."""
+"""First part of the names of registers that count the passes of a REPEAT."""
 
 RETURNS = "RETURN_"
-"""How the flags begin that say, behind a loop, that the SUB around it is left."""
+"""First part of the names of registers that are 1 after a loop if a RETURN in it leaves the SUB around it."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ended:
-    """Why a line isn't reached, and what to do about it; `returns` if no more than a SUB is left there."""
+    """The reason why the lines after a line aren't reached.
+
+    Attributes:
+        why: the reason, for the message.
+        help: remedy.
+        returns: True if only the SUB is left, and the lines after its CALL are reached.
+    """
 
     why: str
     help: str
@@ -56,9 +63,14 @@ class Ended:
 
 @dataclass(slots=True)
 class _Around:
-    """The blocks around a line in its SUB: of each loop, from outside in, True once a way leads out of it; how many WHENs and CASEs; `returned` once one of their ways leaves the SUB.
+    """The blocks around a line in its SUB.
 
-    `returns` says of each loop whether a RETURN stands in it; then `flag` is the register that says behind the loop that the SUB is left.
+    Attributes:
+        loops: for each loop, from the outermost to the innermost, True if a way leads out of it.
+        ways: number of blocks with several ways, such as WHEN and CASE.
+        returned: True if one of these ways leaves the SUB.
+        returns: for each loop, True if it has a RETURN.
+        flag: register that is 1 after a loop if a RETURN in it leaves the SUB; empty without one.
     """
 
     loops: list[bool] = field(default_factory=list)
@@ -69,13 +81,14 @@ class _Around:
 
 
 class Decided:
-    """Writes the steps of such blocks, and knows whether a line is reached at all.
+    """Writer of the steps of blocks that are decided when the program runs. Finds lines that are never
+    reached.
 
     Args:
-        steps: to which is added.
-        registers: to which a REPEAT adds its own.
+        steps: steps of the program; receives the new ones.
+        registers: registers of the program; receives those of REPEAT, RETURN and searches.
         carry_out: carries out lines of a file.
-        count: counts a command that is carried out; of a line in no loop and no SUB also how long it is.
+        count: counts a command that is carried out, and the length of a line outside of loops and SUBs.
     """
 
     def __init__(
@@ -93,20 +106,20 @@ class Decided:
 
     @property
     def is_open(self) -> bool:
-        """True if the present line stands in such a block: the program's end may be that of one way."""
+        """True if the present line is in a block that is decided at run time: STOP ends only one way."""
         return any(one.ways or one.loops for one in self._around)
 
     @property
     def goes_nowhere(self) -> bool:
-        """True if a line was told of that isn't reached."""
+        """True if a line that isn't reached was reported."""
         return self._told_unreachable
 
     def end(self, ended: Ended) -> None:
-        """What follows in this way isn't reached."""
+        """Mark the lines that follow in this way as not reached."""
         self.ended = ended
 
     def tell_unreachable(self, statement: Statement, file: File) -> None:
-        """Warn of the first line that isn't reached."""
+        """Warn about the first line that isn't reached."""
         if not self._told_unreachable and self.ended is not None:
             message = f"this is never reached: {self.ended.why}"
             file.findings.add("Y1001", message, statement.head_span, self.ended.help)
@@ -114,10 +127,10 @@ class Decided:
 
     @contextmanager
     def called(self, origin: Callable[[], Origin]) -> Iterator[None]:
-        """Go into a SUB: its RETURNs lead behind all of it, and the loops around its CALL aren't left from it.
+        """Enter a SUB. Its RETURNs lead to its end, and it can't leave the loops around its CALL.
 
         Args:
-            origin: of the CALL.
+            origin: returns the origin of the CALL.
         """
         begin = len(self._steps)
         self._around.append(_Around())
@@ -125,7 +138,7 @@ class Decided:
             yield
         finally:
             around = self._around.pop()
-            if around.returned:  # some ways leave it: as a loop that never begins anew
+            if around.returned:  # some ways leave the SUB: write it as a loop of one pass
                 self._steps.insert(begin, Loop(origin()))
                 self._steps.append(EndLoop(origin()))
             if around.flag:
@@ -157,19 +170,23 @@ class Decided:
         else:
             around.returned |= returns and around.ways > 0
         what = "the SUB" if returns else "the loop"
-        # out of a loop it gets by an EXIT, and the rest is done behind that
+        # A RETURN in a loop is an EXIT that sets the flag; the steps after the loop do the rest.
         leaves_all = returns and not around.loops
         self.ended = Ended(
             f"{name} leaves {what}", f"move {word} behind it, or into a WHEN", returns=leaves_all
         )
 
     def _open_loop(self, left: bool) -> None:
-        """Go into a loop; `left` says that a way out of it is known already."""
+        """Enter a loop; `left` is True if a way out of it is known already."""
         self._around[-1].loops.append(left)
         self._around[-1].returns.append(False)
 
     def _close_loop(self, origin: Origin) -> bool:
-        """Go behind a loop, out of which a way leads or doesn't: on to the end of the SUB if a RETURN has led there."""
+        """Leave a loop, and go on to the end of the SUB if a RETURN has left the loop.
+
+        Returns:
+            True if a way leads out of the loop.
+        """
         around = self._around[-1]
         is_left, returns = around.loops.pop(), around.returns.pop()
         if returns:
@@ -205,7 +222,11 @@ class Decided:
         self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
 
     def wait(self, block: Block, file: File, scope: Scope, when: When | None) -> None:
-        """Carry out a WAIT with its ELSE: a WHEN that is decided when its condition holds or its time is over, with nothing in its first way."""
+        """Carry out a WAIT with its ELSE.
+
+        It becomes a WHEN with an empty first way, which is decided when the condition holds or the time is
+        over.
+        """
         if when is None:
             self._steps.append(Gap())
             return
@@ -218,12 +239,12 @@ class Decided:
         self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
 
     def search(self, step: JointMove | LineMove, otherwise: Callable[[], None] | None, end: Origin) -> None:
-        """Write a motion that ends where an input is found, and what is done where it isn't.
+        """Write a motion with UNTIL, and the steps for an input that isn't found.
 
         Args:
-            step: the motion, which has a search.
-            otherwise: carries out the lines of its ELSE; None: the run ends there.
-            end: where the END comes from.
+            step: the motion, with a search.
+            otherwise: carries out the lines of its ELSE; None: the run ends if the input isn't found.
+            end: origin of the END.
         """
         assert step.search is not None
         flag = self._own_register(SEARCHES, 0, 1).name
@@ -245,7 +266,11 @@ class Decided:
         self._steps.append(EndWhen(end))
 
     def case(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a CASE: a WHEN for each OF in the second way of the one before, all decided with what was read at the first."""
+        """Carry out a CASE.
+
+        Each OF becomes a WHEN in the ELSE of the WHEN before. All are decided by the value read at the first
+        one.
+        """
         ways, around = ways_of(block, scope, file.findings), file.findings.place
         if ways is None:
             self._steps.append(Gap())
@@ -272,7 +297,7 @@ class Decided:
         self._steps += [EndWhen(_origin(block.end or block.head, "END", file, around))] * opened
 
     def loop(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a LOOP up to its END or UNTIL; one with a number makes so many passes at most."""
+        """Carry out a LOOP up to its END or UNTIL. With a number it makes at most so many passes."""
         refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
         if values_of(block.head):
             self._times(block, file, scope)
@@ -320,7 +345,7 @@ class Decided:
         self.repeat(block, file, scope, Constant(float(count)), Register("", 0, count, 0))
 
     def while_(self, block: Block, file: File, scope: Scope) -> None:
-        """Carry out a WHILE: a loop whose body stands in a WHEN."""
+        """Carry out a WHILE: a loop with its body in a WHEN."""
         around = file.findings.place
         when = read_when(block.head, scope, file.findings)
         if when is None:
@@ -330,13 +355,13 @@ class Decided:
         self._looped(block, file, scope, [when], _origin(block.end or block.head, "END", file, around))
 
     def repeat(self, block: Block, file: File, scope: Scope, count: Value, bounds: Register) -> None:
-        """Carry out a REPEAT or LOOP that is counted when it is run.
+        """Carry out a REPEAT or LOOP whose passes are counted at run time.
 
         Args:
             block: the lines.
-            file: in which they stand.
+            file: their file.
             scope: the names that are known there.
-            count: how many passes.
+            count: number of passes.
             bounds: a register with the bounds of that number.
         """
         head, around = block.head, file.findings.place
@@ -350,7 +375,15 @@ class Decided:
         self._looped(block, file, scope, [When(origin, Between(">", left, Constant(0.0))), counts], end)
 
     def _looped(self, block: Block, file: File, scope: Scope, begin: list[Step], end: Origin) -> None:
-        """Write a loop that is left at its head: `begin` are the WHEN that leads into the body, and what is done first there."""
+        """Write a loop that is left at its head.
+
+        Args:
+            block: the lines.
+            file: their file.
+            scope: the names that are known there.
+            begin: the WHEN that leads into the body, and the first steps of the body.
+            end: origin of the END.
+        """
         (when, *_) = begin
         assert isinstance(when, When)
         self._steps += [Loop(when.origin), *begin]
@@ -382,7 +415,7 @@ class Decided:
         around.ways -= 1
 
     def _way_ended(self) -> Ended | None:
-        """Return what ends the way that was carried out last; the next one is reached all the same."""
+        """Return the reason that ended the last way, None without one, and mark the next way as reached."""
         ended = self.ended
         self._goes_on()
         return ended
@@ -391,11 +424,11 @@ class Decided:
         self.ended, self._told_unreachable = None, False
 
     def _meet(self, ended: list[Ended | None]) -> None:
-        """Go on after ways of which each is ended or isn't: if all are, nothing that follows is reached."""
+        """Go on after the ways of a block. If all of them have ended, no line that follows is reached."""
         if all(one is not None for one in ended):
             self.ended = ended[-1]
 
 
 def _origin(statement: Statement, word: str, file: File, around: str) -> Origin:
-    """Where a step of a block comes from; the lines in the block have places of their own."""
+    """Return the origin of a step of a block, at the place of the block and not of the lines in it."""
     return replace(origin_of(statement, word, file.findings), place=around)

@@ -1,4 +1,7 @@
-"""How much of a program's loops and calls is carried out: all of it, unless there are errors, or only a first look is wanted."""
+"""Limit how much of a program's loops and calls is carried out.
+
+A program without errors is carried out completely, unless the caller asks for a first look only.
+"""
 
 from __future__ import annotations
 
@@ -8,28 +11,28 @@ from yarclang.diagnostics import Collector, has_errors
 from yarclang.progress import tell
 
 ENOUGH_WITH_ERRORS = 10_000
-"""Lines in loops and SUBs that are carried out of a program with errors."""
+"""Number of lines in loops and SUBs that are carried out in a program with errors."""
 
 ENOUGH_WITH_SYNTAX_ERRORS = 1_000
-"""The same of a program with lines that can't be read: nobody knows what these would do in a loop."""
+"""Number of such lines in a program with syntax errors: the effect of an unreadable line is unknown."""
 
 _EVERY = 64
-"""Lines between two looks at the findings."""
+"""Number of lines between two checks of the findings."""
 
 
 class Extent:
-    """Counts the lines that are carried out.
+    """Counter of the lines that are carried out.
 
-    Once there are enough of them, a loop makes no further round, and a SUB is carried out once more at most.
+    After the limit is reached, a loop makes no further round, and a SUB is carried out at most once more.
 
     Args:
         collectors: the findings of each file so far.
-        enough: lines in loops and SUBs, whatever is found; None: all of them.
+        enough: limit of lines in loops and SUBs, also without errors; None: no limit.
     """
 
     def __init__(self, collectors: Sequence[Collector], enough: int | None) -> None:
         self.is_reached = False
-        """True if there are enough lines."""
+        """True after the limit is reached."""
         self._collectors = collectors
         self._enough = enough
         self._looked_at: dict[Collector, int] = {}
@@ -39,7 +42,12 @@ class Extent:
         self._next = _EVERY
 
     def add(self, lines: int, *, again: bool) -> None:
-        """Count some lines; `again` if they are in a loop or a SUB, and so may be carried out often."""
+        """Count lines.
+
+        Args:
+            lines: number of lines.
+            again: True for lines in a loop or a SUB, which may be carried out often.
+        """
         self._lines += lines
         if again:
             self._again += lines
@@ -47,20 +55,20 @@ class Extent:
             self._look()
 
     def expect(self, lines: int) -> None:
-        """Take it that so many lines follow."""
+        """Set the number of lines that follow, for progress reports."""
         self._expected = self._lines + lines
 
     def expect_syntax_errors(self) -> None:
-        """Take it that there are lines that can't be read."""
+        """Apply the limit of programs with syntax errors."""
         self._limit(ENOUGH_WITH_SYNTAX_ERRORS)
 
     def reach(self) -> None:
-        """Take it that there are enough lines."""
+        """Treat the limit as reached."""
         self.is_reached = True
 
     def _look(self) -> None:
         self._next = self._lines + _EVERY
-        # outside of loops and SUBs nobody has counted what follows
+        # Outside of loops and SUBs the number of lines that follow is unknown.
         tell("checking", self._lines, self._expected if self._expected > self._lines else 0)
         if any(map(self._has_new_errors, self._collectors)):
             self._limit(ENOUGH_WITH_ERRORS)

@@ -1,4 +1,4 @@
-"""The parameters of a SUB, and what a CALL gives for them."""
+"""The parameters of a SUB, and the arguments of a CALL."""
 
 from __future__ import annotations
 
@@ -24,7 +24,14 @@ from yarclang.units import UNITS, Unit
 
 
 def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Names of parameters are declared as others are, and their units are units; `scope` is what the SUB sees."""
+    """Check the names and units of a SUB's parameters.
+
+    Args:
+        head: the SUB line.
+        scope: the names that the SUB sees.
+        robot: the robot.
+        findings: receives the findings.
+    """
     seen = Scope(scope)
     for parameter in parameters_of(head):
         if isinstance(parameter, FrameName):
@@ -41,18 +48,18 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
 def bind(
     statement: Statement, scope: Scope, findings: Collector, head: Statement, source: SourceFile, inner: Scope
 ) -> bool:
-    """Declare the parameters of a SUB as what a CALL gives for them.
+    """Declare the parameters of a SUB with the arguments of a CALL.
 
     Args:
         statement: the CALL.
-        scope: what is known there.
-        findings: of the CALL's file; one says where an argument doesn't fit.
+        scope: the names that are known there.
+        findings: the findings of the CALL's file; receives one for each argument that doesn't fit.
         head: the SUB's first line.
-        source: its file.
-        inner: the scope of its body.
+        source: the SUB's file.
+        inner: the scope of the SUB's body; receives the parameters.
 
     Returns:
-        Whether all arguments fit.
+        True if all arguments fit.
     """
     wanted, given = parameters_of(head), values_of(statement)[1:]
     if len(given) != len(wanted):
@@ -80,18 +87,18 @@ def bind_some(
     inner: Scope,
     names: Container[str],
 ) -> tuple[Named | None, ...] | None:
-    """Declare some parameters of a SUB as what a CALL gives for them, without findings.
+    """Declare some parameters of a SUB with the arguments of a CALL, without findings.
 
     Args:
         statement: the CALL.
         scope: the names that are known there.
         source: the CALL's file.
         head: the SUB's first line.
-        inner: the scope of its body.
+        inner: the scope of the SUB's body; receives the parameters.
         names: the parameters, in upper case; frames are never declared.
 
     Returns:
-        What they mean, or None if an argument doesn't fit.
+        The meanings of these parameters; None if an argument doesn't fit.
     """
     wanted, given = parameters_of(head), values_of(statement)[1:]
     if len(given) != len(wanted):
@@ -121,7 +128,20 @@ def _bind_one(
     where: Where,
     findings: Collector,
 ) -> bool:
-    """One parameter, declared at `where`; a finding where the argument is of another kind."""
+    """Declare one parameter with its argument; a finding if the argument is of another kind.
+
+    Args:
+        parameter: the parameter, in the SUB line.
+        value: the argument, in the CALL.
+        inner: the scope of the SUB's body; receives the parameter.
+        statement: the CALL.
+        scope: the names that are known at the CALL.
+        where: place of the parameter's declaration.
+        findings: the findings of the CALL's file.
+
+    Returns:
+        True if the argument fits.
+    """
     span = statement.span(value.place)
     if isinstance(parameter, FrameName):
         if not isinstance(value, FrameName):
@@ -187,8 +207,14 @@ def _bind_one(
 def given_by(
     statement: Statement, caller: SourceFile, head: Statement, source: SourceFile, outer: Given
 ) -> Given:
-    """Return what a CALL in the file `caller` gives for each parameter, as findings in the SUB's file, `source`, speak of it; what was given for the CALL's own
-    parameters, `outer`, follows.
+    """Return text about the argument of each parameter, for findings in the SUB.
+
+    Args:
+        statement: the CALL.
+        caller: the CALL's file.
+        head: the SUB's first line.
+        source: the SUB's file.
+        outer: texts about the arguments of the SUB around the CALL; they follow for its parameters.
     """
     told: dict[str, str] = {}
     for parameter, value in zip(parameters_of(head), values_of(statement)[1:], strict=True):
@@ -203,7 +229,7 @@ def given_by(
 
 
 def parameters_of(head: Statement) -> list[Value]:
-    """What stands behind the name in the first line of a SUB."""
+    """Return the parameters of a SUB: the values after the name in its first line."""
     return values_of(head)[1:]
 
 

@@ -1,4 +1,4 @@
-"""How often a REPEAT repeats."""
+"""The number of rounds of a REPEAT."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from yarclang.semantics.values.units import amount, number_fault
 from yarclang.syntax.ast import Computed, Number, Statement, Value, Word
 
 MOST_COMMANDS = 1_000_000
-"""Unrolled commands of a program."""
+"""Largest number of unrolled commands of a program."""
 
 MOST_ROUNDS = 200_000
-"""Rounds of all loops of a program together, also of those around no command."""
+"""Largest number of rounds of all loops of a program together, including loops without a command."""
 
 AT_MOST = "the loops of a program make at most"
-"""Beginning of the sentence that names MOST_ROUNDS."""
+"""First words of the sentence about MOST_ROUNDS."""
 
 
 def counted(head: Statement) -> tuple[Word | None, list[Value]]:
@@ -27,7 +27,14 @@ def counted(head: Statement) -> tuple[Word | None, list[Value]]:
 
 
 def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collector) -> int | None:
-    """The number behind REPEAT and its name, `values`; None with a finding where there is none."""
+    """Return the number of rounds of a REPEAT or LOOP; None with a finding if it has none.
+
+    Args:
+        head: the first line of the block.
+        values: the values after the name that counts.
+        scope: the names that are known there.
+        findings: receives the finding.
+    """
     example = (
         "for example LOOP 288, or LOOP"
         if head.name.name == "LOOP"
@@ -51,7 +58,7 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     if found is None:
         return None
     whole = round(found.value)
-    # 3 * 0.1 * 10 is meant as 3
+    # 3 * 0.1 * 10 is meant as 3, in spite of its rounding.
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
         findings.add(
             "Y0414", f"{head.name.name} {found}: a whole number, 0 or more, is wanted", span, example

@@ -1,7 +1,8 @@
-"""Loops, conditions and calls carried out: a file's blocks to a flat list of steps.
+"""Carry out loops, conditions and calls: from the blocks of a file to a flat list of steps.
 
-Every command knows its place: what led to it, from outside in, as `P0020(I=2)>P0010`. What a loop or a call comes to is counted before
-(counting.py). Where a program has errors, or only a first look at it is wanted, loops and calls are carried out up to a number of lines (extent.py).
+Every command has a place: the calls and loops around it, as `P0020(I=2)>P0010`. The commands of a loop or a
+call are counted in advance (counting.py). In a program with errors, or for a first look, loops and calls are
+carried out only up to a number of lines (extent.py).
 """
 
 from __future__ import annotations
@@ -54,9 +55,17 @@ from yarclang.syntax.words import DECLARATIONS
 
 @dataclass(slots=True)
 class Unrolled:
-    """What comes of a file: steps, the start that it gives, its outputs, and all findings.
+    """The result of carrying out a program.
 
-    `is_cut` is True if not all rounds of loops and not all calls were carried out.
+    Attributes:
+        steps: the steps.
+        start: (n,) [rad or m] joint position of the START line; None without one.
+        outputs: declared outputs.
+        cell: the cell around the robot; None without one.
+        findings: the findings of all files.
+        is_cut: True if some rounds of loops or some calls were not carried out.
+        registers: declared registers, and those of loops and searches.
+        watches: inputs that hold the motion.
     """
 
     steps: list[Step]
@@ -72,7 +81,7 @@ class Unrolled:
 def unroll(module: Module, context: Context) -> Unrolled:
     """Carry out a program's declarations, loops, conditions and calls.
 
-    A long program is carried out in part at first: what is wrong with it is mostly found there.
+    A long program is first carried out in part: most errors are found there, and then the rest is not needed.
     """
     least = context.enough or ENOUGH_WITH_ERRORS
     unrolled = _Unroller(context, least).program(module)
@@ -82,9 +91,10 @@ def unroll(module: Module, context: Context) -> Unrolled:
 
 
 def declared_names(module: Module, context: Context) -> Scope:
-    """What the names mean that a file declares outside of blocks, and the SUBs; what is wrong with them is left unsaid.
+    """Return the names that a file declares outside of blocks, and its SUBs, without findings.
 
-    Nothing else is carried out: this is for whoever shows what a name means, in a program that may have errors.
+    Nothing else is carried out. Tools use this to show the meaning of a name in a program that may have
+    errors.
     """
     declaring = Declaring(context, CommandNames(context.profiles), [])
     file = declaring.file(module, is_program=True)
@@ -97,11 +107,16 @@ def declared_names(module: Module, context: Context) -> Scope:
 
 
 _NO_COMMANDS = DECLARATIONS - {"WHEN", "OF", "LOOP", "WHILE", "UNTIL"}
-"""Words of lines that don't count as a command."""
+"""Words of lines that don't count as commands."""
 
 
 class _Unroller:
-    """Carries out a program: of loops and SUBs `enough` lines, or all of them (None)."""
+    """One run through a program.
+
+    Args:
+        context: inputs besides the text.
+        enough: number of lines in loops and SUBs that are carried out; None: all.
+    """
 
     def __init__(self, context: Context, enough: int | None) -> None:
         self._context = context
@@ -113,19 +128,19 @@ class _Unroller:
         self._counter = Counter(context.enough)
         self._extent = Extent(self._declaring.collectors, enough)
         self._shown_once: set[Sub] = set()
-        """The SUBs that were called since the extent was reached."""
+        """SUBs that were called after the limit of lines was reached."""
         self._commands = 0
         self._counted = Count()
-        """The commands, lines and rounds up to here, those of loops and calls as they were counted."""
+        """Commands, lines and rounds up to here; those of loops and calls as counted in advance."""
         self._depth = 0
-        """Blocks and calls that are being carried out."""
+        """Number of blocks and calls that are being carried out."""
         self._decided = Decided(self._steps, self._declaring.registers, self._carry_out, self._count_way)
         self._place: Place = ()
-        """What leads to the block that is being carried out."""
+        """Place of the block that is being carried out."""
         self._is_too_much = False
 
     def program(self, module: Module) -> Unrolled:
-        """The whole program."""
+        """Carry out the whole program."""
         declaring, cells = self._declaring, self._declaring.cells
         file = declaring.file(module, is_program=True)
         declaring.begin(file)
@@ -136,7 +151,7 @@ class _Unroller:
         if module.unreadable_lines:
             self._steps.append(Gap())
         if cells.broken or self._is_too_much:
-            self._steps[:] = [Gap()]  # what isn't whole, or not what it should be, needn't be planned
+            self._steps[:] = [Gap()]  # there is no use in planning an incomplete program
         found = [one for collector in declaring.collectors for one in collector.found]
         told = cells.without_followers(found)
         return Unrolled(
@@ -160,7 +175,7 @@ class _Unroller:
             if not place and head.name.name not in (
                 "REPEAT",
                 "CALL",
-            ):  # which are counted with all that is in them
+            ):  # counted with all their lines
                 is_command = head.index is not None or head.name.name not in _NO_COMMANDS
                 self._add_counted(Count(int(is_command), size), head, file)
             if isinstance(node, Block) and self._decided.ended is not None and node.head.name.name != "SUB":
@@ -282,7 +297,7 @@ class _Unroller:
             before = self._commands
             self._nodes(block.body, file, inner, looped(place, label))
             if self._commands == before:
-                self._count_command(head, file)  # loops around nothing end as well
+                self._count_command(head, file)  # the rounds of an empty loop count as commands, too
                 self._extent.add(1, again=True)
             if self._decided.goes_nowhere:
                 break
@@ -291,14 +306,14 @@ class _Unroller:
                 break
 
     def _count(self, node: Node, file: File, scope: Scope, place: Place) -> None:
-        """Count what a loop or a CALL comes to that is in no other; a finding if it is too much."""
+        """Count an outermost loop or call; a finding if it exceeds a limit."""
         if place or self._is_too_much or self._decided.ended is not None:
             return
         head = node.head if isinstance(node, Block) else node
         try:
             count = self._counter.count(node, file, scope, self._depth)
         except TooMuch as error:
-            # a line elsewhere says nothing about how it was come to
+            # For a line outside of this block, the finding names the loop or CALL that leads there.
             is_own = error.file is file and head.line <= error.statement.line <= _last_line(node)
             self._tell_too_much(error, "" if is_own else index_of(head))
             return
@@ -308,14 +323,14 @@ class _Unroller:
         self._add_counted(count, head, file)
 
     def _add_counted(self, count: Count, statement: Statement, file: File) -> None:
-        """Add what a line comes to that is in no loop and no SUB; a finding if the program then has too much."""
+        """Add the count of a line outside of loops and SUBs; a finding if the program exceeds a limit."""
         self._counted += count
         error = None if self._is_too_much else too_much_so_far(file, statement, self._counted)
         if error is not None:
             self._tell_too_much(error)
 
     def _tell_too_much(self, error: TooMuch, place: str = "") -> None:
-        """Add a finding, and carry out as little as there can be of what follows."""
+        """Add a finding, and carry out as little as possible of the rest."""
         findings = error.file.findings
         before, findings.place = findings.place, place
         findings.add_error(error, error.statement.whole_span)
@@ -348,7 +363,7 @@ class _Unroller:
             self._calls.end()
 
     def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
-        """Return True if a SUB isn't carried out: it was, and that is enough; or it is too deep in others."""
+        """Return True if a SUB isn't carried out: the limit of lines is reached, or it is nested too deep."""
         if self._depth >= DEEPEST:
             if not self._is_too_much:
                 self._tell_too_much(too_deep(file, statement), file.findings.place)
@@ -411,19 +426,30 @@ class _Unroller:
     def _read(
         self, statement: Statement, name: ResolvedName, file: File, scope: Scope, *, is_alone: bool
     ) -> Step | None:
-        """The step of a command; `is_alone`: it stands in no loop and no SUB, and is worth remembering."""
+        """Return the step of a motion command; None with findings if it has an error.
+
+        Args:
+            statement: the command.
+            name: its name, taken apart.
+            file: its file.
+            scope: the names that are known there.
+            is_alone: True outside of loops and SUBs; the step is then cached.
+        """
         context, findings = self._context, file.findings
 
         def make(defaults: Defaults, names: Scope) -> Step | None:
             return to_step(statement, name, context, defaults, names, findings)
 
-        # what a command takes from a file isn't in its text
+        # The cache's key is the text of the command, and a trajectory file isn't part of the text.
         if not is_alone or isinstance(context.memory, Forgetful) or _names_file(statement):
             return make(file.defaults, scope)
         return step_before(context.memory, context.robot, statement, file.defaults, scope, findings, make)
 
     def _count_command(self, statement: Statement, file: File) -> None:
-        """Count a command that is carried out: more than were counted before there are only where lines have mistakes."""
+        """Count a command that is carried out.
+
+        The limit was checked in advance; only lines with mistakes can still lead to a finding here.
+        """
         self._commands += 1
         error = None if self._is_too_much else too_much_so_far(file, statement, Count(self._commands))
         if error is not None:
@@ -431,12 +457,12 @@ class _Unroller:
 
 
 def _names_file(statement: Statement) -> bool:
-    """Return True if a text in quotes stands instead of a command's way-points."""
+    """Return True if a command has a text in quotes instead of way-points."""
     return len(statement.waypoints) == 1 and isinstance(statement.waypoints[0].values[0], Text)
 
 
 def _last_line(node: Node) -> int:
-    """Return the last line of a statement, or of a block with all that is in it."""
+    """Return the number of the last line of a statement or block."""
     if isinstance(node, Statement):
         return node.line + node.rows - 1
     last = node.end or (*node.body, *(node.otherwise or ()), node.head)[-1]

@@ -1,6 +1,6 @@
-"""Declarations carried out.
+"""Declarations, carried out.
 
-`declaring.py` goes through those of a program and its modules. `meanings.py` gives names their meaning,
-`cells.py` those of a cell.toml, `whole_file.py` is ROBOT, DEFAULT and START. `variables.py` holds that one
-variable of the controller is one signal.
+`declaring.py` goes through the declarations of a program and its modules. `meanings.py` declares frames,
+poses, joint positions and numbers, `cells.py` the names of a cell.toml; `whole_file.py` reads ROBOT, DEFAULT
+and START. `variables.py` checks that each variable of the controller is only one signal.
 """

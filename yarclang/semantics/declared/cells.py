@@ -1,4 +1,4 @@
-"""CELL: the names of a cell.toml, as if they were declared at this line; those of a given cell, as if in front of the first line."""
+"""CELL: declare the names of a cell.toml at its line; those of a given cell before the first line."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from yarclang.transforms import constant
 
 @frozen
 class CellName:
-    """The file that a CELL line names, and where it names it."""
+    """The path of a CELL line, and its place in the text."""
 
     path: str
     span: Span
 
 
 class Cells:
-    """The one cell in which a program's robot stands, and what is wrong with it."""
+    """The cell of a program and its modules: all of them must name the same one."""
 
     def __init__(self, context: Context) -> None:
         self._context = context
@@ -39,18 +39,18 @@ class Cells:
         self.cell: Cell | None = None
         self._unread = False
         self.broken = False
-        """Whether a cell has errors, so that what is made of it isn't what was meant."""
+        """True if a cell has errors; the program must not be planned then."""
 
     def begin(self, scope: Scope, signals: Signals, findings: Collector) -> list[Output]:
         """Declare the names of the cell that the command line or yarc.toml names.
 
         Args:
-            scope: of the program.
-            signals: of the program and its modules.
-            findings: of the program.
+            scope: names of the program; receives those of the cell.
+            signals: signals of the program and its modules; receives those of the cell.
+            findings: findings of the program.
 
         Returns:
-            The outputs of the cell; none without a given cell.
+            The outputs of the cell; empty without a given cell.
         """
         given = self._context.cell
         if given is None:
@@ -71,7 +71,18 @@ class Cells:
     def read(
         self, statement: Statement, scope: Scope, signals: Signals, findings: Collector, is_program: bool
     ) -> list[Output]:
-        """Carry out a CELL line of the program or of a module; the outputs that it adds."""
+        """Carry out a CELL line of the program or of a module.
+
+        Args:
+            statement: the line.
+            scope: names of its file; receives those of the cell.
+            signals: signals of the program and its modules; receives those of the cell.
+            findings: findings of the file.
+            is_program: True for the program, False for a module.
+
+        Returns:
+            The outputs that it adds to the program.
+        """
         line = read_cell_line(statement, findings)
         load = self._context.load_cell
         if line is not None and load is None:
@@ -85,7 +96,7 @@ class Cells:
             self._refuse(line, given, findings)
             return []
         if given is not None and is_program:
-            return []  # its names are declared in front of the first line
+            return []  # its names were declared before the first line
         cell = loaded.value
         if cell is not None and self.cell is not None and cell is not self.cell:
             message = (
@@ -112,18 +123,18 @@ class Cells:
         return outputs if is_new else []
 
     def _refuse(self, line: CellName, given: GivenCell, findings: Collector) -> None:
-        """Add a finding about a CELL line that names another file than the given one."""
+        """Add a finding about a CELL line that names another file than the given cell."""
         message = f"the CELL line names {line.path}, {given.giver} names {given.path}"
         findings.add("Y1373", message, line.span, f"take the CELL line away, or {given.remedy}")
         self.broken = True
 
     def without_followers(self, findings: list[Diagnostic]) -> list[Diagnostic]:
-        """Return the findings without those of names that aren't known, if a cell can't be read: it may declare them."""
+        """Return the findings, without those about unknown names if an unreadable cell may declare these."""
         return [one for one in findings if not self._unread or CATALOGUE[one.code].need != "name"]
 
 
 def read_cell_line(statement: Statement, findings: Collector) -> CellName | None:
-    """CELL "cell.toml"."""
+    """Read CELL "cell.toml"; None with a finding if the line is wrong."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) != 1 or not isinstance(text := values[0], Text):
@@ -136,10 +147,16 @@ def read_cell_line(statement: Statement, findings: Collector) -> CellName | None
 def declare_cell(
     cell: Cell, scope: Scope, robot: Robot, signals: Signals
 ) -> tuple[list[Output], list[Diagnostic]]:
-    """Give the names of a cell their meanings.
+    """Declare the names of a cell.
+
+    Args:
+        cell: the cell.
+        scope: receives the names.
+        robot: the robot.
+        signals: signals of the program and its modules; receives those of the cell.
 
     Returns:
-        The outputs of the cell, and findings, in the cell's file, where a name has a meaning already.
+        The outputs of the cell, and findings, in the cell's file, about names that are declared already.
     """
     findings: list[Diagnostic] = []
     outputs: list[Output] = []
@@ -167,7 +184,7 @@ def declare_cell(
 
 
 def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
-    """What a name of a cell means. Whatever is wrong with it, it is known: what uses it isn't wrong as well."""
+    """Return the meaning of a cell's name; a default for a wrong entry, so that its uses cause no errors."""
     match table:
         case "joints":
             return JointPosition(cell.joints.get(name, robot.home))

@@ -1,4 +1,4 @@
-"""Declarations carried out: of the program and of its modules, which are read where a USE names them."""
+"""Carry out the declarations of the program and of its modules, which are read at their USE lines."""
 
 from __future__ import annotations
 
@@ -38,12 +38,12 @@ from yarclang.words.registry import word_specs
 
 
 class Declaring:
-    """Reads files and carries out what they declare.
+    """Reader of files and their declarations.
 
     Args:
         context: robot, modules and cells.
         names: takes the names of commands apart.
-        steps: of the program; a Gap goes there where something isn't known that its commands may need.
+        steps: steps of the program; receive a Gap if a declaration that commands may need has an error.
     """
 
     def __init__(self, context: Context, names: CommandNames, steps: list[Step]) -> None:
@@ -63,18 +63,23 @@ class Declaring:
         self._modules: dict[str, Library] = {}
 
     def file(self, module: Module, *, is_program: bool) -> File:
-        """A file that nothing was read of yet; the program itself, or a module."""
+        """Return a new file, without any declaration read yet.
+
+        Args:
+            module: the parsed file.
+            is_program: True for the program, False for a module.
+        """
         findings = Collector(module.source)
         self.collectors.append(findings)
         scope = Scope(Scope.of_robot(self._robot))
         return File(findings, scope, Defaults(scope), is_program)
 
     def begin(self, file: File) -> None:
-        """Declare in the program's scope what the command line or yarc.toml gives to it."""
+        """Declare the names of the cell that the command line or yarc.toml gives to the program."""
         self.outputs += self.cells.begin(file.scope, self._signals, file.findings)
 
     def arranged(self, module: Module, file: File) -> tuple[Node, ...]:
-        """Its statements in blocks; names of commands are looked up even where nothing leads to them."""
+        """Return a file's statements in blocks. Names of commands are checked even in unused lines."""
         arranged = arrange(module)
         file.findings.found += arranged.diagnostics
         assert arranged.value is not None
@@ -141,7 +146,7 @@ class Declaring:
                 self.outputs += self.cells.read(statement, scope, self._signals, findings, file.is_program)
 
     def declare_sub(self, block: Block, file: File, scope: Scope) -> None:
-        """Give a SUB its name; its body is carried out by those who call it."""
+        """Declare a SUB; its body is carried out at each CALL."""
         values = values_of(block.head)
         if not values or not isinstance(word := values[0], Word | Parameter):
             message = "SUB wants a name, and what it is given"
@@ -152,14 +157,14 @@ class Declaring:
         refuse_parts(block.head, NOT_FOR_BLOCKS, file.findings)
         word = word.word if isinstance(word, Parameter) else word
         if may_be_declared(block.head, word, scope, self._robot, file.findings):
-            # what is declared behind it isn't known in it; its own name is, so that recursion is seen
+            # Names declared after the SUB aren't known in it. Its own name is, so that recursion is found.
             sub = Sub(block, scope, file)
             scope.declare(word.name, Routine(sub), Where(file.findings.source, block.head.span(word.place)))
             sub.scope = scope.copy()
             check_parameters(block.head, sub.scope, self._robot, file.findings)
 
     def declare_only(self, node: Node, file: File) -> None:
-        """What a module may have outside its SUBs: declarations."""
+        """Carry out a line of a module outside its SUBs: a declaration; a finding for a command."""
         if isinstance(node, Block) and node.head.name.name == "SUB":
             self.declare_sub(node, file, file.scope)
         elif isinstance(node, Statement) and node.index is None and node.name.name in DECLARATIONS:

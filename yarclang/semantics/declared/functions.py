@@ -1,4 +1,4 @@
-"""FUNC: a name for an expression of what it is given."""
+"""FUNC: a name for an expression with parameters."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from yarclang.syntax.print import print_expression
 from yarclang.units import UNITS, Unit
 
 HEAVIEST = 1000
-"""Operations that one use of a function may come to, those of the functions in it among them."""
+"""Largest number of operations in one use of a function, including the functions that it uses."""
 
 
 def declare_function(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """FUNC MID(A, B) = (A + B) / 2."""
+    """Declare FUNC MID(A, B) = (A + B) / 2."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     word, *parameters = values_of(statement)
     body = statement.expression
@@ -48,7 +48,7 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         weight, depth = _size(body, scope)
     except EvaluationError as error:
         findings.add_error(error, statement.span(error.place))
-        # the name is known all the same: what uses it isn't wrong as well
+        # Declare the name in spite of the error, so that its uses cause no more errors.
         body = Number("1", 1.0, body.place)
     if weight > HEAVIEST or depth > DEEPEST_EXPRESSION:
         most = f"{HEAVIEST:,} operations" if weight > HEAVIEST else f"{DEEPEST_EXPRESSION} inside each other"
@@ -57,12 +57,17 @@ def declare_function(statement: Statement, scope: Scope, robot: Robot, findings:
         body, weight, depth = Number("1", 1.0, body.place), 1, 1
     meaning = tuple(taken), print_expression(body), used
     where = Where(findings.source, statement.span(word.place))
-    # all that it names is declared, and means the same for good: no copy of the scope is needed
+    # All names in it are declared and never change their meaning: no copy of the scope is needed.
     scope.declare(word.name, Formula(tuple(taken), body, scope, weight, depth, meaning), where)
 
 
 def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator[Hashable]:
-    """Yield what the names in an expression mean, but for its `own` parameters.
+    """Yield the meanings of the names in an expression, as values that can be compared.
+
+    Args:
+        expression: the expression.
+        scope: the names that are known there.
+        own: names of the function's own parameters, which are left out.
 
     Raises:
         EvaluationError: a name has no meaning here, or a function takes another number of arguments.
@@ -86,7 +91,7 @@ def _used(expression: Expression, scope: Scope, own: frozenset[str]) -> Iterator
 
 
 def _size(expression: Expression, scope: Scope) -> tuple[int, int]:
-    """Return how many operations an expression comes to, and how deep they stand inside each other."""
+    """Return the number of operations in an expression, and their depth of nesting."""
     sizes = [_size(part, scope) for part in parts_of(expression)]
     weight, depth = 1 + sum(one for one, _ in sizes), 1 + max((one for _, one in sizes), default=0)
     if isinstance(expression, Applied):

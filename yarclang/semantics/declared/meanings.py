@@ -1,4 +1,4 @@
-"""Giving names a meaning: what may be declared, and values of declarations."""
+"""Declare frames, poses, joint positions and numbers: check their names, and read their values."""
 
 from __future__ import annotations
 
@@ -37,13 +37,18 @@ from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
 
 FIXED_FRAMES = (BASE, "FLANGE", "TCP")
-"""They come from the robot."""
+"""Frames that come from the robot and can't be declared."""
 
 _INDEX = re.compile(r"P[0-9]+")
 
 
 def is_word(name: str, *, of_pose: bool = False) -> bool:
-    """Return True if a name in upper case has its meaning in the language already; that of a pose may look like an index."""
+    """Return True if a name is a word of the language or looks like an index.
+
+    Args:
+        name: the name in upper case.
+        of_pose: True for the name of a pose, which may look like an index.
+    """
     if name in RESERVED or name in commands() or name in actions():
         return True
     return not of_pose and _INDEX.fullmatch(name) is not None
@@ -59,9 +64,16 @@ def may_be_declared(
     may_hide: bool = False,
     of_pose: bool = False,
 ) -> bool:
-    """Whether a name can be given a meaning here; a finding says why it can't.
+    """Return True if a name can be declared here; otherwise add a finding.
 
-    With `may_hide` it may be that of a joint position of the robot without a warning, with `of_pose` P and digits.
+    Args:
+        statement: the declaration.
+        word: the name.
+        scope: the names that are known there.
+        robot: the robot.
+        findings: receives the finding.
+        may_hide: True to allow the name of one of the robot's joint positions without a warning.
+        of_pose: True to allow P and digits.
     """
     span, name = statement.span(word.place), word.name
     if is_word(name, of_pose=of_pose):
@@ -83,12 +95,18 @@ def may_be_declared(
 
 
 def declared_already(name: str, where: Where | None, source: SourceFile) -> str:
-    """What is said, in `source`, of a name that has a meaning."""
+    """Return the message about a name that is declared already.
+
+    Args:
+        name: the name.
+        where: place of its declaration; None if it comes from the robot.
+        source: the file with the new declaration.
+    """
     return f"{name} is declared already" + (f", in {where.seen_from(source)}" if where else "")
 
 
 def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, findings: Collector) -> bool:
-    """Whether a frame's name can be given a meaning here; a finding says why it can't."""
+    """Return True if a frame's name can be declared here; otherwise add a finding."""
     name, span = frame.name, statement.span(frame.place)
     if name in FIXED_FRAMES:
         message = f"{{{name}}} comes from the robot and can't be declared"
@@ -107,7 +125,7 @@ def frame_may_be_declared(statement: Statement, frame: FrameName, scope: Scope, 
 def declare_frame(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """FRAME {TABLE} 800 200 300 0 0 90 {B}, and FRAME_QUAT."""
+    """Declare FRAME {TABLE} 800 200 300 0 0 90 {B}, or FRAME_QUAT."""
     refuse_parts(statement, ("a motion time", "options"), findings)
     example = "for example FRAME {TABLE} 800 200 300 0 0 90 (mm,deg) {B}"
     if statement.moving is None:
@@ -127,7 +145,7 @@ def declare_frame(
         statement, values, tuple(values_of(statement)), scope, defaults, robot, findings
     )
     base = base_of_line(statement, scope, defaults, findings)
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    # Declare the name in spite of errors, so that its uses cause no more errors.
     transform, on_flange, link = np.eye(4), False, None
     if base is not None:
         on_flange = base.on_flange
@@ -144,7 +162,18 @@ def declare_frame(
 def base_of_line(
     statement: Statement, scope: Scope, defaults: Defaults, findings: Collector, *, may_move: bool = True
 ) -> Frame | None:
-    """Return the frame in which a declaration gives its values, its own or DEFAULT's; None with a finding."""
+    """Return the frame in which a declaration gives its values: its own or that of DEFAULT.
+
+    Args:
+        statement: the declaration.
+        scope: the names that are known there.
+        defaults: parts of the DEFAULT line of its file.
+        findings: receives the finding.
+        may_move: True if a frame on the flange is allowed.
+
+    Returns:
+        None with a finding if it has none, or a wrong one.
+    """
     if statement.base is not None:
         return base_axes(statement, statement.base, scope, may_move, findings)
     if defaults.base is not None and defaults.statement is not None:
@@ -162,7 +191,7 @@ def base_of_line(
 def declare_joints(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """JOINTS HOME 0 0 0 0 0 0 (deg)."""
+    """Declare JOINTS HOME 0 0 0 0 0 0 (deg)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -181,7 +210,7 @@ def declare_joints(
 def declare_pose(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
+    """Declare POSE PICK 120 40 0 0 0 90 (mm,deg) {TABLE}."""
     refuse_parts(statement, ("a moving frame", "a motion time", "options"), findings)
     values = values_of(statement)
     if not values or not isinstance(word := values[0], Word):
@@ -193,7 +222,7 @@ def declare_pose(
         return
     numbers = numbers_of_line(statement, Values.POSE_RPY, tuple(values[1:]), scope, defaults, robot, findings)
     base = base_of_line(statement, scope, defaults, findings, may_move=False)
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    # Declare the name in spite of errors, so that its uses cause no more errors.
     pose = pose_of(statement, numbers, base, findings)
     scope.declare(word.name, pose, Where(findings.source, statement.span(word.place)))
 
@@ -206,12 +235,12 @@ def joint_values(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """Joint values of a declaration as a joint position (n,) [rad or m]."""
+    """Return the joint values of a declaration (n,) [rad or m]; None with a finding."""
     return numbers_of_line(statement, Values.JOINTS, values, scope, defaults, robot, findings)
 
 
 def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """LET PITCH = 60 (mm)."""
+    """Declare LET PITCH = 60 (mm)."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     (word,) = values_of(statement)
     assert isinstance(word, Word)
@@ -227,7 +256,14 @@ def declare_number(statement: Statement, scope: Scope, robot: Robot, findings: C
 
 
 def pose_of(statement: Statement, numbers: Array | None, base: Frame | None, findings: Collector) -> Pose:
-    """Return the pose of x y z roll pitch yaw (6,) [m, rad] in a frame; the unit pose where one of both isn't known."""
+    """Return a pose from its numbers; the identity if the numbers or the frame aren't known.
+
+    Args:
+        statement: the declaration.
+        numbers: (6,) x y z roll pitch yaw [m, rad].
+        base: the frame in which they are given.
+        findings: receives the findings.
+    """
     transform = np.eye(4)
     if base is not None and numbers is not None:
         rotation = rotation_of(Values.POSE_RPY, numbers[3:], findings, lambda: statement.whole_span)
@@ -247,7 +283,17 @@ def numbers_of_line(
     robot: Robot,
     findings: Collector,
 ) -> Array | None:
-    """Return the values of a declaration in SI; None with a finding."""
+    """Return the values of a declaration in SI; None with a finding.
+
+    Args:
+        statement: the declaration.
+        values: the kind of values that it takes.
+        given: the values in the text.
+        scope: the names that are known there.
+        defaults: parts of the DEFAULT line of its file.
+        robot: the robot.
+        findings: receives the finding.
+    """
     units = resolve_units(statement, statement.units, findings)
     if units is None:
         return None

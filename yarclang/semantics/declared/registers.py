@@ -1,4 +1,4 @@
-"""REGISTER: integers that a program changes while it runs."""
+"""REGISTER: declare an integer that the program changes while it runs."""
 
 from __future__ import annotations
 
@@ -21,7 +21,13 @@ _EXAMPLE = "for example REGISTER COUNT 0..17"
 def declare_register(
     statement: Statement, scope: Scope, robot: Robot, findings: Collector
 ) -> Register | None:
-    """REGISTER COUNT 0..17, or with the value that it begins with: REGISTER COUNT 0..17 3. KEPT behind it keeps it from run to run, OUTSIDE lets other programs fill it."""
+    """Declare REGISTER COUNT 0..17, or REGISTER COUNT 0..17 3 with its first value.
+
+    KEPT at the end keeps the value from run to run, OUTSIDE lets other programs fill the register.
+
+    Returns:
+        None with a finding if the line is wrong.
+    """
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     given = values_of(statement)
     last = given[-1] if len(given) > 2 else None
@@ -64,13 +70,13 @@ def declare_register(
 
 
 def range_of(value: object) -> tuple[int, int] | None:
-    """Return the bounds that a value such as `0..17` names; None if it is none."""
+    """Return the bounds of a range such as `0..17`; None for any other value."""
     found = _RANGE.fullmatch(value.text) if isinstance(value, Other) else None
     return None if found is None else (int(found[1]), int(found[2]))
 
 
 def integer_of(value: object) -> int | None:
-    """Return the integer that a value is; None if it is none."""
+    """Return an integer value; None for any other value, and beyond the largest number of a register."""
     if not isinstance(value, Number) or not value.value.is_integer() or abs(value.value) > LARGEST:
         return None
     return int(value.value)

@@ -1,4 +1,4 @@
-"""INPUT and OUTPUT: names for variables of the controller, for groups of them, and for analogue ones."""
+"""INPUT and OUTPUT: declare names for variables of the controller, groups of bits and analogue signals."""
 
 from __future__ import annotations
 
@@ -28,7 +28,11 @@ _GROUP = re.compile(r"([A-Z]+)([0-9]{1,6})\.\.([A-Z]+)([0-9]{1,6})")
 def declare_signal(
     statement: Statement, scope: Scope, robot: Robot, signals: Signals, findings: Collector
 ) -> tuple[Output, ...]:
-    """INPUT DOOR M11, OUTPUT GLUE M1 OFF, INPUT JOB M70..M77; outputs are given back, of a group each bit."""
+    """Declare INPUT DOOR M11, OUTPUT GLUE M1 OFF, or a group as INPUT JOB M70..M77.
+
+    Returns:
+        The output, or each bit of a group of outputs; empty for an input or with findings.
+    """
     kind = statement.name.name
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = values_of(statement)
@@ -56,7 +60,7 @@ def declare_signal(
         step = None
     if kind == "INPUT":
         scope.declare(word.name, Input(signal, step), where)
-        # of a group one bit that is another's says it all
+        # One finding is enough for a group whose bits belong to another signal.
         findings.found += [one for bit in signal.bits for one in signals.add("input", bit, None, where)][:1]
         return ()
     safe = state_value(values[2], scope, statement, findings) if len(values) == 3 else None
@@ -83,7 +87,7 @@ def declare_signal(
 def _step(
     values: list[Value], scope: Scope, statement: Statement, findings: Collector
 ) -> tuple[float | None, list[Value]]:
-    """Return what STEP says of an analogue signal, and the values without it."""
+    """Return the size of one step of an analogue signal, None without STEP, and the values without STEP."""
     place = next((at for at, one in enumerate(values) if isinstance(one, Word) and one.name == "STEP"), None)
     if place is None or place < 2:
         return None, values
@@ -102,7 +106,7 @@ def _step(
 
 
 def group_fault(signal: Signal, number: float) -> str:
-    """Return why a group can't be a number; empty if it can, or if it is a single signal."""
+    """Return the message that a group can't hold a number; empty if it can, and for a single signal."""
     if not is_group(signal.variable):
         return ""
     largest = largest_of(signal.variable)
@@ -112,7 +116,7 @@ def group_fault(signal: Signal, number: float) -> str:
 
 
 def _variables(word: Word, statement: Statement, robot: Robot, findings: Collector) -> tuple[str, ...]:
-    """Return the controller's variables that a word names: M11, or M70..M77; none with a finding if it names none."""
+    """Return the controller's variables that a word such as M11 or M70..M77 names; empty with a finding."""
     span = statement.span(word.place)
     names = [word.name]
     if ".." in word.name:
@@ -135,7 +139,7 @@ def _variables(word: Word, statement: Statement, robot: Robot, findings: Collect
 
 
 def state_value(value: Value, scope: Scope, statement: Statement, findings: Collector) -> float | None:
-    """ON, OFF or a plain number."""
+    """Return the number of ON, OFF or a plain number; None with a finding for any other value."""
     if isinstance(value, Word) and value.name in ("ON", "OFF"):
         return float(value.name == "ON")
     span = statement.span(value.place)

@@ -1,4 +1,4 @@
-"""TABLE: names for several numbers, poses or joint positions."""
+"""TABLE: declare a name for several numbers, poses or joint positions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from yarclang.units import Unit
 def declare_table(
     statement: Statement, scope: Scope, defaults: Defaults, robot: Robot, findings: Collector
 ) -> None:
-    """TABLE HEIGHTS 10 20 30 (mm), and TABLE SPOTS 0 0; 60 0; 60 40 (mm)."""
+    """Declare TABLE HEIGHTS 10 20 30 (mm), or TABLE SPOTS 0 0; 60 0; 60 40 (mm) with several rows."""
     rows = [waypoint.values for waypoint in statement.waypoints]
     word = rows[0][0] if rows else None
     kind = rows[0][1] if rows and len(rows[0]) > 1 else None
@@ -42,7 +42,7 @@ def declare_table(
     if not may_be_declared(statement, word, scope, robot, findings):
         return
     rows[0] = rows[0][1:]
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    # Declare the name in spite of errors, so that its uses cause no more errors.
     numbers = _rows_of(statement, rows, scope, findings)
     scope.declare(word.name, Table(numbers), Where(findings.source, statement.span(word.place)))
 
@@ -56,7 +56,11 @@ def _declare_places(
     robot: Robot,
     findings: Collector,
 ) -> None:
-    """TABLE SPOTS POSE 60 40 150 0 0 0; 120 40 150 0 0 0 (mm,deg) {B}, and TABLE STANDS JOINTS 0 0 0 0 0 0; 0 10 0 0 0 0 (deg)."""
+    """Declare a table of poses or joint positions.
+
+    Examples are TABLE SPOTS POSE 60 40 150 0 0 0; 120 40 150 0 0 0 (mm,deg) {B} and
+    TABLE STANDS JOINTS 0 0 0 0 0 0; 0 10 0 0 0 0 (deg).
+    """
     of_joints = kind == "JOINTS"
     refused = ("a moving frame", "a motion time", "options", *(("a base frame",) if of_joints else ()))
     refuse_parts(statement, refused, findings)
@@ -66,7 +70,7 @@ def _declare_places(
     base = None if of_joints else base_of_line(statement, scope, defaults, findings, may_move=False)
     rows = [waypoint.values for waypoint in statement.waypoints]
     rows[0] = rows[0][2:]
-    # whatever is wrong with it, the name is known: what uses it isn't wrong as well
+    # Declare the name in spite of errors, so that its uses cause no more errors.
     positions, poses = [], []
     for row in rows:
         numbers = numbers_of_line(statement, values, tuple(row), scope, defaults, robot, findings)
@@ -83,7 +87,7 @@ def _declare_places(
 def _rows_of(
     statement: Statement, rows: list[tuple[Value, ...]], scope: Scope, findings: Collector
 ) -> tuple[tuple[Amount, ...], ...]:
-    """The numbers of a table; 1 stands for each that is wrong."""
+    """Return the numbers of a table; a wrong one becomes 1, with a finding."""
     units = list((resolve_units(statement, statement.units, findings) or {}).values())
     if len(units) > 1 and statement.units is not None:
         message = f"a table has one unit, {' and '.join(unit.name for unit in units)} are given"

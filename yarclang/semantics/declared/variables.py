@@ -1,4 +1,4 @@
-"""The controller's variables that a program, its modules and its cell name: one variable is one signal."""
+"""Check that each of the controller's variables is only one signal in a program, its modules and its cell."""
 
 from __future__ import annotations
 
@@ -23,12 +23,19 @@ class _Declared:
 
 @dataclass(slots=True)
 class Signals:
-    """What each variable is, by whom it was first declared."""
+    """The signals of the controller's variables, as they were first declared."""
 
     _first: dict[str, _Declared] = field(default_factory=dict)
 
     def add(self, kind: Kind, signal: Signal, safe: float | None, where: Where) -> tuple[Diagnostic, ...]:
-        """Take note of a signal; a finding where its variable is another one's already."""
+        """Add a signal; return a finding if its variable is another signal already.
+
+        Args:
+            kind: input or output.
+            signal: name and variable.
+            safe: value of an output in the safe state; None without one.
+            where: place of the declaration.
+        """
         new = _Declared(kind, signal.name, safe, where)
         first = self._first.setdefault(signal.variable, new)
         line = first.where.seen_from(where.source)
@@ -38,7 +45,7 @@ class Signals:
             message = f"{signal.variable} is the {first.kind} {first.name} in {line} already, and can't be an {kind} too"
             return (Diagnostic("Y0416", message, where.source, where.span, "check the variables of both"),)
         if first.name == signal.name and first.safe == safe:
-            return ()  # a program and its module may both say what a signal is
+            return ()  # a program and its module may both declare a signal
         if first.name == signal.name:
             message = (
                 f"{signal.name} has another safe value in {line}: {_shown(first.safe)}, here {_shown(safe)}"

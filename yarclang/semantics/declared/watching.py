@@ -1,4 +1,4 @@
-"""ON: inputs that hold the motion."""
+"""ON: declare an input that holds the motion."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.syntax.ast import Statement, Word
 from yarclang.words.registry import word_specs
 
 REACTIONS = MappingProxyType({"HOLD": "the motion is held on its path, and a person says when it goes on"})
-"""What the robot does while a watched input is in its state."""
+"""Reactions of the robot while a watched input is in its state."""
 
 
 def declare_watch(
@@ -26,12 +26,12 @@ def declare_watch(
 
     Args:
         statement: the line.
-        scope: what names mean there.
-        watches: those of the lines before.
-        findings: take what is wrong.
+        scope: the names that are known there.
+        watches: watched inputs of the lines before.
+        findings: receives the findings.
 
     Returns:
-        What is watched; None with a finding where the line doesn't say it.
+        The watched input; None with a finding if the line is wrong.
     """
     before = len(findings.found)
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)

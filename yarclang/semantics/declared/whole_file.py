@@ -1,4 +1,4 @@
-"""ROBOT, DEFAULT and START: what holds for the whole file."""
+"""ROBOT, DEFAULT and START: declarations for the whole file."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from yarclang.syntax.ast import Module, Statement, Text, Word
 
 
 def declared_robot(module: Module) -> tuple[str, Span] | None:
-    """The robot that a ROBOT line names (a name, or a path in quotes) and where, read before anything is checked."""
+    """Return the robot of a ROBOT line (a name or a path) and its place; it is needed before any check."""
     for statement in module.statements:
         if statement.index is None and statement.name.name == "ROBOT" and len(statement.waypoints) == 1:
             values = statement.waypoints[0].values
@@ -29,7 +29,7 @@ def declared_robot(module: Module) -> tuple[str, Span] | None:
 
 
 def check_robot(statement: Statement, findings: Collector) -> None:
-    """A ROBOT line has one name, or one path in quotes."""
+    """Check that a ROBOT line has one name, or one path in quotes."""
     refuse_parts(statement, ("a moving frame", "a motion time", "units", "a base frame", "options"), findings)
     values = [value for waypoint in statement.waypoints for value in waypoint.values]
     if len(values) != 1 or not isinstance(values[0], Word | Text):
@@ -40,7 +40,7 @@ def check_robot(statement: Statement, findings: Collector) -> None:
 
 
 def read_default(statement: Statement, scope: Scope, findings: Collector) -> Defaults:
-    """The parts that a DEFAULT line gives."""
+    """Read the parts of a DEFAULT line."""
     refuse_parts(statement, ("values", "options"), findings)
     units = resolve_units(statement, statement.units, findings)
     if statement.moving is not None:
@@ -57,7 +57,15 @@ def read_default(statement: Statement, scope: Scope, findings: Collector) -> Def
 def read_start(
     statement: Statement, robot: Robot, scope: Scope, defaults: Defaults, findings: Collector
 ) -> Array | None:
-    """The joint position (n,) [rad or m] of a START line: values with units, or a joint position's name."""
+    """Return the joint position (n,) [rad or m] of a START line; None with a finding if it is wrong.
+
+    Args:
+        statement: the line, with joint values and units or the name of a joint position.
+        robot: the robot.
+        scope: the names that are known there.
+        defaults: parts of the DEFAULT line of its file.
+        findings: receives the findings.
+    """
     refuse_parts(statement, ("a moving frame", "a motion time", "a base frame", "options"), findings)
     values = tuple(value for waypoint in statement.waypoints for value in waypoint.values)
     if len(values) == 1 and isinstance(word := values[0], Word):

@@ -1,4 +1,4 @@
-"""The way-points of a motion command to goals: positions, poses and increments."""
+"""Convert the way-points of a motion command to goals: joint positions, poses and increments."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from yarclang.transforms import constant
 
 
 def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ...]:
-    """The goals of all way-points, or what could be made of them beside the findings.
+    """Return the goals of all way-points; those with findings may be left out.
 
     Args:
         line: the command.
-        frames: the frame on the flange that it moves, and that of its values; None where they aren't needed, or aren't known.
+        frames: its moving frame, and the frame of its values; None if they aren't needed or aren't known.
     """
     statement, name = line.statement, line.name
     near = _near(line)
@@ -61,7 +61,7 @@ def goals_of(line: Line, frames: tuple[Frame, Frame] | None) -> tuple[object, ..
 
 
 def _near(line: Line) -> Array | None:
-    """NEAR name: the joint position to which the solution shall be near."""
+    """Return the joint position (n,) [rad or m] of NEAR, which selects the solution; None without NEAR."""
     for option in line.statement.options:
         if option.word.name != "NEAR":
             continue
@@ -83,14 +83,24 @@ def _near(line: Line) -> Array | None:
 def _named_goal(
     line: Line, waypoint: WayPoint, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
-    """A way-point that is one name: of a pose, or for commands that take joint values, whatever the target, of a joint position."""
+    """Return the goal of a way-point that is a name or an element of a table; None for any other way-point.
+
+    Commands with a target in joint space take names of joint positions, whatever target they are written
+    with.
+
+    Args:
+        line: the command.
+        waypoint: the way-point.
+        values: the kind of its values.
+        frames: the moving frame, and the frame of the values.
+    """
     if (word := _one_word(waypoint)) is None and (place := _of_table(waypoint, line)) is None:
         return None
     found = line.scope.name(word.name) if word is not None else place
     if isinstance(found, Pose) and not values.is_delta and not line.name.spec.is_timed:
         if values is Values.POSITION:
             return constant(found.transform[:3, 3])
-        # without frames there is an error, and the goal is never used
+        # Without frames the command has an error, and the goal is never used.
         if frames is None:
             return PoseGoal(found.transform, _UNMOVED)
         moving, told = frames[0].link, None
@@ -111,14 +121,17 @@ def _named_goal(
 
 
 def _one_word(waypoint: WayPoint) -> Word | None:
-    """Return the name that stands alone for a way-point."""
+    """Return the name that a way-point consists of; None for any other way-point."""
     if len(waypoint.values) != 1 or not isinstance(word := waypoint.values[0], Word):
         return None
     return None if word.name in {"NAN", "INF", "INFINITY"} else word
 
 
 def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
-    """Return the pose or joint position of a table that stands alone for a way-point; the first one, with a finding, where the index is wrong."""
+    """Return the element of a table of places that a way-point consists of; None for any other way-point.
+
+    With a wrong index, add a finding and return the table's first element.
+    """
     if len(waypoint.values) != 1 or not isinstance(value := waypoint.values[0], Computed):
         return None
     try:
@@ -130,7 +143,7 @@ def _of_table(waypoint: WayPoint, line: Line) -> Pose | JointPosition | None:
 
 
 def _is_strange(line: Line, waypoint: WayPoint, values: Values) -> bool:
-    """Return True, with a finding, for a name that stands for the pose of a Cartesian motion and means nothing."""
+    """Return True, and add a finding, if a way-point of a Cartesian motion is an unknown name."""
     word = _one_word(waypoint)
     if word is None or values.is_delta or line.name.spec.is_timed or line.scope.name(word.name) is not None:
         return False
@@ -158,7 +171,7 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
 
 
 def _values(line: Line, number: int) -> Values:
-    """What the values of a way-point (from 1) mean."""
+    """Return the kind of values of a way-point, counted from 1."""
     leading = line.name.spec.leading
     return leading[number - 1] if number <= len(leading) else line.values
 
@@ -166,7 +179,15 @@ def _values(line: Line, number: int) -> Values:
 def _goal(
     line: Line, waypoint: WayPoint, numbers: Array, values: Values, frames: tuple[Frame, Frame] | None
 ) -> object | None:
-    """One goal from values in SI."""
+    """Return the goal of a way-point; None with a finding, or without the frames that it needs.
+
+    Args:
+        line: the command.
+        waypoint: the way-point.
+        numbers: its values in SI.
+        values: the kind of its values.
+        frames: the moving frame, and the frame of the values.
+    """
     statement, findings = line.statement, line.findings
     if values is Values.JOINTS:
         check_limits(line.robot, numbers, findings, statement.span(waypoint.place))
@@ -206,7 +227,7 @@ def _goal(
 
 
 def _told(numbers: Array, frames: tuple[Frame, Frame]) -> Told | None:
-    """Return a pose as it was written; None if a frame of it isn't known."""
+    """Return a pose as it was written; None if one of its frames isn't known."""
     moving, base = frames[0].link, frames[1].link
     return None if moving is None or base is None else Told(constant(numbers), base, moving)
 

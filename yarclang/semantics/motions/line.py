@@ -17,14 +17,22 @@ from yarclang.syntax.ast import Statement
 from yarclang.units import Kind, Unit
 
 WHAT: Mapping[Kind, str] = {"length": "the lengths", "angle": "the angles", "time": "the time"}
-"""How messages speak of a line's values of a kind."""
+"""Words for values of a kind in messages."""
 
 
 @dataclass(slots=True)
 class Line:
-    """A motion command that is being read: where it stands, and what it needs to be understood.
+    """A motion command that is being read.
 
-    `values` are what its way-points mean, `units` its units and DEFAULT's (None: they are wrong, which was said).
+    Attributes:
+        statement: the command.
+        name: its name, taken apart.
+        values: the kind of values of its way-points.
+        robot: the robot.
+        defaults: parts of the DEFAULT line of its file.
+        scope: the names that are known there.
+        units: units of the line and of DEFAULT; None if they are wrong, which is reported already.
+        findings: the findings of its file.
     """
 
     statement: Statement
@@ -38,7 +46,12 @@ class Line:
     _told: set[str] = field(default_factory=set)
 
     def missing(self, kind: Kind, span: Span) -> None:
-        """Tell that a unit is missing, once a line."""
+        """Report a missing unit, once for each kind in a line.
+
+        Args:
+            kind: the kind of unit.
+            span: place of the finding.
+        """
         if kind in self._told:
             return
         self._told.add(kind)

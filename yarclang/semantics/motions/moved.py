@@ -1,4 +1,4 @@
-"""Which frame a motion command moves, and in which its values are given: as it says, else as DEFAULT does."""
+"""Find the moving frame and the base frame of a motion command: its own, or else those of DEFAULT."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ from yarclang.syntax.expressions import Element
 
 @frozen(eq=False)
 class Moved:
-    """The frames of a command: the one on the flange that is moved and the one of its values, None for joint values or with errors.
+    """The frames of a command.
 
-    `tool` is the frame that is moved, also by joint values, which it doesn't change.
+    Attributes:
+        frames: the moving frame on the flange, and the frame of the values; None for joint values or with
+            errors.
+        tool: the moving frame; for joint values too, where it has no effect on the motion.
     """
 
     frames: tuple[Frame, Frame] | None
@@ -28,18 +31,18 @@ class Moved:
 
     @property
     def links(self) -> tuple[FrameLink | None, FrameLink | None]:
-        """How both are called and were declared."""
+        """Names and declarations of both frames."""
         return (None, None) if self.frames is None else (self.frames[0].link, self.frames[1].link)
 
 
 def moved_by(line: Line) -> Moved:
-    """The frames of a command, with findings where it doesn't say them, or they can't be what they are named for."""
+    """Return the frames of a command; add findings if they are missing, unknown or not allowed there."""
     statement, defaults = line.statement, line.defaults
     poses = named_poses(line)
     if not poses and (
         line.values.of_joints or (takes_names(line.name) and _all_named(statement, line.scope))
     ):
-        # joint values need no frames; those given change nothing, but have to exist
+        # Joint values need no frames. Frames in the line have no effect, but must exist.
         for frame in (statement.moving, statement.base):
             if frame is not None:
                 known_frame(statement, frame, line.scope, line.findings)
@@ -72,7 +75,10 @@ def moved_by(line: Line) -> Moved:
 
 
 def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
-    """The way-points of a command that are names of poses, or poses of tables; none of increments and timetables, which have no poses."""
+    """Return the way-points that are names of poses or poses of tables.
+
+    Increments and timetables have no poses: the result is empty for them.
+    """
     if line.values.is_delta or line.name.spec.is_timed:
         return ()
     found: list[tuple[Word | Computed, Pose]] = []
@@ -85,7 +91,7 @@ def named_poses(line: Line) -> tuple[tuple[Word | Computed, Pose], ...]:
 
 
 def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
-    """Return what stands alone for a way-point: what a name means, or a pose or joint position of a table, the first one where the index is wrong."""
+    """Return the meaning of a name, or an element of a table of places (the first for a wrong index)."""
     if isinstance(value, Word):
         return scope.name(value.name)
     try:
@@ -96,7 +102,10 @@ def meaning_of(value: Word | Computed, scope: Scope) -> Named | None:
 
 
 def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Frame:
-    """The frame in which the first pose is given, of a command whose way-points need none of their own; a finding for one that the line names."""
+    """Return the frame of the first pose, for a command with only names as way-points.
+
+    A base frame in the line has no effect then, and gets a finding.
+    """
     word, pose = poses[0]
     if line.statement.base is not None:
         given = f"{{{pose.link.name}}}" if pose.link is not None else "a frame"
@@ -107,7 +116,10 @@ def _base_of(line: Line, poses: tuple[tuple[Word | Computed, Pose], ...]) -> Fra
 
 
 def _tool(line: Line) -> FrameLink | None:
-    """The frame that the line or DEFAULT names, if it sits on the flange; what is wrong with it matters only where it is needed."""
+    """Return the moving frame of the line or of DEFAULT, if it sits on the flange; None without one.
+
+    There are no findings: joint values don't need this frame.
+    """
     unheard = Collector(line.findings.source)
     moving, statement, scope = line.statement.moving, line.statement, line.scope
     if moving is None:
@@ -120,12 +132,12 @@ def _tool(line: Line) -> FrameLink | None:
 
 
 def takes_names(name: ResolvedName) -> bool:
-    """Whether names of joint positions may stand for way-points: where the command takes joint values at all."""
+    """Return True if names of joint positions may be way-points: if the command can take joint values."""
     return name.spec.targets.get("") is Values.JOINTS
 
 
 def _all_named(statement: Statement, scope: Scope) -> bool:
-    """Whether every way-point is one word, or an element of a table of places."""
+    """Return True if every way-point is one word, or an element of a table of places."""
     return bool(statement.waypoints) and all(
         len(waypoint.values) == 1
         and (

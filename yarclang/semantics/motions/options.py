@@ -1,4 +1,4 @@
-"""What stands behind the base frame of a motion: ACC, TOL and BLEND."""
+"""Read the options after the base frame of a motion: ACC, TOL and BLEND."""
 
 from __future__ import annotations
 
@@ -15,7 +15,16 @@ from yarclang.units import Kind, Unit
 
 
 def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading | None]:
-    """The timing with what ACC says, the tolerance [m] of TOL, and the distance or angle of BLEND."""
+    """Read the options of a motion.
+
+    Args:
+        line: the command.
+        timing: its motion time.
+
+    Returns:
+        The timing with the share of ACC, the tolerance of TOL [m], and the distance or angle of BLEND; None
+        for an option that isn't there.
+    """
     tolerance, blend = None, None
     seen: set[str] = set()
     statement = line.statement
@@ -44,14 +53,17 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
 
 
 def refuse_at_most(line: Line, option: Option) -> None:
-    """Add a finding where an option says `<=` that can't be less than it says."""
+    """Add a finding if an option other than BLEND has `<=`."""
     if option.at_most:
         message = f"only BLEND takes `<=`; {option.word.name} is what it says"
         line.findings.add("Y0412", message, line.statement.span(option.word.place), "take `<=` away")
 
 
 def _blend(line: Line, option: Option) -> Reading | None:
-    """BLEND 5: how far from its end the path may be left, read as a length [m] and as an angle [rad]."""
+    """Return the number of BLEND 5, read as a length [m] and as an angle [rad]; None with a finding.
+
+    It is the distance from the end of the path at which the motion may leave it.
+    """
     span = line.statement.span((option.argument or option.word).place)
     if not isinstance(option.argument, Number | Computed):
         line.findings.add("Y0412", "BLEND takes a distance or an angle", span, "for example BLEND 5")
@@ -84,7 +96,14 @@ _OF_BLENDS: tuple[Kind, ...] = ("length", "angle")
 
 @lru_cache(maxsize=64)
 def _reading(value: float, length: float | None, angle: float | None, or_less: bool) -> Reading:
-    """Return a number in units of so many m and rad, `or_less`: one value for all lines that have it."""
+    """Return a number read as a length and as an angle; equal readings share one object.
+
+    Args:
+        value: the number.
+        length: the unit of length [m]; None without one.
+        angle: the unit of angle [rad]; None without one.
+        or_less: True if a smaller number is allowed.
+    """
     return Reading(
         None if length is None else value * length, None if angle is None else value * angle, or_less
     )

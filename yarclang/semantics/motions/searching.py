@@ -1,4 +1,4 @@
-"""UNTIL: a motion that ends on its way where an input is found, and what may stand behind it."""
+"""UNTIL: a motion that ends when an input is found, and a check of the commands that follow it."""
 
 from __future__ import annotations
 
@@ -38,11 +38,19 @@ from yarclang.subjects import unknown
 from yarclang.syntax.ast import Option, Word
 
 _STANDING = (SetOutput, Dwell, WaitInput, WaitUntil, Hold, Say, Assign)
-"""Steps at which the robot stands where a search has ended."""
+"""Steps at which the robot stands still after a search."""
 
 
 def search_of(line: Line, blend: Reading | None) -> Search | None:
-    """Read UNTIL TOUCH, UNTIL TOUCH OFF and INTO DEPTH; None where no UNTIL stands, or with a finding."""
+    """Read UNTIL TOUCH or UNTIL TOUCH OFF, and INTO DEPTH.
+
+    Args:
+        line: the command.
+        blend: its BLEND; None without one.
+
+    Returns:
+        None without UNTIL, or with a finding.
+    """
     options = {option.word.name: option for option in line.statement.options}
     until, into = options.get("UNTIL"), options.get("INTO")
     if until is None:
@@ -81,7 +89,7 @@ def search_of(line: Line, blend: Reading | None) -> Search | None:
 
 
 def _depth(line: Line, into: Option) -> str | None:
-    """The register that INTO names; None with a finding where it names none, or the motion has no length."""
+    """Return the register of INTO; None with a finding if it names none, or if the motion is no line."""
     if not line.name.spec.moves_frame:
         _refuse(line, into, "only a line has a length in mm: MOVEJ takes no INTO", "take it away")
         return None
@@ -110,12 +118,14 @@ def _refuse(line: Line, option: Option, message: str, help_: str) -> None:
 
 
 def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) -> None:
-    """Check that behind each search the robot stands, or moves from there to a place that is known, and end what is planned anew there, by a barrier.
+    """Check the steps after each search: the robot must stand, or move to a known place without BLEND.
+
+    A barrier goes after that motion: it ends the part of the program that is planned again after the search.
 
     Args:
-        steps: of the program; takes the barriers.
-        cell: what is around; where a gripper takes or puts something down, what follows depends on where that was.
-        findings: take what is wrong.
+        steps: steps of the program; receive the barriers.
+        cell: the cell around the robot. If it has parts, no gripper may act where a search has ended.
+        findings: receives the findings.
     """
     grips = set() if cell is None or not cell.parts else {*cell.grips, *cell.removals}
     for number in range(len(steps) - 1, -1, -1):
@@ -129,7 +139,18 @@ def bound_searches(steps: list[Step], cell: Cell | None, findings: Collector) ->
 
 
 def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str]) -> int | Diagnostic | None:
-    """Return the step with the next motion, what is wrong with what follows, or None where nothing moves any more."""
+    """Find the motion that follows a search.
+
+    Args:
+        steps: steps of the program.
+        number: number of the search.
+        search: the search.
+        grips: variables of outputs that take or put down parts.
+
+    Returns:
+        The number of the motion, a finding about a step that isn't allowed before it, or None without a
+        motion.
+    """
     for at in range(_end_of_when(steps, number + 1) + 1, len(steps)):
         step = steps[at]
         if isinstance(step, Gap | Stop | Finish):
@@ -157,7 +178,7 @@ def _behind(steps: Sequence[Step], number: int, search: Motion, grips: set[str])
 
 
 def _end_of_when(steps: Sequence[Step], first: int) -> int:
-    """The EndWhen of the When at `first`; the last step where there is none."""
+    """Return the number of the EndWhen that belongs to the When at `first`; the last step without one."""
     depth = 0
     for number in range(first, len(steps)):
         depth += isinstance(steps[number], When) - isinstance(steps[number], EndWhen)

@@ -1,4 +1,4 @@
-"""Timetables: way-points with their times, velocities and accelerations."""
+"""Read timetables: way-points with times, velocities and accelerations."""
 
 from __future__ import annotations
 
@@ -25,16 +25,16 @@ from yarclang.units import UNITS, Kind
 Load = Callable[[str, SourceFile | None], Result[TrajectoryFile]]
 
 _WITHIN = {"angle": 1e-4, "length": 1e-4}
-"""How far a joint may be from the path of a timetable [rad], [m] if TOL doesn't say it."""
+"""Allowed distance of a joint from the path of a timetable [rad or m], without TOL."""
 
 _STANDS = 1e-9
-"""Velocities at the last way-point up to this [axis units per s] are none."""
+"""Largest velocity at the last way-point that counts as rest [axis units per s]."""
 
 _FORM = "write each way-point with its time: 10 0 0 0 20 0 [0.5]; 12 0 0 0 20 0 [0.9]"
 
 
 def refuse_rates(line: Line) -> None:
-    """Add a finding where a way-point of a motion without a timetable has a time, velocities or accelerations of its own."""
+    """Add a finding if a way-point has a time or rates of its own and the motion has no timetable."""
     if line.name.spec.is_timed:
         return
     for waypoint in line.statement.waypoints:
@@ -52,14 +52,14 @@ def refuse_rates(line: Line) -> None:
 
 
 def timed_of(line: Line, load: Load | None) -> Timed | None:
-    """Return the timetable of a command with what its options say of it.
+    """Return the timetable of a command with its options.
 
     Args:
         line: the command.
-        load: reads a file of way-points; None where none can be read.
+        load: reads a file of way-points; None if no file can be read.
 
     Returns:
-        None with findings where something is wrong with it.
+        None with findings if the command has an error.
     """
     before = len(line.findings.found)
     within, stretch = _options(line)
@@ -79,7 +79,7 @@ def timed_of(line: Line, load: Load | None) -> Timed | None:
 
 
 def _options(line: Line) -> tuple[Array, float]:
-    """Return TOL (n,) [rad or m] and STRETCH."""
+    """Return the tolerances of TOL (n,) [rad or m] and the factor of STRETCH."""
     kinds = joint_kinds(line.robot)
     within = np.array([_WITHIN[kind] for kind in kinds])
     stretch = 1.0
@@ -101,7 +101,7 @@ def _options(line: Line) -> tuple[Array, float]:
 
 
 def stretch_span(statement: Statement) -> Span | None:
-    """Return where the factor of STRETCH stands; None where there is none, or where it is computed."""
+    """Return the place of STRETCH's factor; None without STRETCH, or if the factor is an expression."""
     for option in statement.options:
         if option.word.name == "STRETCH" and isinstance(option.argument, Number):
             return statement.span(option.argument.place)
@@ -157,7 +157,7 @@ def _within(line: Line, option: Option, kinds: tuple[Kind, ...], default: Array)
 
 
 def _table(line: Line) -> Timetable | None:
-    """Return the timetable of the way-points that stand in a command; None with findings."""
+    """Return the timetable of the way-points in a command; None with findings."""
     statement, findings = line.statement, line.findings
     waypoints = statement.waypoints
     before = len(findings.found)
@@ -194,7 +194,7 @@ def _table(line: Line) -> Timetable | None:
     if has_errors(findings.found[before:]):
         return None
     velocities, accelerations = rates
-    if accelerations is not None and velocities is None:  # the grammar has none alone
+    if accelerations is not None and velocities is None:  # the grammar allows ACC only after VEL
         return None
     if not _rests(line, velocities, statement.span(_last(waypoints[-1]))):
         return None
@@ -255,7 +255,16 @@ def _grows(line: Line, at: Array, times: list[Time | None]) -> bool:
 
 
 def _rates(line: Line, name: str, factors: Array) -> Array | None:
-    """Return the velocities or accelerations (k, n) of all way-points in SI; None where there are none, or with a finding."""
+    """Return the velocities or accelerations of all way-points.
+
+    Args:
+        line: the command.
+        name: "velocity" or "acceleration".
+        factors: (n,) from the line's units to SI.
+
+    Returns:
+        (k, n) in SI; None if there are none, or with a finding.
+    """
     waypoints, word = line.statement.waypoints, {"velocity": "VEL", "acceleration": "ACC"}[name]
     rates: list[Rate | None] = [getattr(waypoint, name) for waypoint in waypoints]
     if not any(rates):
@@ -283,7 +292,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
 
 
 def _plain(line: Line, value: Value, what: str) -> float | None:
-    """Return a number without a unit of its own; None with a finding."""
+    """Return a number without a unit of its own; None with a finding, which calls the number `what`."""
     span = line.statement.span(value.place)
     fault = number_fault(value)
     if fault is not None:
@@ -302,7 +311,7 @@ def _plain(line: Line, value: Value, what: str) -> float | None:
 
 
 def _rests(line: Line, velocities: Array | None, span: Span) -> bool:
-    """Return True if a table ends at rest; else a finding says it."""
+    """Return True if a table ends at rest, and set its last velocities to 0; otherwise add a finding."""
     if velocities is None:
         return True
     last = velocities[-1] / line.robot.axis_units

@@ -1,4 +1,4 @@
-"""Motion times: what stands in square brackets."""
+"""Read motion times, in square brackets."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _HELP = "a motion time is [20], [MIN], [50%] or, for the speed of the moving fra
 
 
 def time_is_sound(statement: Statement, time: Time, findings: Collector) -> bool:
-    """Whether a motion time has the form of one, whatever its unit; a finding says why it hasn't."""
+    """Return True if a motion time has a valid form, whatever its unit; otherwise add a finding."""
     span = statement.span(time.place)
     text = " ".join(item.text for item in time.items)
     if len(time.items) == 1:
@@ -86,10 +86,18 @@ def resolve_time(
     findings: Collector,
     has_speed: bool,
 ) -> Timing:
-    """The motion time of a command in s; [MIN] is None, and [50%] a share of the limits.
+    """Return the timing of a command: [20] as a duration [s], [MIN] as None, [50%] as a share of the limits.
 
-    A time from DEFAULT has DEFAULT's unit, whatever the line's units are; only where DEFAULT names none, the line's.
-    `has_speed` says that the command moves a frame, whose speed may be given instead.
+    A time from DEFAULT has the unit of DEFAULT, whatever the line's units are; the line's unit only if
+    DEFAULT has none.
+
+    Args:
+        statement: the command.
+        units: units of the line and of DEFAULT.
+        defaults: parts of the DEFAULT line of its file.
+        scope: the names that are known there.
+        findings: receives the findings.
+        has_speed: True if the command moves a frame: a speed is allowed then instead of a time.
     """
     time = statement.time or defaults.time
     if time is None:
@@ -134,12 +142,20 @@ def resolve_time(
 
 @lru_cache(maxsize=64)
 def _at(speed: Reading | None) -> Timing:
-    """Return what a speed says of a motion: one value for all lines that have it."""
+    """Return the timing of a speed; equal speeds share one object."""
     return Timing(None, speed=speed)
 
 
 def _below(speed: Reading | None, statement: Statement, time: Time, own: bool, findings: Collector) -> Timing:
-    """Return what a speed says that isn't exceeded."""
+    """Return the timing of a speed limit, as in [V<=250].
+
+    Args:
+        speed: the limit; None if it is wrong.
+        statement: the command.
+        time: its motion time, or that of DEFAULT.
+        own: True if the time stands in the command.
+        findings: receives the finding if the unit of length is missing.
+    """
     if speed is not None and speed.length is None:
         span = statement.span(time.place) if own else statement.head_span
         findings.add_error(missing_unit("length", "the speed"), span)
@@ -155,7 +171,17 @@ def _speed(
     scope: Scope,
     findings: Collector,
 ) -> Reading | None:
-    """A speed in m/s and in rad/s; None with a finding."""
+    """Return a speed read in m/s and in rad/s; None with a finding.
+
+    Args:
+        time: the motion time with the speed.
+        line: the line in which the time stands: the command or DEFAULT.
+        statement: the command.
+        own: True if the time stands in the command.
+        units: units by kind.
+        scope: the names that are known in `line`.
+        findings: receives the finding.
+    """
     item = time.items[-1]
     span = statement.span(item.place) if own else statement.head_span
     if isinstance(item, Number):  # nearly always
@@ -190,7 +216,18 @@ def _seconds(
     scope: Scope,
     findings: Collector,
 ) -> float | None:
-    """A motion time in s; None with a finding."""
+    """Return a motion time [s]; None with a finding.
+
+    Args:
+        item: the number.
+        line: the line in which the time stands: the command or DEFAULT.
+        statement: the command.
+        own: True if the time stands in the command.
+        units: units of the command and of DEFAULT.
+        defaults: parts of the DEFAULT line.
+        scope: the names that are known in `line`.
+        findings: receives the finding.
+    """
     found = amount(item, scope, line, findings)
     if found is None:
         return None
@@ -231,7 +268,7 @@ def _percentage(
 
 
 def acceleration_share(option: Option, statement: Statement, scope: Scope, findings: Collector) -> float:
-    """ACC 30%: the share of the acceleration and jerk limits that a motion may use."""
+    """Return the share of ACC 30%: the part of the acceleration and jerk limits that a motion may use."""
     span = statement.span((option.argument or option.word).place)
     if isinstance(option.argument, Percent | ComputedPercent):
         share = _percentage(option.argument, statement, scope, findings)

@@ -1,4 +1,4 @@
-"""A command of the text to a primitive in SI."""
+"""Convert a motion command of the text to a primitive in SI."""
 
 from __future__ import annotations
 
@@ -33,10 +33,18 @@ def to_step(
     scope: Scope,
     findings: Collector,
 ) -> Step | None:
-    """One command in SI.
+    """Convert a motion command to a step in SI.
+
+    Args:
+        statement: the command.
+        name: its name, taken apart.
+        context: inputs besides the text.
+        defaults: parts of the DEFAULT line of its file.
+        scope: the names that are known there.
+        findings: receives the findings.
 
     Returns:
-        None where the command has errors; each is a finding.
+        None with findings if the command has errors.
     """
     before = len(findings.found)
     own_units = resolve_units(statement, statement.units, findings) if name.values else {}
@@ -55,7 +63,7 @@ def to_step(
             if timed is None:
                 return None
             duration = float(timed.table.times[-1]) * timed.stretch
-            # its time is that of one way-point: no other one will do
+            # The time in the line is that of one way-point: a fix of the duration must not replace it.
             origin = replace(
                 origin_of(statement, name.full, findings, units, moved),
                 time_span=None,
@@ -79,7 +87,7 @@ def to_step(
 
 
 _NOTHING = Moved(None, None)
-"""What a command without values moves."""
+"""The frames of a command without values."""
 
 
 def origin_of(
@@ -89,7 +97,15 @@ def origin_of(
     units: Mapping[Kind, Unit] | None = None,
     moved: Moved = _NOTHING,
 ) -> Origin:
-    """Where a command comes from."""
+    """Return the origin of a command's step.
+
+    Args:
+        statement: the command.
+        name: its name today, in full.
+        findings: the findings of its file, with its place.
+        units: its units by kind; None for s, mm and deg.
+        moved: its frames.
+    """
     moving, base = moved.links
     return Origin(
         index=_index(statement.index.text) if statement.index else "",
@@ -111,7 +127,7 @@ def origin_of(
 
 
 def _index(text: str) -> str:
-    """Return an index as it is listed; the same object if it is written so."""
+    """Return an index with four digits; the given object itself if it has them already."""
     listed = f"P{int(text[1:]):04d}"
     return text if text == listed else listed
 

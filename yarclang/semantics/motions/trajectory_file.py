@@ -1,7 +1,8 @@
 """The file of a timed trajectory: CSV with a row for each way-point, read to SI and written without loss.
 
-The header is `time,J1,...,Jn`, then `J1_velocity,...` and `J1_acceleration,...` if the file has them. Columns are known by
-their names and may have any order. A column may name its unit: `J1 [rad]`, `J1_velocity [rad/s]`, `J1_acceleration [rad/s^2]`.
+The header is `time,J1,...,Jn`, then `J1_velocity,...` and `J1_acceleration,...` if the file has them. Columns
+are known by their names and may have any order. A column may name its unit: `J1 [rad]`, `J1_velocity
+[rad/s]`, `J1_acceleration [rad/s^2]`.
 """
 
 from __future__ import annotations
@@ -25,18 +26,18 @@ from yarclang.transforms import constant
 from yarclang.units import UNITS, Kind, Unit, units_of
 
 SUFFIX = ".csv"
-"""How files of trajectories are called."""
+"""Suffix of trajectory files."""
 
 TIME = "time"
 
 RATES = ("", "velocity", "acceleration")
-"""What is given of a joint, by how often it is derived by time."""
+"""Endings of the columns of a joint, by the order of the derivative by time."""
 
 STANDS = 1e-6
-"""A joint that is slower stands [deg/s or mm/s]."""
+"""Largest speed that counts as rest [deg/s or mm/s]."""
 
 PER_SECOND = ("", "/s", "/s^2")
-"""What stands behind the units of these."""
+"""Endings of the units of these columns."""
 
 _WITH_UNIT = re.compile(r"(.*?)\s*[\[(]\s*([^\])]*?)\s*[\])]")
 _PER_S = re.compile(r"(.*?)\s*/\s*s(?:(?:\^|\*\*)?\s*2|²|\s*/\s*s)?", re.I)
@@ -45,13 +46,13 @@ _RATE = re.compile(r"(.*?)[ _](vel|velocity|acc|acceleration)", re.I)
 _RATE_ENDINGS = {"vel": 1, "velocity": 1, "acc": 2, "acceleration": 2}
 _NUMBERED = re.compile(r"J([1-9][0-9]?)", re.I)
 _NUMBERS = re.compile(r"[0-9eE+\-.,\n \t]*")
-"""Whatever is made of these is read by `float` as a decimal number, or not at all."""
+"""Characters of numbers and separators: `float` reads only decimal numbers from these, not `nan` or `1_0`."""
 _MOST_COLUMNS = 1_000
 _SHOWN = 40
 
 
 class TrajectoryFile:
-    """The text of a trajectory file; what was read of it is kept for each robot and its units."""
+    """The text of a trajectory file, with a cache of the timetables for each robot and units."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
@@ -63,12 +64,12 @@ class TrajectoryFile:
         """Read the file.
 
         Args:
-            robot: whose joints are the columns.
-            units: of columns that don't name theirs, by kind; may be empty.
-            own: the kinds of them that the program's line names itself: the file's may not be others.
+            robot: the robot whose joints the columns are.
+            units: units by kind for columns that don't name theirs; may be empty.
+            own: kinds of unit that the program's line names itself; the file must not name other units.
 
         Returns:
-            None with the findings, at their lines and columns in the file.
+            The timetable in SI; None if the file has errors, with findings at their places in the file.
         """
         key = (robot, tuple(sorted(unit.name for unit in units.values())), own)
         if key not in self._read:
@@ -84,10 +85,11 @@ class _Columns:
     """The columns of a header.
 
     Attributes:
-        time: the number of the time's column.
-        places: for positions, velocities and accelerations, as far as they are there, the numbers of the joints' columns.
-        factors: for each of them, (n,) from the file's units to SI.
-        second: from the file's unit of time to s.
+        time: number of the column with the time.
+        places: numbers of the joints' columns, for positions, velocities and accelerations if the file has
+            them.
+        factors: for each of these, (n,) factors from the file's units to SI.
+        second: factor from the file's unit of time to s.
     """
 
     time: int
@@ -98,7 +100,14 @@ class _Columns:
 
 @frozen
 class _Cell:
-    """A cell of the header: its number, the name and the unit in it, and its place."""
+    """A cell of the header.
+
+    Attributes:
+        number: number of its column.
+        name: its name without the unit.
+        unit: its unit; empty without one.
+        span: its place in the file.
+    """
 
     number: int
     name: str
@@ -107,10 +116,10 @@ class _Cell:
 
 
 def write_table(robot: Robot, table: Timetable) -> str:
-    """Write a timetable as the text of its file, in SI: to be read as the very same numbers.
+    """Return the text of a trajectory file, in SI. Reading the text gives exactly the numbers of the table.
 
     Args:
-        robot: whose joints they are.
+        robot: the robot of the timetable.
         table: the timetable.
     """
     units = ["m" if kind == "length" else "rad" for kind in joint_kinds(robot)]
@@ -128,38 +137,43 @@ def write_table(robot: Robot, table: Timetable) -> str:
 
 
 def _shortest(value: float) -> str:
-    """Return the shortest text that is read as the very same number."""
+    """Return the shortest text that is read as exactly this number."""
     return repr(value).removesuffix(".0")
 
 
 def joint_names(robot: Robot, others: Sequence[str] = ()) -> dict[str, int]:
-    """Return the numbers of a robot's joints by their names in lower case; and by other names for them, in the robot's order."""
+    """Return the numbers of a robot's joints by their names in lower case.
+
+    Args:
+        robot: the robot.
+        others: other names for the joints, in the robot's order.
+    """
     known = {name.lower(): number for number, name in enumerate(robot.joint_names)}
     return known | {name.lower(): number for number, name in enumerate(others)}
 
 
 def rate_of(name: str) -> tuple[str, int]:
-    """Split a column's name: `J1_velocity` is the first derivative of J1, `J1_acc` its second, `J1` itself is no derivative."""
+    """Split a column's name into joint and order of derivative: `J1` has 0, `J1_velocity` 1, `J1_acc` 2."""
     found = _RATE.fullmatch(name)
     return (name, 0) if found is None else (found[1], _RATE_ENDINGS[found[2].lower()])
 
 
 def split_unit(cell: str) -> tuple[str, str]:
-    """Split a cell of a header: the name, and the unit in brackets; empty if there is none."""
+    """Split a cell of a header into the name and the unit in brackets; the unit is empty if there is none."""
     found = _WITH_UNIT.fullmatch(cell)
     return (cell, "") if found is None else (found[1], found[2])
 
 
 def unit_of(text: str, kind: Kind, order: int) -> Unit | None:
-    """Read the unit of a column, for its kind.
+    """Read the unit of a column.
 
     Args:
-        text: what stands in the brackets, as `deg` or `deg/s`.
-        kind: of the joint's value itself.
+        text: text in the brackets, as `deg` or `deg/s`.
+        kind: kind of unit of the joint's value itself.
         order: 0 for the value, 1 for its velocity, 2 for its acceleration.
 
     Returns:
-        The unit of the value itself; None if the text is no unit of such a column.
+        The unit of the value itself, as `deg` for `deg/s`; None if the text is no unit of such a column.
     """
     if order:
         found = _PER_S.fullmatch(text)
@@ -315,7 +329,17 @@ def _with_units(
     header: Span,
     findings: Collector,
 ) -> _Columns | None:
-    """Return the columns with the factors of their units; a kind has one unit in the whole file."""
+    """Return the columns with the factors of their units; None with a finding. A kind has one unit in a file.
+
+    Args:
+        found: cells of the header by joint (-1: the time) and order of the derivative.
+        orders: 1 for positions only, 2 with velocities, 3 with accelerations.
+        robot: the robot.
+        units: units by kind for columns that don't name theirs.
+        own: kinds of unit that the program's line names itself.
+        header: place of the header.
+        findings: receives the finding.
+    """
     said: dict[Kind, tuple[Unit, _Cell]] = {}
     silent: dict[Kind, _Cell] = {}
     kinds = joint_kinds(robot)
@@ -372,7 +396,17 @@ _PLURALS: Mapping[Kind, str] = {"length": "lengths", "angle": "angles", "time": 
 
 
 def _table(lines: list[str], numbers: list[int], width: int, findings: Collector) -> Array | None:
-    """Return the cells as numbers (rows, columns)."""
+    """Return the cells as numbers; None with a finding at the first wrong line or cell.
+
+    Args:
+        lines: the lines after the header.
+        numbers: their line numbers in the file.
+        width: number of columns.
+        findings: receives the finding.
+
+    Returns:
+        (rows, columns).
+    """
     if not lines:
         return np.empty((0, width))
     counts = np.array([line.count(",") for line in lines])
@@ -387,7 +421,7 @@ def _table(lines: list[str], numbers: list[int], width: int, findings: Collector
         return None
     body = "\n".join(lines)
     fit = _NUMBERS.match(body)
-    assert fit is not None  # it matches nothing as well
+    assert fit is not None  # the pattern matches an empty text, too
     if fit.end() == len(body):
         try:
             table = np.array(list(map(float, body.replace("\n", ",").split(",")))).reshape(-1, width)
@@ -495,7 +529,7 @@ def _check_positions(
 
 
 _OUT = 1e-9
-"""A position may be out of its limits by this [deg or mm]: the last bit of a number."""
+"""Allowed excess of a position over its limits [deg or mm], for rounding."""
 
 
 def _check_rest(
@@ -507,7 +541,17 @@ def _check_rest(
     places: tuple[int, ...],
     findings: Collector,
 ) -> None:
-    """Let the joints stand at time 0 and in the last row; a finding for one that moves there."""
+    """Check that all joints rest at time 0 and in the last row, and set their velocities there to 0.
+
+    Args:
+        source: the file.
+        robot: the robot.
+        velocities: (k, n) in SI; receives the zeros.
+        times: (k,) [s].
+        numbers: line number of each row.
+        places: numbers of the columns with the velocities.
+        findings: receives a finding for each row with a moving joint.
+    """
     ends = {0: "at time 0"} if times[0] == 0.0 else {}
     for row, when in {**ends, len(times) - 1: "in the last row"}.items():
         speeds = velocities[row] / robot.axis_units

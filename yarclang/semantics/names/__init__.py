@@ -1,1 +1,5 @@
-"""Meanings of names: commands (`commands.py`), frames (`frames.py`), inputs and outputs (`signals.py`), and all of them in nested blocks (`scope.py`)."""
+"""Meanings of names.
+
+`commands.py` resolves names of commands, `frames.py` frames, `signals.py` inputs and outputs; `scope.py`
+holds all names of nested blocks. `foreign.py` knows words of other robot languages.
+"""

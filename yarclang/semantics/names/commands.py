@@ -1,4 +1,4 @@
-"""Names of commands: what a name says, and today's name of an old one."""
+"""Resolve the names of commands, and replace old names by today's."""
 
 from __future__ import annotations
 
@@ -21,19 +21,29 @@ TARGETS = ("RPY", "QUAT")
 
 @frozen
 class ResolvedName:
-    """A command's name taken apart; `values` is None for a command without values."""
+    """A command's name, taken apart.
+
+    Attributes:
+        spec: the command.
+        values: the kind of its values; None for a command without values.
+        profile: name of the profile.
+        full: today's name with the suffixes in the program.
+        avoids: True if the motion avoids obstacles.
+    """
 
     spec: CommandSpec
     values: Values | None
     profile: str
     full: str
-    """Today's name in full, as the program says it."""
     avoids: bool = False
-    """Whether it goes round obstacles."""
 
 
 class CommandNames:
-    """Takes the names of commands apart: each once, however often it stands in the text and is unrolled; what is wrong with one is told once a statement."""
+    """Cache of resolved names. A wrong name is reported once for each statement, even in a loop.
+
+    Args:
+        profiles: names of the planner's profiles.
+    """
 
     def __init__(self, profiles: tuple[str, ...]) -> None:
         self._profiles = profiles
@@ -41,7 +51,7 @@ class CommandNames:
         self._told: dict[tuple[Collector, int], ResolvedName | None] = {}
 
     def resolved(self, statement: Statement, findings: Collector) -> ResolvedName | None:
-        """As `resolve_name`; `findings` are those of the statement's file."""
+        """Resolve a statement's name as `resolve_name` does; `findings` are those of the statement's file."""
         if (sound := self._sound.get(statement.name.text)) is not None:
             return sound
         key = findings, statement.line
@@ -56,7 +66,7 @@ class CommandNames:
         return found
 
     def look_up(self, nodes: Iterable[Node], findings: Collector) -> None:
-        """The names of all commands of a file, also of those that nothing leads to."""
+        """Resolve the names of all commands of a file, including those that are never carried out."""
         for node in each(nodes):
             if isinstance(node, Block):
                 self.look_up((*node.body, *(node.otherwise or ())), findings)
@@ -70,8 +80,13 @@ class CommandNames:
 def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collector) -> ResolvedName | None:
     """Take a command's name apart: MOTION[_TARGET][_AVOID][_PROFILE].
 
+    Args:
+        statement: the command.
+        profiles: names of the planner's profiles.
+        findings: receives the findings.
+
     Returns:
-        None where the name isn't one; the finding says why.
+        None with a finding if there is no such command.
     """
     name, span = statement.name.name, statement.span(statement.name.place)
     spec, suffixes, old = _longest_match(name)
@@ -105,14 +120,14 @@ def resolve_name(statement: Statement, profiles: Iterable[str], findings: Collec
 
 
 def is_command(word: str) -> bool:
-    """Return True if a word, whatever its case, is a command's name, or one with suffixes behind it."""
+    """Return True if a word in any case is a command's name, with or without suffixes."""
     name = word.upper()
     return name in actions() or name == "CALL" or _longest_match(name)[0] is not None
 
 
 @lru_cache(maxsize=4)
 def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of commands, alone and with each suffix that one may have."""
+    """Return the names of all commands, alone and with each possible suffix."""
     suffixes = (*TARGETS, AVOID, *profiles)
     return (
         *commands(),
@@ -124,7 +139,11 @@ def _known(profiles: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1024)
 def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool]:
-    """The command whose name begins this one, the suffixes that are left, and whether it is an old name."""
+    """Return the command with the longest name that a name begins with.
+
+    Returns:
+        The command (None if there is none), the suffixes after its name, and True for an old name.
+    """
     names = [(spec.name, spec, False) for spec in commands().values()]
     names += [(spec.old_name, spec, True) for spec in commands().values() if spec.old_name]
     for known, spec, old in sorted(names, key=lambda entry: -len(entry[0])):
@@ -136,7 +155,7 @@ def _longest_match(name: str) -> tuple[CommandSpec | None, tuple[str, ...], bool
 
 
 def _has_law(spec: CommandSpec) -> bool:
-    """Return True if a command takes a profile: a timetable has no other law."""
+    """Return True if a command takes a profile: all motions without a timetable do."""
     return spec.is_motion and not spec.is_timed
 
 

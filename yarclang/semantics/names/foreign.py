@@ -1,4 +1,4 @@
-"""Words of other robot languages, and what serves instead of each: what is said where one begins a line."""
+"""Words of other robot languages at the start of a line, and the help that names a replacement."""
 
 from types import MappingProxyType
 
@@ -20,4 +20,4 @@ INSTEAD = MappingProxyType(
         "CIRC": "MOVEC goes along an arc",
     }
 )
-"""What is written instead of a word. A word that the language gets leaves this table."""
+"""Help for each word. A word that becomes part of the language must leave this table."""

@@ -1,4 +1,4 @@
-"""Frames: what a name in braces means, in the place where it stands."""
+"""Resolve names of frames, in braces, at the place where they stand."""
 
 from __future__ import annotations
 
@@ -13,17 +13,17 @@ from yarclang.syntax.ast import FrameName, Place
 
 
 class Placed(Protocol):
-    """Text that stands somewhere: a statement, or a name alone."""
+    """Text with a place in a file: a statement, or a single name."""
 
     def span(self, place: Place) -> Span:
-        """Return where a part of it stands."""
+        """Return the span in the file of a part of this text."""
 
 
 _OLD_NAMES = {"T": "TCP", "TOOL": "TCP", "ROOT": BASE}
 
 
 def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
-    """The frame that a command moves: one on the flange."""
+    """Return the moving frame of a command; None with a finding if it is unknown or not on the flange."""
     found = known_frame(statement, frame, scope, findings)
     if found is None:
         return None
@@ -39,7 +39,15 @@ def moving_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Co
 def base_axes(
     statement: Placed, frame: FrameName, scope: Scope, may_move: bool, findings: Collector
 ) -> Frame | None:
-    """The axes in which a command's values are given."""
+    """Return the frame in which a command's values are given; None with a finding if it is wrong.
+
+    Args:
+        statement: the line with the name.
+        frame: the name.
+        scope: the names that are known there.
+        may_move: True if a frame on the flange is allowed.
+        findings: receives the finding.
+    """
     found = known_frame(statement, frame, scope, findings)
     if found is not None and found.on_flange and not may_move:
         message = f"{frame.text} moves with the robot: a pose can't be given in it"
@@ -50,7 +58,7 @@ def base_axes(
 
 
 def known_frame(statement: Placed, frame: FrameName, scope: Scope, findings: Collector) -> Frame | None:
-    """What a frame's name means, wherever it stands; a finding where it means nothing."""
+    """Return the frame with a name; None with a finding if there is none. An old name gets a fix."""
     if (found := scope.frame(frame.name)) is not None:
         return found
     span = statement.span(frame.place)

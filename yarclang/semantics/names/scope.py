@@ -1,7 +1,8 @@
-"""What names mean where: numbers, frames, joint positions, inputs, outputs, SUBs and modules, in nested blocks.
+"""The meanings of names in nested blocks: numbers, frames, joint positions, inputs, outputs, SUBs and
+modules.
 
-A name is known from its declaration to the end of its block or file, and can't be declared again meanwhile. Frames have
-names of their own.
+A name is known from its declaration to the end of its block or file, and can't be declared again there. Names
+of frames are separate: a frame and another object may share a name.
 """
 
 from __future__ import annotations
@@ -26,9 +27,12 @@ FLANGE = "FLANGE"
 
 @frozen(eq=False)
 class Frame:
-    """A frame: `transform` (4, 4) is base_from_frame, or flange_from_frame of one that the robot carries.
+    """A frame.
 
-    `link` says what it is called, and how and where it was declared.
+    Attributes:
+        transform: (4, 4) base_from_frame, or flange_from_frame for a frame on the flange.
+        on_flange: True if the frame moves with the flange.
+        link: its name and declaration; None if unknown.
     """
 
     transform: Array
@@ -38,24 +42,38 @@ class Frame:
 
 @frozen(eq=False)
 class JointPosition:
-    """A named joint position `q` (n,) [rad or m]."""
+    """A named joint position.
+
+    Attributes:
+        q: (n,) [rad or m].
+    """
 
     q: Array
 
 
 @frozen(eq=False)
 class Pose:
-    """A named pose: `transform` (4, 4) is base_from_pose, `link` the frame in which it is given (None: not known)."""
+    """A named pose.
+
+    Attributes:
+        transform: (4, 4) base_from_pose.
+        link: the frame in which it is given; None if unknown.
+        told: (6,) its numbers in that frame as written, x y z roll pitch yaw [m, rad]; None if unknown.
+    """
 
     transform: Array
     link: FrameLink | None
     told: Array | None = None
-    """The numbers of the pose as they were written in that frame, in SI."""
 
 
 @frozen
 class Input:
-    """A declared input; `step` is what one step of an analogue one is (None: it is the number that it reads)."""
+    """A declared input.
+
+    Attributes:
+        signal: name and variable.
+        step: size of one step of an analogue input; None for other inputs, whose value is the number itself.
+    """
 
     signal: Signal
     step: float | None = None
@@ -63,18 +81,22 @@ class Input:
 
 @frozen(eq=False)
 class Table:
-    """A TABLE: rows of numbers, all equally long. A single row, or a single column, has one index."""
+    """A TABLE of numbers. A single row or column has one index, other tables have two.
+
+    Attributes:
+        rows: the numbers; all rows have one length.
+    """
 
     rows: tuple[tuple[Amount, ...], ...]
 
     @property
     def sizes(self) -> tuple[int, ...]:
-        """The number of values that each index goes through."""
+        """Number of values of each index."""
         rows, columns = len(self.rows), len(self.rows[0])
         return (rows * columns,) if 1 in (rows, columns) else (rows, columns)
 
     def at(self, indices: tuple[int, ...]) -> Amount:
-        """Return the number at indices, counted from 0, which are within `sizes`."""
+        """Return the number at indices, which are counted from 0 and below `sizes`."""
         if len(indices) == 2:
             return self.rows[indices[0]][indices[1]]
         (index,) = indices
@@ -83,13 +105,13 @@ class Table:
 
 @frozen(eq=False)
 class Places:
-    """A TABLE of poses or of joint positions, which has one index."""
+    """A TABLE of poses or of joint positions, with one index."""
 
     rows: tuple[Pose, ...] | tuple[JointPosition, ...]
 
     @property
     def sizes(self) -> tuple[int]:
-        """The number of values that the index goes through."""
+        """Number of values of the index."""
         return (len(self.rows),)
 
 
@@ -98,12 +120,13 @@ class Formula:
     """A FUNC.
 
     Attributes:
-        parameters: their names in upper case, each with the unit to which what is given is converted.
-        body: the expression behind the equals sign.
+        parameters: names of the parameters in upper case, each with the unit to which its argument is
+            converted.
+        body: the expression after the equals sign.
         scope: the names that it sees besides its parameters.
-        weight: how many operations one use comes to, those of the functions in it among them.
-        depth: how deep they stand inside each other.
-        meaning: all that decides over its values, by value.
+        weight: number of operations in one use, including the functions in it.
+        depth: depth of nesting of these operations.
+        meaning: everything on which its values depend, as a value that can be compared.
     """
 
     parameters: tuple[tuple[str, Unit | None], ...]
@@ -116,27 +139,31 @@ class Formula:
 
 @frozen(eq=False)
 class Routine:
-    """A SUB: `sub` is what semantics/declared/declaring.py makes of it."""
+    """A SUB.
+
+    Attributes:
+        sub: the Sub of semantics/files.py, which this module can't import.
+    """
 
     sub: object
 
 
 @frozen(eq=False)
 class Library:
-    """A module that was loaded by USE; its names are read with its own in front."""
+    """A module, loaded by USE. Its names are written after its own name and a point."""
 
     scope: Scope
 
 
 @frozen
 class Where:
-    """Where something was declared."""
+    """The place of a declaration."""
 
     source: SourceFile
     span: Span
 
     def seen_from(self, source: SourceFile) -> str:
-        """How a message in `source` speaks of it."""
+        """Return words for the place in a message about `source`."""
         line = f"line {self.span.line}"
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
@@ -161,7 +188,7 @@ KINDS: dict[type, str] = {
 
 
 class Scope:
-    """The names of a block, and those of the blocks around it."""
+    """The names of a block and of the blocks around it."""
 
     __slots__ = ("_frames", "_names", "_outer", "_places", "seen")
 
@@ -171,11 +198,11 @@ class Scope:
         self._frames: dict[str, Frame] = {}
         self._places: dict[str, Where] = {}
         self.seen: dict[Hashable, Any] = {}
-        """What was looked up since the last declaration, for whoever looks up the same for each command (recalling.py)."""
+        """Cache of lookups since the last declaration, for recalling.py."""
 
     @classmethod
     def of_robot(cls, robot: Robot) -> Scope:
-        """The names that a robot brings: its joint positions, and its frames on the flange and {B}."""
+        """Return the names of a robot: its joint positions, its frames on the flange, and {B}."""
         scope = cls()
         for name, q in robot.positions.items():
             scope._names[name] = JointPosition(q)
@@ -187,7 +214,7 @@ class Scope:
         return scope
 
     def name(self, name: str) -> Named | None:
-        """What a name means; that of a module's has the module's in front."""
+        """Return the meaning of a name, also of MODULE.NAME; None if it has none."""
         module, dot, inner = name.partition(".")
         found = self._own(module)
         if not dot:
@@ -195,11 +222,11 @@ class Scope:
         return found.scope.declared(inner) if isinstance(found, Library) else None
 
     def declared(self, name: str) -> Named | None:
-        """What a name means that was declared in this very file or block."""
+        """Return the meaning of a name that this file or block itself declares; None if it doesn't."""
         return self._names.get(name)
 
     def frame(self, name: str) -> Frame | None:
-        """What the name of a frame means."""
+        """Return the frame with a name, also of MODULE.NAME; None without one."""
         module, dot, inner = name.partition(".")
         if dot:
             found = self._own(module)
@@ -212,14 +239,20 @@ class Scope:
         return None
 
     def declare(self, name: str, meaning: Named, where: Where | None = None) -> None:
-        """Give a name a meaning from here on."""
+        """Declare a name.
+
+        Args:
+            name: the name in upper case.
+            meaning: its meaning.
+            where: place of the declaration.
+        """
         self.seen.clear()
         self._names[name] = meaning
         if where is not None:
             self._places[name] = where
 
     def where(self, name: str) -> Where | None:
-        """Where a name was declared; None for those of the robot."""
+        """Return the place of a name's declaration; None for names of the robot."""
         scope: Scope | None = self
         while scope is not None:
             if name in scope._names:
@@ -228,18 +261,24 @@ class Scope:
         return None
 
     def where_frame(self, name: str) -> Where | None:
-        """Where a frame was declared; None for those of the robot."""
+        """Return the place of a frame's declaration; None for frames of the robot."""
         found = self.frame(name)
         link = found.link if found is not None else None
         return Where(link.source, link.span) if link and link.source and link.span else None
 
     def declare_frame(self, name: str, frame: Frame) -> None:
-        """Give a frame's name a meaning from here on."""
+        """Declare a frame."""
         self.seen.clear()
         self._frames[name] = frame
 
     def take_over(self, inner: Scope, names: Iterable[tuple[str, bool]]) -> None:
-        """Give names the meaning that they have in a block, as far as they are declared in it; each with whether it is a frame's."""
+        """Declare names here with the meanings that they have in an inner block.
+
+        Args:
+            inner: the block.
+            names: the names, each with True for a frame's name; names that the block doesn't declare are
+                ignored.
+        """
         self.seen.clear()
         for name, is_frame in names:
             if is_frame and name in inner._frames:
@@ -250,7 +289,7 @@ class Scope:
                     self._places[name] = inner._places[name]
 
     def names(self, *kinds: type) -> list[str]:
-        """All names of some kinds that are known here."""
+        """Return all known names of some kinds."""
         found: list[str] = []
         scope: Scope | None = self
         while scope is not None:
@@ -259,7 +298,7 @@ class Scope:
         return found
 
     def frame_names(self) -> Iterator[str]:
-        """All names of frames that are known here, those of the robot first."""
+        """Yield all known names of frames, those of the robot first."""
         scopes: list[Scope] = []
         scope: Scope | None = self
         while scope is not None:
@@ -277,7 +316,7 @@ class Scope:
         return None
 
     def copy(self) -> Scope:
-        """The same names, as they are now."""
+        """Return a copy with the names that are known now."""
         made = Scope(self._outer.copy() if self._outer is not None else None)
         made._names, made._frames = dict(self._names), dict(self._frames)
         made._places = dict(self._places)

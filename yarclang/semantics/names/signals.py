@@ -1,4 +1,4 @@
-"""Inputs and outputs: what their names mean, in the place where they stand."""
+"""Resolve names of inputs and outputs at the place where they stand."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.syntax.ast import Value, Word
 
 
 def input_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> Signal | None:
-    """Return the input that a value names; None with a finding where it names none."""
+    """Return the input that a value names; None with a finding if it names none."""
     found = scope.name(value.name) if isinstance(value, Word) else None
     if isinstance(found, Input):
         return found.signal
@@ -20,7 +20,7 @@ def input_named(value: Value, scope: Scope, statement: Placed, findings: Collect
 
 
 def output_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> Signal | None:
-    """Return the output that a value names; None with a finding where it names none."""
+    """Return the output that a value names; None with a finding if it names none."""
     found = scope.name(value.name) if isinstance(value, Word) else None
     if isinstance(found, Output):
         return found.signal
@@ -29,7 +29,7 @@ def output_named(value: Value, scope: Scope, statement: Placed, findings: Collec
 
 
 def signal_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> Signal | None:
-    """Return the input or output that a value names; None with a finding where it names none."""
+    """Return the input or output that a value names; None with a finding if it names none."""
     found = scope.name(value.name) if isinstance(value, Word) else None
     if isinstance(found, Input | Output):
         return found.signal

@@ -1,5 +1,6 @@
-"""Expressions, units and numbers: mm and deg become m and rad here.
+"""Expressions, units and numbers. Here mm and deg become m and rad.
 
-`evaluate.py` carries expressions out to `amounts.py`, numbers that may have a unit; `units.py` has the units
-of a statement. `poses.py` makes joint positions and poses of numbers, `numbers.py` the values of a way-point.
+`evaluate.py` computes the values of expressions, which are the amounts of `amounts.py`; `deciding.py` reads
+expressions for run time, and `steps.py` converts analogue signals. `units.py` reads the units of a statement,
+`numbers.py` the values of a way-point; `poses.py` checks limits and computes rotations.
 """

@@ -1,7 +1,7 @@
-"""Numbers that may have a unit, and what operators and functions make of them.
+"""Numbers with or without a unit, and the operators and functions on them.
 
-A plain number takes the unit of its partner in + - = < and their like. Values are kept in the unit in which they were
-declared, so that a message shows what the user wrote.
+In sums and comparisons, a plain number takes the unit of the other operand. Values keep the unit in which
+they were declared, so that a message shows what the user wrote.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from yarclang.units import UNITS, Kind, Unit, units_of
 
 @frozen
 class Amount:
-    """A number, and its unit if it has one."""
+    """A number, with its unit if it has one."""
 
     value: float
     unit: Unit | None = None
 
     def in_unit(self, unit: Unit) -> float:
-        """The number in a unit of its place; a plain number has it already.
+        """Return the number in a unit; a plain number is taken to be in that unit already.
 
         Raises:
-            AmountError: it is of another kind.
+            AmountError: the number has a unit of another kind.
         """
         if self.unit is None or self.unit is unit:
             return self.value
@@ -37,10 +37,10 @@ class Amount:
         return self.value * self.unit.factor / unit.factor
 
     def plain(self, what: str) -> float:
-        """The number, where no unit belongs.
+        """Return the number of a plain amount, which the error calls `what`.
 
         Raises:
-            AmountError: it has one.
+            AmountError: the amount has a unit.
         """
         if self.unit is not None:
             raise AmountError(
@@ -53,7 +53,7 @@ class Amount:
 
 
 class AmountError(FindingError):
-    """What can't be computed."""
+    """The error of a computation that has no result."""
 
 
 def no_unit(text: str) -> AmountError:
@@ -67,8 +67,8 @@ def missing_unit(kind: Kind, what: str) -> AmountError:
     """Return the error for a unit that a line needs and doesn't have.
 
     Args:
-        kind: of the unit.
-        what: needs it, with its article.
+        kind: kind of the unit.
+        what: words for the values that need it, with article.
     """
     names = " or ".join(units_of(kind)[:2])
     return AmountError(
@@ -84,7 +84,7 @@ def _a(kind: Kind) -> str:
 
 
 def unary(operator: str, one: Amount) -> Amount:
-    """What an operator before its operand makes of it."""
+    """Compute an operator with one operand."""
     match operator:
         case "-":
             return Amount(-one.value + 0.0, one.unit)
@@ -95,10 +95,10 @@ def unary(operator: str, one: Amount) -> Amount:
 
 
 def binary(operator: str, left: Amount, right: Amount) -> Amount:
-    """What an operator between its operands makes of them.
+    """Compute an operator with two operands.
 
     Raises:
-        AmountError: the units don't go together, a division by zero, or a result that isn't a finite number.
+        AmountError: the units don't fit, the divisor is zero, or the result isn't a finite number.
     """
     match operator:
         case "AND":
@@ -131,7 +131,11 @@ _COMPARED: dict[str, Callable[[float, float], bool]] = {
 
 
 def _together(operator: str, left: Amount, right: Amount) -> tuple[float, float, Unit | None]:
-    """Two numbers in one unit: that of the left one, or of the one that has any."""
+    """Return two numbers in one unit, and the unit: that of the left one, or else of the right one.
+
+    Raises:
+        AmountError: the units are of different kinds.
+    """
     unit = left.unit or right.unit
     if unit is None:
         return left.value, right.value, None
@@ -173,7 +177,8 @@ def _quotient(operator: str, left: Amount, right: Amount) -> Amount:
 
 
 def function(name: str, arguments: tuple[Amount, ...]) -> Amount:
-    """What a function of the language gives; plain numbers in SIN, COS and TAN are degrees, ATAN2 gives degrees.
+    """Compute a function of the language. Plain numbers in SIN, COS and TAN are degrees; ATAN2 returns
+    degrees.
 
     Raises:
         AmountError: the units don't fit, or there is no result.

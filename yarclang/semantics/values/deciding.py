@@ -1,4 +1,4 @@
-"""Expressions whose value is known only when the program runs: of registers, inputs and numbers."""
+"""Read expressions of registers, inputs and numbers, whose value is known only when the program runs."""
 
 from __future__ import annotations
 
@@ -45,10 +45,10 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 
 def condition_of(expression: Expression, scope: Scope) -> Value:
-    """Return the condition that an expression says.
+    """Return the condition of an expression.
 
     Raises:
-        EvaluationError: it says none.
+        EvaluationError: the expression is wrong, is a number, or never changes while the program runs.
     """
     value = _value(expression, scope)
     if all(isinstance(one, Constant) for one in leaves(value)):
@@ -60,10 +60,10 @@ def condition_of(expression: Expression, scope: Scope) -> Value:
 
 
 def number_of(expression: Expression, scope: Scope) -> Value:
-    """Return the number that an expression says.
+    """Return the number of an expression, for run time.
 
     Raises:
-        EvaluationError: it says none.
+        EvaluationError: the expression is wrong, or is a condition.
     """
     value = _value(expression, scope)
     if is_condition(value):
@@ -81,7 +81,13 @@ def _value(expression: Expression, scope: Scope) -> Value:
 
 
 def _part(expression: Expression, scope: Scope, depth: int) -> Value:
-    """Return what an expression computes when the program runs; what is known already is computed now."""
+    """Return the run-time value of a part of an expression. Parts that are known already are computed now.
+
+    Args:
+        expression: the part.
+        scope: the names that are known there.
+        depth: number of operations around the part.
+    """
     if depth > DEEPEST:
         message = f"more than {DEEPEST} operations stand inside each other"
         raise EvaluationError(expression.place, "Y0430", message, "compute it in several steps, with SET")
@@ -113,7 +119,7 @@ def _part(expression: Expression, scope: Scope, depth: int) -> Value:
             _refuse(expression, f"{function.text} isn't computed when the program runs")
         case Function():
             _refuse(expression, f"{expression.name} isn't computed when the program runs")
-    raise AssertionError(expression)  # numbers decide nothing
+    raise AssertionError(expression)  # numbers are handled by `_known` above
 
 
 def _refuse(expression: Expression, message: str) -> NoReturn:
@@ -133,7 +139,11 @@ def _between(operator: str, expression: Binary, scope: Scope, depth: int) -> Val
 
 
 def _in_steps(operator: str, expression: Binary, scope: Scope) -> Value | None:
-    """Return a comparison of an analogue input with a number, or with another one of the same step; None of what has no analogue input at its sides."""
+    """Return a comparison of an analogue input with a number, or with an analogue input of equal step.
+
+    Returns:
+        None without an analogue input on either side, or for another operator.
+    """
     left, right = _analogue(expression.left, scope), _analogue(expression.right, scope)
     if operator not in COMPARISONS or (left is None and right is None):
         return None
@@ -169,7 +179,7 @@ _ANALOGUE = "write PRESSURE > 4.5; a register gets no analogue value"
 
 
 def _analogue(expression: Expression, scope: Scope) -> Input | None:
-    """Return the analogue input that a side of a comparison is."""
+    """Return the analogue input that one side of a comparison names; None for any other side."""
     while isinstance(expression, Bracket):
         expression = expression.inner
     found = scope.name(expression.name) if isinstance(expression, Name) else None
@@ -187,7 +197,7 @@ def _check(value: Value, expression: Expression, *, wants_condition: bool) -> No
 
 
 def _decides(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression names something that is known only when the program runs, ON, OFF, or nothing at all."""
+    """Return True if an expression has ON, OFF, or a name that isn't a number at compile time."""
     if isinstance(expression, Name):
         return expression.name in _STATES or not isinstance(scope.name(expression.name), Amount)
     if isinstance(expression, Applied):

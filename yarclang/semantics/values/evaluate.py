@@ -1,4 +1,4 @@
-"""Expressions to amounts."""
+"""Evaluate expressions at compile time."""
 
 from __future__ import annotations
 
@@ -17,11 +17,15 @@ from yarclang.units import UNITS
 LARGEST_NUMBER = 1e9
 
 AT_RUN_TIME = "its value is known only when the program runs: WHEN, CASE and SET can use it"
-"""What is advised where a register or an input stands in what is computed when compiled."""
+"""Help if a register or an input stands in an expression that is computed at compile time."""
 
 
 class EvaluationError(FindingError):
-    """An expression without a value, and the place in the statement; else as `FindingError`."""
+    """The error of an expression without a value.
+
+    Attributes:
+        place: its place in the statement.
+    """
 
     def __init__(
         self, place: Place, code: str, message: str, help_: str = "", subject: Subject | None = None
@@ -31,15 +35,15 @@ class EvaluationError(FindingError):
 
     @classmethod
     def at(cls, place: Place, error: AmountError) -> EvaluationError:
-        """Return what can't be computed with its place."""
+        """Return an error of a computation with its place."""
         return cls(place, error.code, error.message, error.help, error.subject)
 
 
 def evaluate(expression: Expression, scope: Scope) -> Amount:
-    """The value of an expression.
+    """Return the value of an expression.
 
     Raises:
-        EvaluationError: it has none.
+        EvaluationError: the expression has no value.
     """
     match expression:
         case Number(text=text, value=value, place=place):
@@ -75,10 +79,10 @@ def evaluate(expression: Expression, scope: Scope) -> Amount:
 
 
 def quantity(item: Quantity) -> Amount:
-    """A number with its own unit.
+    """Return a number with its own unit.
 
     Raises:
-        EvaluationError: it isn't a unit.
+        EvaluationError: there is no such unit.
     """
     unit = UNITS.get(item.unit.text.lower())
     if unit is None:
@@ -87,10 +91,10 @@ def quantity(item: Quantity) -> Amount:
 
 
 def named(name: Name, scope: Scope) -> Amount:
-    """The number that a name stands for.
+    """Return the number that a name stands for.
 
     Raises:
-        EvaluationError: it stands for none.
+        EvaluationError: the name is unknown, or isn't that of a number.
     """
     if name.name == "PI":
         return Amount(math.pi)
@@ -117,7 +121,7 @@ def table_of(element: Element, scope: Scope) -> Table:
     """Return the table of an element.
 
     Raises:
-        EvaluationError: there is none of its name, or it has another number of indices.
+        EvaluationError: there is no such table, or it has another number of indices.
     """
     name, found = element.table, scope.name(element.table.name)
     if isinstance(found, Places):
@@ -145,12 +149,12 @@ def _check_indices(element: Element, sizes: tuple[int, ...]) -> None:
 
 
 def is_place(expression: Expression, scope: Scope) -> bool:
-    """Return True if an expression is an element of a table of poses or joint positions, whether there is one or not."""
+    """Return True if an expression is an element of a table of places, even with a wrong index."""
     return isinstance(expression, Element) and isinstance(scope.name(expression.table.name), Places)
 
 
 def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | None:
-    """Return the pose or joint position that an element of a table is; None of any other expression.
+    """Return the pose or joint position of an element of a table; None for any other expression.
 
     Raises:
         EvaluationError: the table has no such element.
@@ -165,10 +169,10 @@ def place_named(expression: Expression, scope: Scope) -> Pose | JointPosition | 
 
 
 def _element(element: Element, scope: Scope) -> Amount:
-    """The number of a table that an element names.
+    """Return the number of an element of a table.
 
     Raises:
-        EvaluationError: there is no such table, or it has no such number.
+        EvaluationError: there is no such table or element.
     """
     name, found = element.table, table_of(element, scope)
     sizes = found.sizes
@@ -181,10 +185,10 @@ def _element(element: Element, scope: Scope) -> Amount:
 
 
 def formula_of(applied: Applied, scope: Scope) -> Formula:
-    """Return the FUNC that is given something.
+    """Return the FUNC that an expression applies.
 
     Raises:
-        EvaluationError: there is none of this name, or it takes another number of arguments.
+        EvaluationError: there is no such function, or it takes another number of arguments.
     """
     name, found, given = applied.function, scope.name(applied.function.name), len(applied.arguments)
     if not isinstance(found, Formula):
@@ -216,7 +220,7 @@ def _applied(applied: Applied, scope: Scope) -> Amount:
     try:
         return evaluate(formula.body, inner)
     except EvaluationError as error:
-        # its place is one in the line of FUNC
+        # The error's own place is in the line of FUNC, and not in the statement.
         message = f"in {applied.function.text}: {error.message}"
         raise EvaluationError(applied.place, error.code, message, error.help, error.subject) from None
 
@@ -227,7 +231,7 @@ def _index(index: Expression, amount: Amount, size: int, name: Name, what: str) 
     except AmountError as error:
         raise EvaluationError.at(index.place, error) from None
     near = round(value)
-    # 0.3/0.1 is 2.9999999999999996: the rounding of arithmetic isn't a mistake of the program
+    # 0.3/0.1 is 2.9999999999999996: accept rounding errors.
     if abs(value - near) > _ROUNDING:
         message = f"the index of {name.text} is {value:.10g}, and an index is an integer"
         raise EvaluationError(index.place, "Y0457", message, "FLOOR(...) rounds down")

@@ -1,4 +1,4 @@
-"""The values of a way-point in SI: here mm and deg become m and rad."""
+"""Convert the values of a way-point to SI: from mm and deg to m and rad."""
 
 from __future__ import annotations
 
@@ -16,7 +16,14 @@ from yarclang.units import Kind, Unit
 
 
 def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> Array | None:
-    """The values of a way-point in SI."""
+    """Return the values of a way-point in SI; None with findings.
+
+    Args:
+        line: the command.
+        waypoint: the way-point.
+        number: its number, from 1.
+        values: the kind of its values.
+    """
     labels = values.labels(line.robot.joint_names)
     faults = 0
     for value in waypoint.values:
@@ -57,7 +64,7 @@ def numbers_of(line: Line, waypoint: WayPoint, number: int, values: Values) -> A
 
 
 def _surplus(values: tuple[Value, ...]) -> str:
-    """Return what to do about values behind the last one that is wanted."""
+    """Return the help about values after the last expected one."""
     if len(values) > 1:
         return f"take the last {len(values)} away"
     text = values[0].text
@@ -65,7 +72,7 @@ def _surplus(values: tuple[Value, ...]) -> str:
 
 
 def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Array | None:
-    """Numbers in SI; a missing unit is told once a line."""
+    """Return numbers in SI; None with findings. A missing unit is reported once for each kind in a line."""
     numbers: list[float] = []
     complete = True
     units = line.units or {}
@@ -89,7 +96,14 @@ def _in_si(line: Line, waypoint: WayPoint, kinds: tuple[Kind | None, ...]) -> Ar
 
 
 def _computed(line: Line, value: Value, kind: Kind | None, unit: Unit | None) -> float | None:
-    """The value of an expression in SI."""
+    """Return the value of an expression in SI; None with a finding.
+
+    Args:
+        line: the command.
+        value: the expression.
+        kind: the kind of unit that it needs; None for a plain number.
+        unit: the line's unit of this kind; None without one.
+    """
     found = amount(value, line.scope, line.statement, line.findings)
     if found is None:
         return None

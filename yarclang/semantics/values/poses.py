@@ -1,4 +1,4 @@
-"""Numbers to joint positions and poses: limits, rotations."""
+"""Check joint limits, and compute rotations from numbers."""
 
 from __future__ import annotations
 
@@ -16,7 +16,14 @@ from yarclang.transforms import QUATERNION_TOLERANCE, constant, quaternion_rotat
 
 
 def check_limits(robot: Robot, q: Array, findings: Collector, span: Span) -> None:
-    """One finding for the joint that is farthest out of its limits."""
+    """Add a finding for the joint that is farthest out of its limits.
+
+    Args:
+        robot: the robot.
+        q: (n,) [rad or m].
+        findings: receives the finding.
+        span: place of the finding.
+    """
     beyond = np.maximum(robot.limits.lower - q, q - robot.limits.upper)
     if beyond.max() <= 0.0:  # nearly always
         return
@@ -50,7 +57,7 @@ def _is_within(robot: Robot, q: Array) -> bool:
 
 
 def _unit_quaternion(numbers: Array, norm: float) -> str:
-    """Return what to do about a quaternion (4,) that isn't of length one."""
+    """Return the help about a quaternion (4,) whose norm isn't 1."""
     order = "the order is qx qy qz qw, with the real part last"
     if not norm > QUATERNION_TOLERANCE:
         return order
@@ -61,7 +68,14 @@ def _unit_quaternion(numbers: Array, norm: float) -> str:
 def rotation_of(
     values: Values, numbers: Array, findings: Collector, span: Callable[[], Span]
 ) -> Array | None:
-    """Return the rotation (3, 3) of roll pitch yaw [rad], or of a quaternion x y z w; None with a finding in a `span` that is asked for then."""
+    """Return a rotation (3, 3) from its numbers; None with a finding if a quaternion's norm isn't 1.
+
+    Args:
+        values: the kind of values: with a quaternion or with angles.
+        numbers: (3,) roll pitch yaw [rad], or (4,) quaternion x y z w.
+        findings: receives the finding.
+        span: returns the place of the finding; called only if it is needed.
+    """
     if not values.is_quaternion:
         return _rpy_rotation(numbers.tobytes())
     norm = float(np.linalg.norm(numbers))
@@ -74,5 +88,5 @@ def rotation_of(
 
 @lru_cache(maxsize=64)
 def _rpy_rotation(numbers: bytes) -> Array:
-    """Return the rotation (3, 3) of roll pitch yaw [rad]: often a program's poses have one orientation."""
+    """Return the rotation (3, 3) of roll pitch yaw [rad], cached: often many poses have one orientation."""
     return constant(rpy_rotation(np.frombuffer(numbers)))

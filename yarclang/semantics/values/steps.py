@@ -1,4 +1,8 @@
-"""Analogue signals: groups of bits whose number counts steps of a physical value. What is known when compiled is converted exactly; the runtime and the judge see integers alone."""
+"""Convert values of analogue signals, which are groups of bits whose number counts steps of a physical value.
+
+Values that are known at compile time are converted exactly; the runtime and the certificate see only
+integers.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +14,20 @@ _MIRRORED = {"<": ">", "<=": ">=", ">": "<", ">=": "<="}
 
 
 def mirrored(operator: str) -> str:
-    """Return the comparison that says the same with its sides exchanged."""
+    """Return the comparison that is equivalent when its sides are exchanged."""
     return _MIRRORED.get(operator, operator)
 
 
 def steps_of(number: float, step: float, name: str) -> float:
-    """Return how many steps a value is.
+    """Convert a value to a number of steps.
+
+    Args:
+        number: the value.
+        step: size of one step.
+        name: name of the signal, for the error.
 
     Raises:
-        AmountError: it lies between two steps; the message names both.
+        AmountError: the value lies between two steps; the help names both.
     """
     steps = _ratio(number, step)
     if steps.denominator == 1:
@@ -30,10 +39,16 @@ def steps_of(number: float, step: float, name: str) -> float:
 
 
 def compared(operator: str, number: float, step: float, name: str) -> tuple[str, float]:
-    """Return a comparison of the number of steps that holds for the same readings as one of the value.
+    """Convert a comparison with a value to one with a number of steps, which holds for the same readings.
+
+    Args:
+        operator: the comparison.
+        number: the value.
+        step: size of one step.
+        name: name of the signal, for the error.
 
     Raises:
-        AmountError: = and <> with a value between two steps.
+        AmountError: the operator is = or <>, and the value lies between two steps.
     """
     steps = _ratio(number, step)
     if operator in ("<", ">="):
@@ -44,7 +59,7 @@ def compared(operator: str, number: float, step: float, name: str) -> tuple[str,
 
 
 def _exact(number: float) -> Fraction:
-    """Return the number as it was written: 0.1 is a tenth."""
+    """Return a number exactly as it was written: 0.1 becomes 1/10."""
     return Fraction(repr(number))
 
 

@@ -1,4 +1,4 @@
-"""Units of a statement, and numbers in them."""
+"""Read the units of a statement, and numbers with units."""
 
 from __future__ import annotations
 
@@ -17,10 +17,15 @@ from yarclang.units import UNITS, Kind, Unit
 def resolve_units(
     statement: Statement, units: Units | None, findings: Collector
 ) -> Mapping[Kind, Unit] | None:
-    """The units that a statement names, by kind.
+    """Return the units that a statement names, by kind.
+
+    Args:
+        statement: the line.
+        units: its units; None without any.
+        findings: receives the finding.
 
     Returns:
-        None where one of them isn't a unit or a kind stands twice.
+        None with a finding if a unit is unknown, or if there are two of one kind.
     """
     found: dict[Kind, Unit] = {}
     if units is None:
@@ -45,12 +50,15 @@ def resolve_units(
 
 @lru_cache(maxsize=8)
 def joint_kinds(robot: Robot) -> tuple[Kind, ...]:
-    """The kind of unit of each joint value of a robot."""
+    """Return the kind of unit of each joint value of a robot."""
     return tuple("length" if unit == "mm" else "angle" for unit in robot.axis_unit_names)
 
 
 def number_fault(item: Value) -> tuple[str, str, str] | None:
-    """Why an item isn't a number to compute with: code, message, help; None if it is one, or an expression."""
+    """Return code, message and help of the finding about an item that isn't a number; None for a valid item.
+
+    Valid items are expressions, and numbers up to LARGEST_NUMBER.
+    """
     if isinstance(item, Number):
         if -LARGEST_NUMBER <= item.value <= LARGEST_NUMBER:
             return None
@@ -65,7 +73,7 @@ def number_fault(item: Value) -> tuple[str, str, str] | None:
 
 
 def amount(item: Value, scope: Scope, statement: Statement, findings: Collector) -> Amount | None:
-    """The value of a number, an expression, or a number with a unit; a finding where it has none."""
+    """Return the value of a number, an expression, or a number with a unit; None with a finding."""
     try:
         match item:
             case Computed(expression=expression):

@@ -1,1 +1,1 @@
-"""One file a word; `yarclang.words.registry` finds them."""
+"""One file for each word; `yarclang.words.registry` finds them."""

@@ -64,8 +64,7 @@ class MotionFacts:
 
 
 def most_used(certificate: CommandCertificate) -> tuple[str, Load]:
-    """Return the limit of velocity, acceleration, jerk or motor speed that a motion uses most, and its name.
-    """
+    """Return the limit of velocity, acceleration, jerk or motor speed that a motion uses most, named."""
     loads = [
         ("velocity", certificate.velocity),
         ("acceleration", certificate.acceleration),

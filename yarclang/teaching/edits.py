@@ -100,8 +100,7 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """Return the lines with names that aren't declared above in this file, by name and True for a frame.
-        """
+        """Return the lines with names that aren't declared above them, by name and True for a frame."""
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
             if use.symbol is None and not use.module:
@@ -140,8 +139,7 @@ class Program:
         return found
 
     def last_row(self, line: int) -> int:
-        """Return the last line of the statement that contains a line; without a statement, the line itself.
-        """
+        """Return the last line of the statement that contains a line; without one, the line itself."""
         found = self.sketch.statement_at(line)
         if found is not None:
             return found.line + found.rows - 1

@@ -131,8 +131,9 @@ class Live:
 
     @property
     def joints(self) -> Array | None:
-        """Return the actual positions (n,) [rad or m]; None if not known yet, or if the joints aren't those of the
-        robot.
+        """Return the actual positions (n,) [rad or m].
+
+        None if they aren't known yet, or if the joints aren't those of the robot.
         """
         told = self._known.joints
         if told is None or told.keys() != set(self.robot.joint_names):

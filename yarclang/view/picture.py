@@ -123,8 +123,7 @@ class Picture:
             self._parts.move_to(0.0)
 
     def fade(self, text: str) -> None:
-        """Draw all bodies grey and write the reason above the robot; for an empty text, restore the colours.
-        """
+        """Draw all bodies grey and write the reason above the robot. An empty text restores the colours."""
         self._touching = frozenset()
         for nodes in self._bodies.values():
             for node, item in nodes:

@@ -7,11 +7,11 @@
 
 Each function takes the text of a program. `check` returns the findings, `format` a text, and the others a
 `Result`: its `value`, None if an error prevents one, and the findings in `diagnostics`. Errors of users raise
-nothing, except in `format`; bugs of ours are findings as well (Y2001). The planner is imported when it is first
-needed.
+nothing, except in `format`; bugs of ours are findings as well (Y2001). The planner is imported when it is
+first needed.
 
-Comments that suppress findings, and the yarc.toml of `folder` or of a folder above it, apply as in `yarc check`
-and `yarcc`. See docs/api.md for more.
+Comments that suppress findings, and the yarc.toml of `folder` or of a folder above it, apply as in
+`yarc check` and `yarcc`. See docs/api.md for more.
 """
 
 from __future__ import annotations
@@ -41,7 +41,8 @@ __all__ = ["__version__", "check", "compile", "format", "parse", "plan", "prove"
 def parse(text: str, *, name: str = "<text>") -> Result[Module]:
     """Parse a text without a robot and without other files.
 
-    The syntax tree always exists. Lines that can't be parsed are missing in it, and have errors in `diagnostics`.
+    The syntax tree always exists. Lines that can't be parsed are missing in it and have errors in
+    `diagnostics`.
 
         >>> import yarclang
         >>> tree = yarclang.parse("P0010 MOVEJ HOME [5] (s)  ! home").value
@@ -117,7 +118,8 @@ def plan(
         >>> np.degrees(q[:, 0]).round(6).tolist()
         [0.0, 20.0, 40.0]
 
-    The findings are those of planning. `check` and `compile` also report those of the certificate and the rules.
+    The findings are those of planning. `check` and `compile` also report those of the certificate and the
+    rules.
 
     Args:
         text: the program.
@@ -203,8 +205,8 @@ def prove(
 ) -> Result[Certificate]:
     """Prove what a controller text does, and that this is what the program says.
 
-    The text is read anew, whoever wrote or changed it. The certificate holds for this text and for the robot's
-    present description.
+    The text is read anew, whoever wrote or changed it. The certificate holds for this text and for the
+    robot's present description.
 
         >>> import yarclang
         >>> program = "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)"
@@ -215,8 +217,8 @@ def prove(
         >>> edited != made.text, yarclang.prove(edited, program, robot="INDUSTRIAL6").value
         (True, None)
 
-    Without the program, all properties are checked that need none: limits, collisions, the guard, assignments,
-    places of rest. A note names the properties that aren't checked.
+    Without the program, all properties are checked that need none: limits, collisions, the guard,
+    assignments, places of rest. A note names the properties that aren't checked.
 
         >>> judged = yarclang.prove(made.text)
         >>> judged.value.position, judged.diagnostics[0].code

@@ -1,4 +1,4 @@
-"""Command and watch a robot that yarclang drives. This file needs only the standard library and may be copied.
+"""Command and watch a robot that yarclang drives. This file may be copied: it needs no other package.
 
 A process that owns a robot (`yarc serve`, `run`, `exec`, `repl`, `follow`) listens on a Unix socket of its
 user. Each line sent or received is one JSON object; docs/coordinator.md of yarclang lists all of them.

@@ -49,7 +49,7 @@ class Within:
     Attributes:
         source: the module.
         span: the place in the module.
-        through: SUBs between that line's SUB and the place, the outermost first, such as `APPROACH.IN`.
+        through: further SUBs on the way from that line to the place, in order, such as `APPROACH.IN`.
         fix: change of the module's text; None for an installed module, which nobody edits.
     """
 

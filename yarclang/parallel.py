@@ -141,7 +141,7 @@ def _serve(
     """Serve requests until there are no more. Nothing is flushed at the end, since the buffers are the
     parent's.
     """
-    # The parent ends this process.
+    # Ctrl-C reaches the parent, which ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     for other in others:

@@ -105,7 +105,7 @@ def _check(source: SourceFile, named: Symbol | Use, name: str) -> None:
 
 
 def _keeps_to(view: View, cell: Path) -> bool:
-    """Return True if a program names the cell, or names no cell and lies in the cell's folder."""
+    """Return True if a program's CELL line names the cell or, without a CELL line, its project does."""
     folder = Path(view.sketch.source.name).parent
     for statement in view.sketch.module.statements:
         if statement.name.name == "CELL":

@@ -1,4 +1,4 @@
-"""Completion: the commands, names, frames, units, options and modules that may stand at a place, documented.
+"""Completion: the commands, names, frames, units, options and modules that may stand at a place.
 
 A text to insert contains holes such as `${1:x}` for its values. Clients that can't fill holes use `plain`.
 """

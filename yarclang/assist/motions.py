@@ -64,7 +64,7 @@ class MotionFacts:
 
 
 def most_used(certificate: CommandCertificate) -> tuple[str, Load]:
-    """Return the limit of velocity, acceleration, jerk or motor speed that a motion uses most, named."""
+    """Return the most used limit of velocity, acceleration, jerk or motor speed, with its name."""
     loads = [
         ("velocity", certificate.velocity),
         ("acceleration", certificate.acceleration),

@@ -55,8 +55,7 @@ class Checks:
             early: called with the results when all motions are planned, before they are proved.
 
         Returns:
-            None if there are no results: the work was abandoned, or a description is checked for the second
-                time.
+            None if the work was cancelled, or for a description without `plans`, which is checked only once.
         """
         try:
             if document.is_program:

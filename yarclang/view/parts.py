@@ -20,7 +20,9 @@ from yarclang.view.stage import Item, Scenes, Stage
 SURE, UNSURE = 1.0, 0.45
 """Opacity of a part whose place is known, and of one that may be elsewhere."""
 _NAMED = 8
-"""Number of parts of a kind above which the delivered ones have no names: they stand too close together."""
+"""Largest number of parts of a kind that all show their names.
+
+Of more parts, only the first and held ones do, because the others stand close together."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -42,7 +42,7 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
             made += _renumber(server, document)
         if _wanted(FIX_ALL, only) and _fixable(document, analysis.checked):
             made.append(_fix_all(uri))
-            # a request for everything must not wait for planning
+            # A general request must not wait for planning.
             if only is not None or (not _resolves(server) and analysis.is_whole):
                 await _resolve(server, made[-1])
             elif not _resolves(server):

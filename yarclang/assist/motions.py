@@ -121,7 +121,14 @@ def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Arra
 
 
 def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: Robot) -> Array | None:
-    """Return base_from_frame (4, 4) of the moving frame at the end of a motion."""
+    """Return base_from_frame (4, 4) of the moving frame at the end of a motion.
+
+    Args:
+        step: the motion.
+        joints: (n,) joint positions at its end [rad or m]; None if they aren't known.
+        flange_from_frame: (4, 4) of the moving frame.
+        robot: the robot.
+    """
     if isinstance(goal := step.end, PoseGoal):
         return goal.base_from_moving
     if joints is None:

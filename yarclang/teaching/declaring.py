@@ -166,7 +166,14 @@ def _is_declaration(statement: Statement) -> bool:
 
 
 def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str:
-    """Return `JOINTS NAME ...` of joint positions (n,) [rad or m], without units that DEFAULT gives."""
+    """Return `JOINTS NAME ...` of joint positions, without units that DEFAULT gives.
+
+    Args:
+        around: the program.
+        name: name of the declaration.
+        joints: (n,) [rad or m].
+        holds: values that the line may omit.
+    """
     kinds = joint_kinds(around.robot)
     units = {kind: holds.unit(kind) for kind in kinds}
     numbers = joint_numbers(around.robot, joints, units)

@@ -203,7 +203,13 @@ class _Maker:
         return " ".join(position_numbers(via[:3, 3], units))
 
     def _increment(self, taught: Taught, units: dict[Kind, str], joints: Array) -> tuple[str, str]:
-        """Return the increments of DMOVE, and the base frame that the line has to name."""
+        """Return the increments of DMOVE, and the base frame that the line has to name.
+
+        Args:
+            taught: the motion.
+            units: units of the increments, by kind.
+            joints: (n,) present joint positions [rad or m].
+        """
         around, line = self._around, self._after + 1
         tool = around.frame(self._moving, line, moves=True).transform
         stood = flange_before(around, self._after) @ tool

@@ -199,7 +199,14 @@ def _why_not(program: Program, statement: Statement, number: int) -> str:
 
 
 def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> list[str]:
-    """Return the new numbers."""
+    """Return the new numbers of a point.
+
+    Args:
+        around: the program.
+        asked: the motion or declaration in the line to change.
+        point: the point.
+        joints: (n,) present joint positions [rad or m].
+    """
     statement, line = point.statement, point.statement.line
     is_declaration = statement.index is None and statement.name.name in _DECLARED
     holds = holding(around.program, line, declares=is_declaration)

@@ -37,7 +37,13 @@ RAMPS: dict[str, tuple[Colour, ...]] = {
 
 
 def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
-    """Return the colours (N, 3) of values (N,) from 0 to `most`. Larger values have the last colour."""
+    """Return the colours (N, 3) of values.
+
+    Args:
+        values: (N,) from 0 to `most`; larger values have the last colour.
+        most: value at the end of the colour scale.
+        ramp: name of the colour ramp.
+    """
     anchors = np.array(RAMPS[ramp], dtype=np.float64)
     share = np.clip(values / most if most > 0.0 else np.zeros_like(values), 0.0, 1.0) * (len(anchors) - 1)
     places = np.arange(len(anchors))

@@ -132,7 +132,17 @@ def _kept(
 def _wrong(
     points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
 ) -> Array:
-    """Return the deviations (M,) of points from lines, in place or colour, as multiples of the tolerances."""
+    """Return the deviations (M,) of points from lines, in place or colour, as multiples of the tolerances.
+
+    Args:
+        points: (N, 3) points of the path [m].
+        shades: (N,) their colours, from 0 to 1.
+        first: (M,) points at which the lines begin.
+        second: (M,) points at which the lines end.
+        inside: (M,) points to compare with the lines.
+        off: tolerance of the distance [m].
+        shade: tolerance of the colour.
+    """
     chord, arm = points[second] - points[first], points[inside] - points[first]
     square = np.einsum("ni,ni->n", chord, chord)
     share = np.einsum("ni,ni->n", chord, arm) / np.where(square > 0.0, square, 1.0)

@@ -148,7 +148,13 @@ class Picture:
         self._touching = touching
 
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
-        """Colour the path by values (N,), one for each point, from 0 to `most`."""
+        """Colour the path by values.
+
+        Args:
+            values: (N,) value of each point.
+            most: value at the end of the colour scale.
+            ramp: name of the colour ramp.
+        """
         if self._way is not None:
             self._shades = shades = colours.linear(colours.coloured(values, most, ramp))
             self._drawn = drawn = drawn_lines(self._stage.way, values, most)
@@ -172,7 +178,13 @@ class Picture:
             self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
 
     def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
-        """Draw some lines of the path exactly."""
+        """Draw some lines of the path exactly.
+
+        Args:
+            name: name of the node.
+            wanted: True for the lines to draw.
+            width: width of the lines [pixels].
+        """
         first = self._first[wanted]
         if len(first):
             self._chosen.append(

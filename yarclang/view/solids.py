@@ -66,14 +66,24 @@ def _box(size: Array) -> Solid:
 
 
 def _arc(radius: float, half: float) -> tuple[Array, Array]:
-    """Return radii and heights of two half spheres 2 `half` apart, from the lower pole to the upper one."""
+    """Return radii and heights of two half spheres, from the lower pole to the upper one.
+
+    Args:
+        radius: radius of the half spheres [m].
+        half: half the distance of their centres [m].
+    """
     angle = np.linspace(0.0, np.pi / 2.0, _RINGS + 1)
     out, up = radius * np.sin(angle), radius * np.cos(angle)
     return np.concatenate([out, out[::-1]]), np.concatenate([-half - up, half + up[::-1]])
 
 
 def _turned(radius: Array, height: Array) -> Solid:
-    """Return the solid of a profile, from its lower end to its upper one, turned about z."""
+    """Return the solid of a profile that is turned about z.
+
+    Args:
+        radius: (K,) radii of the profile, from its lower end to its upper one [m].
+        height: (K,) heights [m].
+    """
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     x, y = radius[:, None] * np.cos(angle), radius[:, None] * np.sin(angle)
     z = np.broadcast_to(height[:, None], x.shape)

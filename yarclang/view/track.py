@@ -140,14 +140,28 @@ def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces
 
 
 def way_of_track(track: Track, times: Array, chain: Chain, flange_from_frame: Array) -> Way:
-    """Return the path of a frame at times (N,) [s], in one stretch."""
+    """Return the path of a frame in one stretch.
+
+    Args:
+        track: the joints over time.
+        times: (N,) [s].
+        chain: the robot's joints.
+        flange_from_frame: (4, 4) of the frame.
+    """
     q, v = track.at(times)
     points, speed = followed(chain, q, v, flange_from_frame)
     return Way(times, points, speed, np.array([0, len(times)]), np.array([-1]))
 
 
 def followed(chain: Chain, q: Array, v: Array, flange_from_frame: Array) -> tuple[Array, Array]:
-    """Return positions (N, 3) [m] and speeds (N,) [m/s] of a frame's origin."""
+    """Return positions (N, 3) [m] and speeds (N,) [m/s] of a frame's origin.
+
+    Args:
+        chain: the robot's joints.
+        q: (N, n) joint positions [rad or m].
+        v: (N, n) joint velocities.
+        flange_from_frame: (4, 4) of the frame.
+    """
     poses, jacobians = poses_and_jacobians(chain, q, flange_from_frame)
     speed: Array = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, :3], v), axis=1)
     return poses[:, :3, 3], speed

@@ -173,7 +173,18 @@ class ServerMaker(Protocol):
         seed: int,
         tell: Callable[[float, str], None],
     ) -> Server:
-        """Return a controller among the machines of a cell, commissioned for a robot; None for no robot."""
+        """Return a simulated controller.
+
+        Args:
+            robot: robot for which it is commissioned; None for none.
+            cell: cell with further machines; None for none.
+            host: host to listen on.
+            port: port to listen on.
+            rate: factor of its time relative to real time; None for as fast as possible.
+            faults: faults to simulate.
+            seed: seed of its random numbers.
+            tell: called with its time [s] and a report.
+        """
 
 
 @frozen(eq=False)

@@ -22,7 +22,12 @@ from yarclang.units import MM
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """A text in Markdown, and the stretch that the text explains."""
+    """An explanation.
+
+    Attributes:
+        text: in Markdown.
+        span: the stretch that the text explains.
+    """
 
     text: str
     span: Span

@@ -19,7 +19,12 @@ NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A stretch of a file."""
+    """A stretch of a file.
+
+    Attributes:
+        source: the file.
+        span: the stretch.
+    """
 
     source: SourceFile
     span: Span
@@ -27,7 +32,12 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A declaration: a symbol of a file."""
+    """A declaration in a file.
+
+    Attributes:
+        sketch: structure of the file.
+        symbol: the declaration.
+    """
 
     sketch: Sketch
     symbol: Symbol

@@ -17,7 +17,12 @@ from yarclang.syntax.parse import parse
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """A text and its syntax tree."""
+    """A text and its syntax tree.
+
+    Attributes:
+        source: the text.
+        module: its syntax tree.
+    """
 
     source: SourceFile
     module: Module

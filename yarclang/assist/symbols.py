@@ -106,7 +106,12 @@ class Use:
 
 @dataclass(slots=True)
 class Names:
-    """The symbols of a file in order, and all uses of names, including undeclared ones."""
+    """The names of a file.
+
+    Attributes:
+        symbols: declarations, in order.
+        uses: all uses of names, including undeclared ones.
+    """
 
     symbols: list[Symbol] = field(default_factory=list)
     uses: list[Use] = field(default_factory=list)

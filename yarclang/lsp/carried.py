@@ -15,7 +15,12 @@ from yarclang.source import SourceFile, Span
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """Findings that only planning reports, and their text."""
+    """Findings that only planning reports.
+
+    Attributes:
+        source: their text.
+        findings: the findings.
+    """
 
     source: SourceFile
     findings: tuple[Diagnostic, ...]

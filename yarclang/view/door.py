@@ -18,7 +18,12 @@ _ALL = {"0.0.0.0", "::"}
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """The address at which a picture is served."""
+    """The address at which a picture is served.
+
+    Attributes:
+        host: address to listen on, or its name.
+        port: port to listen on.
+    """
 
     host: str
     port: int

@@ -1,6 +1,4 @@
-"""The check for each kind of open text: program, cell, robot or project. All checks are those of `yarc
-check`.
-"""
+"""The checks of `yarc check` for each kind of open text: program, cell, robot or project."""
 
 from __future__ import annotations
 

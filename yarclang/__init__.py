@@ -5,11 +5,13 @@
     >>> made.ok, made.value.certificate.duration
     (True, 2.0)
 
-Each function takes the text of a program. `check` gives the findings; the others a `Result`: a `value`, None where an error forbids one, and
-`diagnostics`, the findings. What a user writes raises nothing, but in `format`; a bug of ours is a finding too (Y2001). The planner is imported when
-it is first needed.
+Each function takes the text of a program. `check` returns the findings, `format` a text, and the others a
+`Result`: its `value`, None if an error prevents one, and the findings in `diagnostics`. Errors of users raise
+nothing, except in `format`; bugs of ours are findings as well (Y2001). The planner is imported when it is
+first needed.
 
-Comments that suppress findings, and the yarc.toml of `folder` or of one above it, hold here as in `yarc check` and `yarcc`. docs/api.md tells more.
+Comments that suppress findings, and the yarc.toml of `folder` or of a folder above it, apply as in
+`yarc check` and `yarcc`. See docs/api.md for more.
 """
 
 from __future__ import annotations
@@ -31,15 +33,16 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MARK = "\ufeff"
-"""A byte order mark before a text is no part of it."""
+"""Byte order mark, which is removed from the beginning of a text."""
 
 __all__ = ["__version__", "check", "compile", "format", "parse", "plan", "prove"]
 
 
 def parse(text: str, *, name: str = "<text>") -> Result[Module]:
-    """Text to syntax tree; knows no robot, and reads no other file.
+    """Parse a text without a robot and without other files.
 
-    There is always a tree: of lines that can't be read it has none, and `diagnostics` has their errors.
+    The syntax tree always exists. Lines that can't be parsed are missing in it and have errors in
+    `diagnostics`.
 
         >>> import yarclang
         >>> tree = yarclang.parse("P0010 MOVEJ HOME [5] (s)  ! home").value
@@ -48,7 +51,10 @@ def parse(text: str, *, name: str = "<text>") -> Result[Module]:
 
     Args:
         text: the program.
-        name: how findings call the text.
+        name: name of the text in findings.
+
+    Returns:
+        The syntax tree.
     """
     from yarclang.source import SourceFile
     from yarclang.syntax.parse import parse as parse_source
@@ -66,7 +72,7 @@ def check(
     cell: str | PathLike[str] | None = None,
     plans: bool = True,
 ) -> tuple[Diagnostic, ...]:
-    """All that `yarc check` says of a program, in the order of its lines.
+    """Return the findings of `yarc check` for a program, in the order of its lines.
 
         >>> import yarclang
         >>> for one in yarclang.check("P0010 MOVEJ 200 0 0 0 0 0 [5] (deg,s)", robot="INDUSTRIAL6"):
@@ -77,13 +83,14 @@ def check(
 
     Args:
         text: the program.
-        robot: a robot's name or the path of a robot.toml, if neither a ROBOT line nor yarc.toml names it.
-        name: how findings call the text.
-        folder: where the program belongs: its modules, its cell and its yarc.toml are looked for there.
-        start: where the robot stands [deg, mm for prismatic joints], one value a joint; without it what the program says, else yarc.toml, else
-            the robot's home.
-        cell: the path of a cell.toml that the program keeps to; without it that of a CELL line or of yarc.toml. If several are named, they must be one file.
-        plans: whether motions are planned and proved; without, only what needs neither is found.
+        robot: name of a robot or path of a robot.toml, if neither a ROBOT line nor yarc.toml names one.
+        name: name of the text in findings.
+        folder: the program's folder, with its modules, its cell and its yarc.toml.
+        start: start position [deg, mm for prismatic joints], one value for each joint; None for that of the
+            program, of yarc.toml or, without one, the robot's home.
+        cell: path of the program's cell.toml; None for that of a CELL line or of yarc.toml. If several are
+            named, they must be the same file.
+        plans: True to plan and prove motions; otherwise only findings that need neither are returned.
     """
     from yarclang.pipeline.checking import check_text
 
@@ -100,7 +107,7 @@ def plan(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[MotionPlan]:
-    """Text to motion plan: the joints as a function of time.
+    """Plan the motions of a program: the joints as a function of time.
 
         >>> import numpy as np
         >>> import yarclang
@@ -111,7 +118,8 @@ def plan(
         >>> np.degrees(q[:, 0]).round(6).tolist()
         [0.0, 20.0, 40.0]
 
-    The findings are those of planning; what the certificate and the rules say, `check` and `compile` tell.
+    The findings are those of planning. `check` and `compile` also report those of the certificate and the
+    rules.
 
     Args:
         text: the program.
@@ -151,7 +159,7 @@ def compile(  # noqa: A001  (the word that people look for)
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[Compiled]:
-    """Text to certified controller text, as `yarcc` writes it, with all that led to it.
+    """Compile a program to certified controller text, as `yarcc` does, with all intermediate results.
 
         >>> import yarclang
         >>> made = yarclang.compile("P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)", robot="INDUSTRIAL6")
@@ -163,12 +171,13 @@ def compile(  # noqa: A001  (the word that people look for)
         >>> yarclang.compile("P0010 MOVEK", robot="INDUSTRIAL6").value is None
         True
 
-    The findings are those of `check`. An error leaves no value, nor does a finding that yarc.toml calls an error.
+    The findings are those of `check`. There is no value if a finding is an error, or yarc.toml makes it one.
 
     Args:
         text: the program.
         robot: see `check`.
-        target: what the text is for, by a name of the robot's kind of controller: of a Turbo PMAC `rotary`, to be streamed, or `prog`, a program buffer to download.
+        target: target of the text, by a name of the robot's kind of controller. For a Turbo PMAC, `rotary` is
+            streamed and `prog` is a program buffer to download.
         name: see `check`.
         folder: see `check`.
         start: see `check`.
@@ -194,9 +203,10 @@ def prove(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[Certificate]:
-    """Prove what a controller text does, and that it is what the program says.
+    """Prove what a controller text does, and that this is what the program says.
 
-    The text is read anew, whoever wrote it or changed it since; the certificate holds for it and the robot as it is described today.
+    The text is read anew, whoever wrote or changed it. The certificate holds for this text and for the
+    robot's present description.
 
         >>> import yarclang
         >>> program = "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)"
@@ -207,21 +217,21 @@ def prove(
         >>> edited != made.text, yarclang.prove(edited, program, robot="INDUSTRIAL6").value
         (True, None)
 
-    Without the program, the text is judged for all that needs none: limits, collisions, the guard, what it assigns, where it rests. A note
-    says what isn't judged.
+    Without the program, all properties are checked that need none: limits, collisions, the guard,
+    assignments, places of rest. A note names the properties that aren't checked.
 
         >>> judged = yarclang.prove(made.text)
         >>> judged.value.position, judged.diagnostics[0].code
         (inf, 'Y1193')
 
     Args:
-        controller_text: what `yarcc` has written.
-        text: the program that it is to carry out; None if that isn't at hand.
-        robot: see `check`; without the program, a text's own header names it.
-        name: how findings call the program, or the controller text if there is none.
+        controller_text: text written by `yarcc`.
+        text: the program that the controller text should perform; None if it isn't available.
+        robot: see `check`; without the program, the controller text's header names the robot.
+        name: name of the program in findings; without one, name of the controller text.
         folder: see `check`.
         start: see `check`.
-        cell: see `check`; without the program, the path of a cell.toml with the surroundings.
+        cell: see `check`; without the program, path of a cell.toml with the surroundings.
     """
     from yarclang.backend import backend_of
     from yarclang.diagnostics import Result
@@ -247,14 +257,15 @@ def prove(
 
 
 def format(text: str) -> str:  # noqa: A001  (the word that people look for)
-    r"""A program in its usual form, as `yarc fmt` writes it: names in upper case, blocks indented, comments below each other.
+    r"""Return a program formatted as by `yarc fmt`: names in upper case, blocks indented, comments aligned.
 
         >>> import yarclang
         >>> yarclang.format("p1   movej  home [1](s)")
         'P1 MOVEJ HOME [1] (s)\n'
 
     Raises:
-        ValueError: the program has syntax errors, or its usual form isn't proved to say the same; the message names the first line.
+        ValueError: the program has syntax errors, or the formatted program isn't proved to mean the same; the
+            message names the first line.
     """
     from yarclang.source import SourceFile
     from yarclang.syntax.form import usual_form

@@ -1,6 +1,7 @@
-"""Describes a kind of controller to the rest by one value, `BACKEND`, in `backend.py` of its package `backend_*`.
+"""Kinds of controllers: each is described by one value `BACKEND` in `backend.py` of its package `backend_*`.
 
-Neutral rooms ask it, and never which kind it is. Its `kind` is enough to read a robot; all else is imported when it is asked for.
+Neutral rooms use this value without knowing the kind. `kind` is enough to read a robot; everything else is
+imported when it is needed.
 """
 
 from __future__ import annotations
@@ -35,13 +36,14 @@ if TYPE_CHECKING:
 
 @frozen(eq=False)
 class Written:
-    """A program's text but for its header, and what the header says of it.
+    """A program's text without its header, and the values in the header that describe it.
 
     Attributes:
-        target: what the text is for.
-        loading: what a person who loads the text by hand must know.
-        start: where it starts: each axis's name and a decimal number in its axis unit, nothing between, as `A0.5B-3`.
-        segments: the segment times in use as printed [ms], up to four digits and twelve decimals: none, one, or the least and the largest.
+        target: target of the text.
+        loading: instructions for a person who loads the text by hand.
+        start: start position: each axis's name and a decimal number in its axis unit, joined as in `A0.5B-3`.
+        segments: used segment times as printed [ms], up to four digits and twelve decimals: none, one, or the
+            smallest and the largest.
         time: prints a segment time [ms].
         text: returns the whole text with the lines of a header.
     """
@@ -59,10 +61,10 @@ class Sendable:
     """The lines of a text that are streamed.
 
     Attributes:
-        lines: each with its number in the text.
-        guarded: the lines after which the controller holds by itself when it hears no more of this computer.
-        capacity: how many lines surely fit into the controller's buffer.
-        own: what else the scripts of the kind need.
+        lines: each line with its number in the text.
+        guarded: lines after which the controller holds by itself if this computer falls silent.
+        capacity: number of lines that certainly fit into the controller's buffer.
+        own: further data for the scripts of this kind.
     """
 
     lines: tuple[tuple[int, str], ...]
@@ -73,14 +75,14 @@ class Sendable:
 
 @frozen(eq=False)
 class Settings:
-    """What a controller is told once about a robot.
+    """The settings of a controller for a robot.
 
     Attributes:
-        text: writes it.
-        judge: proves it, or what somebody has made of it; what was proved as sentences, None with the errors.
-        differences: what a text that was proved says otherwise than the one that is written.
-        items: what is looked at on the controller before anything moves.
-        lines: what of the text is sent.
+        text: writes the settings.
+        judge: proves settings, also edited ones. Returns the proved facts as sentences; None with errors.
+        differences: returns the differences of a proved text from the written one.
+        items: returns the values that are read from the controller before anything moves.
+        lines: returns the lines of the text that are sent.
     """
 
     text: Callable[[Robot], str]
@@ -97,19 +99,20 @@ NO_SETTINGS = Settings(
     items=lambda robot: (),  # noqa: ARG005
     lines=lambda text: (),  # noqa: ARG005
 )
-"""Those of a controller that has to be told nothing."""
+"""The settings of a controller that needs none."""
 
 
 @frozen(eq=False)
 class LiveWriting:
-    """How live motions are written.
+    """The writing of live motions.
 
     Attributes:
-        decimals: how many decimals a robot's positions are printed with, in segments of so many seconds.
-        lines: prints positions (k, n) [rad or m] with so many decimals.
-        points: reads them back (k, n) [rad or m], by the judge's own reading; else what is wrong with them.
-        motion: makes a live motion: of a robot that stands somewhere (n,), and may stand so far off that (n,) [rad or m], with segments [s] and decimals, called
-            so, whose lines are made by a source.
+        decimals: returns the number of decimals of a robot's positions, for a segment time [s].
+        lines: prints positions (k, n) [rad or m] with a number of decimals.
+        points: reads printed positions (k, n) [rad or m] with the judge's reader; an error text if they are
+            wrong.
+        motion: makes a live motion from the robot, its position (n,) and tolerances (n,) [rad or m], the
+            segment time [s], the decimals, a name, and the source of the lines.
     """
 
     decimals: Callable[[Robot, float], int]
@@ -120,7 +123,12 @@ class LiveWriting:
 
 @frozen(eq=False)
 class Simulated:
-    """A controller that is simulated in this process: the port of this computer at which it listens, and its time, if it waits for its session."""
+    """A controller that is simulated in this process.
+
+    Attributes:
+        port: its port on this computer.
+        leash: its time, if it waits for its session; otherwise None.
+    """
 
     port: int
     leash: Leash | None
@@ -134,19 +142,19 @@ class Server(Protocol):
     rate: float | None
 
     async def start(self) -> None:
-        """Listen."""
+        """Start listening."""
 
     async def serve(self) -> None:
-        """Be there until somebody cancels this."""
+        """Serve until cancelled."""
 
     async def close(self) -> None:
-        """End all connections."""
+        """Close all connections."""
 
     def tell(self, text: str) -> None:
-        """Say something at the controller's time."""
+        """Report a text at the controller's time."""
 
     def differences(self) -> tuple[str, ...]:
-        """Return what programs have used that is simulated otherwise, in words."""
+        """Return descriptions of features that programs have used and that are simulated differently."""
 
 
 class ServerMaker(Protocol):
@@ -165,12 +173,29 @@ class ServerMaker(Protocol):
         seed: int,
         tell: Callable[[float, str], None],
     ) -> Server:
-        """Make one that is commissioned for a robot (None: a bare one), among the machines of a cell."""
+        """Return a simulated controller.
+
+        Args:
+            robot: robot for which it is commissioned; None for none.
+            cell: cell with further machines; None for none.
+            host: host to listen on.
+            port: port to listen on.
+            rate: factor of its time relative to real time; None for as fast as possible.
+            faults: faults to simulate.
+            seed: seed of its random numbers.
+            tell: called with its time [s] and a report.
+        """
 
 
 @frozen(eq=False)
 class Bench:
-    """The simulator of `yarc sim`: what a bare controller is called, how a text becomes a fault (`ValueError` says what is wrong with it), and who makes one."""
+    """The simulator of `yarc sim`.
+
+    Attributes:
+        title: name of a controller without a robot.
+        fault: makes a fault from a text. Raises ValueError with the reason if the text is wrong.
+        server: makes a simulated controller.
+    """
 
     title: str
     fault: Callable[[str], Any]
@@ -182,22 +207,27 @@ class Backend:
     """A kind of controller.
 
     Attributes:
-        kind: what a robot.toml tells of it.
-        suffix: how files with its texts end.
-        targets: what texts can be for; the first is for being streamed.
-        port: where it listens on the network, if an address says nothing else.
-        grid: the segment times for a robot, none longer than so many ms, where that is given; None, with a finding, where it can't be.
-        write: writes a plan for a target, within a tolerance; None, with findings, where the controller can't do it.
+        kind: its properties in a robot.toml.
+        suffix: suffix of files with its texts.
+        targets: targets of texts; the first one is for streaming.
+        port: default port on the network.
+        grid: returns the segment times for a robot, up to a longest one [ms] if it is given; None, with a
+            finding, if that is impossible.
+        write: writes a plan for a target within a tolerance; None, with findings, if the controller can't run
+            it.
         reader: returns the judge's reader of its texts.
-        sendable: what of a text that was judged is streamed; a finding, if nothing is.
-        scripts: returns how it is talked to.
-        simulated: a simulator with a robot that stands somewhere (n,) [rad or m], whose time passes so many times as fast, among the machines of a cell.
-        settings: returns what it is told once about a robot.
-        live: returns how live motions are written; None: it has none.
-        bench: returns the simulator of `yarc sim`; without it, there is none.
-        proof: returns the proof of a text that was certified, for a checker that knows no other room; a finding, if there is none. It is given the text, what the judge has
-            read, the program, the robot, the tolerance and the planner's claims. Without it, no text has a proof.
-        purposes: tells what each line of a text is for; without it, the moves that the header lists are known, and no other line.
+        sendable: returns the lines of a judged text that are streamed; a finding if there are none.
+        scripts: returns the scripts of its communication.
+        simulated: returns a simulator with a robot at a position (n,) [rad or m], a time factor, and the
+            machines of a cell.
+        settings: returns its settings for a robot.
+        live: returns the writing of live motions; None if there are none.
+        bench: returns the simulator of `yarc sim`; None if there is none.
+        proof: returns the proof of a certified text for the independent checker; a finding if there is none.
+            Its arguments are the text, the judge's reading of it, the program, the robot, the tolerance and
+            the planner's claims. None if no text has a proof.
+        purposes: yields the purpose of each line of a text. By default, only the moves in the header are
+            known.
     """
 
     kind: Kind
@@ -235,11 +265,11 @@ def backend_called(kind: str) -> Backend:
 
 
 def backend_for(target: str) -> Backend | None:
-    """Return the backend whose texts are for a target; None if no kind has such a target."""
+    """Return the backend whose texts are for a target; None if there is none."""
     backends = map(backend_called, kind_names())
     return next((one for one in backends if target in one.targets), None)
 
 
 def suffixes() -> tuple[str, ...]:
-    """Return how files with the texts of all kinds end."""
+    """Return the suffixes of files with texts, for all kinds."""
     return tuple(backend_called(name).suffix for name in kind_names())

@@ -1,7 +1,7 @@
-"""Order, ask and watch a robot that yarclang drives: one file without other imports than the standard library's, to be copied or imported.
+"""Command and watch a robot that yarclang drives. This file may be copied: it needs no other package.
 
-A process that owns a robot (`yarc serve`, `run`, `exec`, `repl`, `follow`) listens on a Unix socket of its user. One JSON object a line goes there, and one
-comes back; docs/coordinator.md of yarclang lists them all.
+A process that owns a robot (`yarc serve`, `run`, `exec`, `repl`, `follow`) listens on a Unix socket of its
+user. Each line sent or received is one JSON object; docs/coordinator.md of yarclang lists all of them.
 
     from yarclang.client import Robot
 
@@ -13,7 +13,8 @@ comes back; docs/coordinator.md of yarclang lists them all.
         for event in robot.events():
             print(event)
 
-Written for Python 3.8 and later. Each `Robot` is for one thread; `order`, `stop`, `hold`, `abort` and `close` may be called from any.
+Written for Python 3.8 and later. Each `Robot` is for one thread, except that any thread may call `order`,
+`stop`, `hold`, `abort` and `close`.
 """
 
 from __future__ import annotations
@@ -33,10 +34,10 @@ from types import TracebackType
 from typing import Any, Dict, Iterator, NamedTuple
 
 VERSION = 1
-"""Of the protocol."""
+"""Version of the protocol."""
 
 REPLY_TIME = 5.0
-"""Whoever takes longer to answer what needs no motion hangs [s]; a computer with much to do may need seconds."""
+"""Longest time for an answer that needs no motion [s]. A busy computer may need seconds."""
 
 _LONGEST = 1 << 26
 """Longest line of an answer [bytes]."""
@@ -48,13 +49,16 @@ _NAME = re.compile(r"(?P<robot>.+)-(?P<pid>[0-9]{1,10})\.sock")
 _TCP = re.compile(r"tcp://\[?(?P<host>[^\]]+)\]?:(?P<port>[0-9]{1,5})")
 
 _LATE = (socket.timeout, BlockingIOError)
-"""What a socket says of somebody who doesn't answer, and of one whom many wait for."""
+"""Errors of a socket whose process doesn't answer, or has too many clients waiting."""
 
 Message = Dict[str, Any]
 
 
 class Refused(Exception):  # noqa: N818  (what a reply says)
-    """An order was denied: what is the matter, what to do about it, and the code of the finding that it is, if it is one."""
+    """An order was refused.
+
+    The text says what is wrong. `help` is the remedy and `code` the code of the finding; both may be empty.
+    """
 
     def __init__(self, error: str, help_: str = "", code: str = "") -> None:
         super().__init__(error)
@@ -64,11 +68,18 @@ class Refused(Exception):  # noqa: N818  (what a reply says)
 
 
 class Gone(Exception):  # noqa: N818
-    """Nobody is there, or nobody is there any more."""
+    """The process isn't there, or not any more."""
 
 
 class Found(NamedTuple):
-    """A process that owns a robot: its name, as `industrial6-4711`, the robot's, the process's number, and its socket."""
+    """A process that owns a robot.
+
+    Attributes:
+        name: its name, such as `industrial6-4711`.
+        robot: name of the robot.
+        pid: number of the process.
+        path: path of its socket.
+    """
 
     name: str
     robot: str
@@ -77,7 +88,11 @@ class Found(NamedTuple):
 
 
 def find(folder: str | None = None) -> list[Found]:
-    """Return the processes of this user that own robots, by the sockets in a folder (None: the user's own), in the order of their names."""
+    """Return the processes of this user that own robots, sorted by name.
+
+    Args:
+        folder: folder of the sockets; None for the user's own.
+    """
     found = []
     place = Path(folder or runtime_folder())
     with contextlib.suppress(OSError):
@@ -101,19 +116,21 @@ class Robot:
     """A connection to the process that owns a robot.
 
     Args:
-        which: the path of its socket; or its name, its robot's name or the number of the process; None: the only one that there is. `tcp://HOST:PORT` is the
-            port for values of `yarc serve --values`, which takes nothing but values, and needs the token.
-        name: what others know this client by; None: no client, but another terminal: it may ask for the status, stop, hold and abort, and resume and
-            change the pace where the robot's owner shares that.
-        timeout: whoever takes longer to answer hangs [s]; motions may take as long as they like.
-        token: of the port for values.
+        which: path of its socket, its name, its robot's name or the number of the process; None for the only
+            one. `tcp://HOST:PORT` is the port of `yarc serve --values`, which only takes values and needs the
+            token.
+        name: name of this client for others. Without a name, the connection isn't a client but another
+            terminal: it may ask for the status, stop, hold and abort, and also resume and change the pace if
+            the robot's owner shares that.
+        timeout: longest time for an answer [s]; motions may take as long as they need.
+        token: token for the port of values.
 
     Attributes:
-        welcome: what was told at first; empty without a name.
+        welcome: the first message; empty without a name.
 
     Raises:
-        Gone: nobody is there.
-        Refused: another version of the protocol is spoken there.
+        Gone: the process isn't there.
+        Refused: the process uses another version of the protocol.
     """
 
     def __init__(
@@ -165,97 +182,111 @@ class Robot:
         self.close()
 
     def close(self) -> None:
-        """Go away, from any thread: one that waits for an answer or an event gets `Gone`. If this client owned the robot, it comes to rest on its path."""
+        """Close the connection, from any thread.
+
+        A thread that waits for an answer or an event gets `Gone`. If this client owned the robot, the robot
+        stops on its path.
+        """
         with contextlib.suppress(OSError):
             self._wire.shutdown(socket.SHUT_RDWR)
         self._wire.close()
 
-    # what there is to say
+    # Orders.
 
     def ask(self, order: str, *, patience: float | None = None, **fields: Any) -> Message:
-        """Order or ask something, and return the answer.
+        """Send an order or a question, and return the answer.
 
         Args:
-            order: the word for it.
-            patience: how long the answer may take [s]; None: as for the connection.
-            fields: what belongs to it.
+            order: the word of the order.
+            patience: longest time for the answer [s]; None for that of the connection.
+            fields: further fields of the order.
 
         Raises:
-            Refused: it was denied.
-            TimeoutError: there is no answer in time; it may still come, and is forgotten.
-            Gone: nobody is there any more.
+            Refused: the order was refused.
+            TimeoutError: there was no answer in time; a later one is dropped.
+            Gone: the process isn't there any more.
         """
         return self._asked(dict(fields, order=order), self._timeout if patience is None else patience)
 
     def order(self, order: str, **fields: Any) -> int:
-        """Order something without waiting, from any thread: what is ordered by one connection is heard in this order. Return a number for `answer`.
+        """Send an order without waiting, from any thread, and return a number for `answer`.
+
+        The orders of a connection are received in the order of their calls.
 
         Raises:
-            Gone: nobody is there any more.
+            Gone: the process isn't there any more.
         """
         return self._ordered(dict(fields, order=order))
 
     def answer(self, number: int, patience: float | None = None) -> Message:
-        """Wait for the answer to an `order`, and return it; arguments and errors as for `ask`."""
+        """Wait for the answer to an `order`, and return it. Arguments and errors are those of `ask`."""
         return self._answered(number, self._timeout if patience is None else patience)
 
     def want(self, **fields: Any) -> Message:
-        """Say what is wanted of a live motion (`joints`, `pose`, `velocity`, `twist` or `finish`), and return the answer; see `ask`."""
+        """Send the target of a live motion (`joints`, `pose`, `velocity`, `twist` or `finish`), and return
+        the answer.
+
+        See `ask`.
+        """
         return self._asked(dict(fields), self._timeout)
 
     def status(self) -> Message:
-        """Return how it is going."""
+        """Return the robot's status."""
         return self.ask("status")
 
     def own(self, shared: bool = False) -> None:
-        """Own the robot; `shared`: others may resume and change the pace as well."""
+        """Become the robot's owner. With `shared`, others may resume and change the pace as well."""
         self.ask("own", shared=shared)
 
     def release(self) -> Message:
-        """Leave the robot to nobody; the answer tells of the log."""
+        """Give up the robot, so that nobody owns it. The answer names the log."""
         return self.ask("release")
 
     def offer(self, text: str) -> Message:
-        """Have a line, a block or several lines planned and proved from where the robot stands; nothing moves.
+        """Plan and prove one or more lines or a block from the robot's present position. Nothing moves.
 
         Returns:
-            `offer`, or None in its place, and `findings`.
+            `offer`, which may be None, and `findings`.
         """
         return self.ask("offer", patience=float("inf"), text=text)
 
     def go(self, offer: int) -> Message:
-        """Carry an offer out, by its number, and return how it has ended."""
+        """Carry out an offer by its number, and return how it ended."""
         return self.ask("go", patience=float("inf"), offer=offer)
 
     def load(self, file: str, **fields: Any) -> Message:
-        """Have a program compiled and proved to be run: `program`, or None in its place, and `findings`."""
+        """Compile and prove a program. The answer has `program`, which may be None, and `findings`."""
         return self.ask("load", patience=float("inf"), file=str(Path(file).absolute()), **fields)
 
     def run(self, program: int, approach: bool = False, times: int | None = 1) -> Message:
-        """Carry a program out that was loaded, by its number, and return how it has ended."""
+        """Run a loaded program by its number, and return how it ended."""
         return self.ask("run", patience=float("inf"), program=program, approach=approach, times=times)
 
     def fill(self, values: dict[str, int], number: int | None = None) -> Message:
-        """Give registers that the program takes from OUTSIDE their values, while it waits for them; all are taken, or none.
+        """Give values to registers that the program takes from OUTSIDE, while it waits for them.
+
+        Either all values are taken or none.
 
         Args:
-            values: by the names of registers.
-            number: of the question that is answered, as `wanted` has told it; None: whichever is open.
+            values: values by the names of registers.
+            number: number of the answered question, from `wanted`; None for any open question.
 
         Raises:
-            Refused: they came early, late or again, or aren't what the registers hold.
+            Refused: the values came early, late or twice, or don't fit the registers.
         """
         return self.ask("fill", values=values, number=number)
 
     def wanted(self, patience: float | None = None) -> Message:
-        """Wait until the program takes values, and return which: `number`, `place`, `registers` with their ranges, and which are `needed`.
+        """Wait until the program takes values, and return the question.
+
+        The question has `number`, `place`, `registers` with their ranges, and the names that are `needed`.
 
         Args:
-            patience: how long [s]; None: for ever. Other events that come meanwhile are dropped.
+            patience: longest time [s]; None waits without limit. Other events are dropped meanwhile.
 
         Raises:
-            TimeoutError: it takes none in time.
-            Gone: nobody is there any more.
+            TimeoutError: the program takes no values in time.
+            Gone: the process isn't there any more.
         """
         until = None if patience is None else time.monotonic() + patience
         if not self._listens:
@@ -272,22 +303,24 @@ class Robot:
         return answer
 
     def stop(self) -> None:
-        """Have the robot come to rest on its path, and end what is under way; from any thread, without waiting for an answer."""
+        """Stop the robot on its path and end the running motion, from any thread, without waiting for an
+        answer.
+        """
         self._send({"order": "stop"})
 
     def hold(self) -> None:
-        """Have the robot come to rest on its path, ready to go on; else as `stop`."""
+        """Stop the robot on its path, ready to continue; otherwise like `stop`."""
         self._send({"order": "hold"})
 
     def abort(self) -> None:
-        """Have each motor come to rest at once, off the path; else as `stop`."""
+        """Stop each motor at once, off the path; otherwise like `stop`."""
         self._send({"order": "abort"})
 
     def events(self, positions: bool = False) -> Iterator[Message]:
-        """Yield all events from now on, until nobody tells any.
+        """Yield all events from now on, until the process ends.
 
         Args:
-            positions: whether positions are wanted, 50 times a second.
+            positions: True for positions as well, 50 times a second.
         """
         self.ask("listen", positions=positions)
         while True:
@@ -298,7 +331,7 @@ class Robot:
             except Gone:
                 return
 
-    # lines
+    # Lines.
 
     def _asked(self, content: Message, patience: float) -> Message:
         return self._answered(self._ordered(content), patience)
@@ -328,7 +361,7 @@ class Robot:
             raise self._gone() from error
 
     def _take(self, patience: float | None) -> None:
-        """Read one line, and keep what it says."""
+        """Read one line, and store its message."""
         content = self._read(patience)
         if "event" in content:
             self._events.append(content)
@@ -391,7 +424,7 @@ def _path_of(which: str | int | None) -> str:
 
 
 def _answers(path: str) -> bool:
-    """Whether a process of this user listens on a socket."""
+    """Return True if a process of this user listens on a socket."""
     try:
         found = os.lstat(path)
     except OSError:
@@ -402,7 +435,7 @@ def _answers(path: str) -> bool:
         wire.settimeout(0.5)
         try:
             wire.connect(path)
-        except _LATE:  # it hangs, and is alive
+        except _LATE:  # the process hangs, but it exists
             return True
         except OSError:
             return False

@@ -1,4 +1,4 @@
-"""What every stage says about the user's input: findings, collected, never raised."""
+"""Findings: the results of every stage about the user's input. They are collected, never raised."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 @frozen
 class Edit:
-    """Replace the text of a span."""
+    """Replaces the text of a span."""
 
     span: Span
     text: str
@@ -26,22 +26,31 @@ class Edit:
 
 @frozen
 class Fix:
-    """A change of the source that removes the finding."""
+    """A change of the source that removes the finding.
+
+    Attributes:
+        title: description of the change.
+        edits: the edits of the change.
+        by_choice: True for rewrites that fix no error. Applied only when selected explicitly.
+        uncovers: True if the text couldn't be parsed before the fix: later errors were there before, but
+            hidden.
+    """
 
     title: str
     edits: tuple[Edit, ...]
     by_choice: bool = False
-    """Whether it repairs nothing, but says the same in another way: it is made only where somebody asks for just this one."""
     uncovers: bool = False
-    """True if the text could not be read before the fix: errors of its meaning that appear afterwards were there, and nobody saw them."""
 
 
 @frozen
 class Within:
-    """Where in a module a finding was made that is shown at the line that called the module.
+    """The place in a module at which a finding was made that is shown at the line that called the module.
 
-    `through` are the SUBs between that line's and the place, from outside in, as `APPROACH.IN`. `fix` is a change of the module's text; None for an installed
-    module, which nobody edits.
+    Attributes:
+        source: the module.
+        span: the place in the module.
+        through: further SUBs on the way from that line to the place, in order, such as `APPROACH.IN`.
+        fix: change of the module's text; None for an installed module, which nobody edits.
     """
 
     source: SourceFile
@@ -51,7 +60,7 @@ class Within:
 
     @property
     def text(self) -> str:
-        """The place in words: `in APPROACH, line 14 (through APPROACH.IN): P0010 MOVEL ...`."""
+        """Return the place in words: `in APPROACH, line 14 (through APPROACH.IN): P0010 MOVEL ...`."""
         through = f" (through {', '.join(self.through)})" if self.through else ""
         line = " ".join(self.source.line(self.span.line).split())
         return f"in {self.source.called}, line {self.span.line}{through}: {line}"
@@ -63,10 +72,20 @@ _TOO_LONG = re.compile(rf"\S{{{_LONGEST_QUOTE + 1},}}")
 
 @frozen
 class Diagnostic:
-    """One finding: a code of the catalogue, one sentence with its figures, and where.
+    """One finding.
 
-    `message` and `help` are for people; a program that needs a fact of them takes it from `subject`. `source` and `span` are None where the finding has no
-    place in a text.
+    Attributes:
+        code: code in the catalogue.
+        message: one sentence with its figures, for people. Programs use `subject`.
+        source: the text; None if the finding has no place.
+        span: the place in the text; None if the finding has none.
+        help: remedy, for people.
+        fix: a change that removes the finding; None without one.
+        place: in unrolled code, the commands that led to this one, such as `P0020(I=2)>P0010`.
+        level: severity of a rule's finding, or severity that a project has set; None for that of the
+            catalogue.
+        within: place of the cause in a module, if the finding is shown at the line that called the module.
+        subject: the finding's facts for programs that act on it; None without them.
     """
 
     code: str
@@ -76,16 +95,12 @@ class Diagnostic:
     help: str = ""
     fix: Fix | None = None
     place: str = ""
-    """Of a finding in unrolled code: what led to the command, as `P0020(I=2)>P0010`."""
     level: Severity | None = None
-    """Of a rule's finding, or one whose severity a project has set: that severity."""
     within: Within | None = None
-    """Where in a module the cause is, of a finding that is shown at the line that called the module."""
     subject: Subject | None = None
-    """What the finding is about, if somebody acts on it."""
 
     def __post_init__(self) -> None:
-        """Keep sentences readable whatever they quote: of what is too long to be a word the beginning is enough."""
+        """Shorten quoted words that are too long to read."""
         for name in ("message", "help"):
             text = getattr(self, name)
             if len(text) > _LONGEST_QUOTE:
@@ -93,7 +108,10 @@ class Diagnostic:
 
     @property
     def shown_at(self) -> Span | None:
-        """The span within its lines: of what is missing at the end of a line, the line's last character."""
+        """Return the span within its lines.
+
+        For something missing at the end of a line, it is the line's last character.
+        """
         span = self.span
         if span is None or self.source is None or len(self.source.lines) < span.end_line:
             return span
@@ -106,52 +124,57 @@ class Diagnostic:
 
     @property
     def clause(self) -> str:
-        """The message as a part of a longer sentence: without a full stop."""
+        """Return the message without a full stop, as a part of a longer sentence."""
         return self.message.rstrip(".")
 
     @property
     def family(self) -> str:
-        """The two digits of the code's family."""
+        """Return the two digits of the code's family."""
         return family_of(self.code)
 
     @property
     def made_at(self) -> tuple[SourceFile | None, Span | None]:
-        """Where the finding was made: in a module, or at its own place."""
+        """Return the place at which the finding was made: in a module, or its own place."""
         return (self.source, self.span) if self.within is None else (self.within.source, self.within.span)
 
     @property
     def severity(self) -> Severity:
-        """How severe it is: as it was set, else as the catalogue says of its code."""
+        """Return the severity that was set, otherwise that of the code in the catalogue."""
         return self.level or CATALOGUE[self.code].severity
 
     @property
     def is_error(self) -> bool:
-        """Whether this finding stops the output."""
+        """Return True if this finding stops the output."""
         return self.severity == "error"
 
 
 @frozen
 class Result(Generic[T]):
-    """The answer of a stage: its product, or None where an error forbids one, and the findings."""
+    """The result of a stage.
+
+    Attributes:
+        value: the product; None if an error prevents one.
+        diagnostics: the findings.
+    """
 
     value: T | None
     diagnostics: tuple[Diagnostic, ...] = field(default=())
 
     @property
     def ok(self) -> bool:
-        """Whether there is a product and no error."""
+        """Return True if there is a product and no error."""
         return self.value is not None and not has_errors(self.diagnostics)
 
 
 def has_errors(diagnostics: Iterable[Diagnostic]) -> bool:
-    """Whether one of the findings is an error."""
+    """Return True if one of the findings is an error."""
     return any(diagnostic.is_error for diagnostic in diagnostics)
 
 
 def in_order(diagnostics: Iterable[Diagnostic]) -> tuple[Diagnostic, ...]:
-    """The findings sorted by file and place, each said once."""
+    """Return the findings without repetitions, sorted by file and place."""
     once = list(dict.fromkeys(each(diagnostics)))
-    # tuples are compared in a tenth of the time that spans take
+    # comparing tuples takes a tenth of the time of comparing spans
     keys = [_order(one) for one in each(once)]
     go_on()
     return tuple(once[at] for at in sorted(range(len(once)), key=keys.__getitem__))
@@ -169,14 +192,16 @@ _ROUNDS = re.compile(r"\([^()]*\)")
 
 
 def static_place(place: str) -> str:
-    """Return a place without the rounds of its loops: `P0020(I=2)>P0010` is in `P0020>P0010`."""
+    """Return a place without the rounds of its loops, such as `P0020>P0010` for `P0020(I=2)>P0010`."""
     return _ROUNDS.sub("", place)
 
 
 def grouped(diagnostics: Iterable[Diagnostic], *, at_least: bool = False) -> tuple[Diagnostic, ...]:
-    """One finding for all that say the same code at the same span: the first, with its place and how many more there are.
+    """Return one finding for all that repeat a code at a span: the first one, with the number of others.
 
-    `at_least` is True if not all was looked at, so that there may be more.
+    Args:
+        diagnostics: the findings.
+        at_least: True if not everything was checked, so that there may be more.
     """
     return tuple(_first(found, at_least) for found in each(gathered(diagnostics, _repeated)))
 
@@ -192,11 +217,11 @@ def gathered(
 
 
 def _repeated(one: Diagnostic) -> Hashable:
-    """Return what a finding has in common with those that only repeat it."""
+    """Return a key that a finding shares with those that only repeat it."""
     name = one.source.name if one.source else ""
-    if not one.place:  # nothing was unrolled: two findings are two
+    if not one.place:  # nothing was unrolled: each finding counts
         return one.code, name, one.span, "", one.message
-    # each call of a module is shown by itself
+    # Each call of a module is shown separately.
     calls = static_place(one.place) if one.source and one.source.module else ""
     return one.code, name, one.span, calls
 
@@ -215,10 +240,10 @@ class FindingError(ValueError):
     """A finding that is raised where its place isn't known.
 
     Args:
-        code: of the catalogue.
+        code: code in the catalogue.
         message: its sentence.
-        help_: what to do.
-        subject: what it is about.
+        help_: its remedy.
+        subject: its facts for programs.
     """
 
     def __init__(self, code: str, message: str, help_: str = "", subject: Subject | None = None) -> None:
@@ -230,7 +255,7 @@ class FindingError(ValueError):
 
 
 class Collector:
-    """Collects the findings of one source while a stage goes on; `place` is where in unrolled code it is."""
+    """Collects the findings of one source during a stage; `place` is the present place in unrolled code."""
 
     def __init__(self, source: SourceFile) -> None:
         self.source = source
@@ -251,10 +276,10 @@ class Collector:
         self.found.append(made)
 
     def add_error(self, error: FindingError, span: Span | None) -> None:
-        """Add a finding that was raised, at its place."""
+        """Add a raised finding at its place."""
         self.add(error.code, error.message, span, error.help, subject=error.subject)
 
     @property
     def has_errors(self) -> bool:
-        """Whether an error was added."""
+        """Return True if an error was added."""
         return has_errors(self.found)

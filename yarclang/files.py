@@ -1,4 +1,4 @@
-"""Files as the operating system has them: read in bounded time and memory, written whole or not at all."""
+"""Files: read in bounded time and memory, written completely or not at all."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import BinaryIO
 
 LARGEST_MESH = 1_000_000_000
-"""Bytes."""
+"""Largest size of a mesh [bytes]."""
 
 LARGEST_LOG = 16_000_000_000
-"""Bytes of a run's log."""
+"""Largest size of a run's log [bytes]."""
 
 _PIECE = 1 << 20
 
 _LONGEST_PREFIX = 40
-"""Characters of a file's name in that of the temporary one: both together must not be too long."""
+"""Largest number of characters of a file's name in that of its temporary file, whose length is limited."""
 
 
 _OPEN_ALREADY = ("/dev/stdin", "/dev/fd/", "/proc/self/fd/")
-"""What is open under these names was given to this process: a pipe there has somebody who writes."""
+"""Names of files that this process was given open: a pipe there has a writer."""
 
 _KINDS = {
     stat.S_IFDIR: "it is a folder, not a file",
@@ -38,8 +38,8 @@ def read_whole(path: Path, most: int) -> bytes:
     """Read a file that has at most `most` bytes.
 
     Raises:
-        OSError: the file can't be read, is larger, or isn't a file: a pipe or a device may have no end. What this process was given open, as
-            by a shell's `<(...)`, is read all the same. `strerror` says why.
+        OSError: the file can't be read, is larger, or is a pipe or device, which may have no end. Files that
+            this process was given open, as by a shell's `<(...)`, are allowed. `strerror` has the reason.
     """
     try:
         found = path.stat()
@@ -58,11 +58,11 @@ def read_stream(file: BinaryIO, most: int) -> bytes:
     """Read the rest of an open file, of at most `most` bytes.
 
     Raises:
-        OSError: it can't be read, or has more.
+        OSError: the file can't be read, or is larger.
     """
     pieces: list[bytes] = []
     size = 0
-    while piece := file.read(_PIECE):  # never more memory than there is to be read
+    while piece := file.read(_PIECE):  # piece by piece: memory grows only with the data
         pieces.append(piece)
         size += len(piece)
         if size > most:
@@ -71,13 +71,14 @@ def read_stream(file: BinaryIO, most: int) -> bytes:
 
 
 def replace_file(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all, whenever the work is interrupted. Its folder is made if it is missing.
+    """Write a file completely or not at all, even if the work is interrupted. A missing folder is made.
 
-    The data goes to a temporary file beside the target, which then takes the target's name. The mode stays (and the owner, if that is allowed). A
-    symbolic link stays, and the file that it leads to is written. A device or a pipe is written directly.
+    The data goes to a temporary file beside the target, which then takes the target's name. The mode is kept,
+    and the owner if that is allowed. A symbolic link is kept, and its target is written. A device or a pipe
+    is written directly.
 
     Raises:
-        OSError: the file can't be written, or is write-protected; it is as it was before.
+        OSError: the file can't be written, or is write-protected; it is unchanged.
     """
     if path.exists() and not path.is_file():
         path.write_bytes(data)
@@ -95,7 +96,7 @@ def replace_file(path: Path, data: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         if before is not None:
-            with suppress(OSError):  # only root may give a file to somebody
+            with suppress(OSError):  # only root may change the owner
                 os.chown(temporary, before.st_uid, before.st_gid)
         temporary.chmod(_plain_mode() if before is None else stat.S_IMODE(before.st_mode))
         temporary.replace(target)
@@ -112,5 +113,5 @@ def _plain_mode() -> int:
 
 
 def reason_of(error: OSError) -> str:
-    """Return what the system says about an error, as the end of a sentence."""
+    """Return the system's text of an error, as the end of a sentence."""
     return (error.strerror or str(error)).lower()

@@ -1,7 +1,8 @@
-"""Frozen values with slots: what `dataclass(frozen=True, slots=True)` makes, in a tenth of the time.
+"""Frozen values with slots, equivalent to `dataclass(frozen=True, slots=True)`, made in a tenth of the time.
 
-A compiler that starts for each program makes some 350 such classes first. A dataclass compiles six methods for each of them, which took a fifth of the
-start. Here five are shared by all classes, and `__init__` is compiled when the first object is made.
+The compiler makes some 350 such classes at each start. A dataclass compiles six methods for each class, which
+took a fifth of the start. Here all classes share five methods, and `__init__` is compiled for the first
+object.
 """
 
 from __future__ import annotations
@@ -27,13 +28,14 @@ def frozen(*, eq: bool = True) -> Callable[[type[T]], type[T]]: ...
 
 
 def frozen(cls: type[T] | None = None, /, *, eq: bool = True) -> Any:
-    """Make a class of frozen values of its annotations.
+    """Make a class of frozen values from its annotations.
 
-    The class is a dataclass for `dataclasses.fields`, `replace`, `asdict` and pattern matching. Methods that the class defines itself stay.
+    The class is a dataclass for `dataclasses.fields`, `replace`, `asdict` and pattern matching. Methods that
+    the class defines itself are kept.
 
     Args:
         cls: the class.
-        eq: True if values are compared and hashed by their fields; else each object equals only itself.
+        eq: True if values are compared and hashed by their fields; otherwise each object equals only itself.
     """
     if cls is None:
         return lambda decorated: _made(decorated, eq=eq)
@@ -61,7 +63,7 @@ def _made(cls: type[Any], *, eq: bool) -> type[Any]:
 
 
 def _first_init(cls: Any) -> Callable[..., None]:
-    """Return an `__init__` that compiles the real one, puts it in its own place, and calls it."""
+    """Return an `__init__` that compiles the real one, replaces itself by it, and calls it."""
 
     def __init__(self: Any, *args: Any, **named: Any) -> None:  # noqa: N807
         cls.__init__ = _init(cls)
@@ -71,7 +73,7 @@ def _first_init(cls: Any) -> Callable[..., None]:
 
 
 def _init(cls: Any) -> Callable[..., None]:
-    """Compile the `__init__` of a class: one parameter a field, then `__post_init__`, if there is one."""
+    """Compile the `__init__` of a class: a parameter for each field, and a call of `__post_init__`."""
     known: dict[str, Any] = {"_made_anew": _MADE_ANEW}
     parameters, lines = ["self"], []
     for one in fields(cls):
@@ -85,7 +87,7 @@ def _init(cls: Any) -> Callable[..., None]:
             if default is _MADE_ANEW:
                 known[f"_make_{name}"] = one.default_factory
                 given = f"_make_{name}() if {name} is _made_anew else {name}"
-        known[f"_set_{name}"] = getattr(cls, name).__set__  # of the slot: quicker than by its name
+        known[f"_set_{name}"] = getattr(cls, name).__set__  # quicker than setting by name
         lines.append(f"    _set_{name}(self, {given})")
     if hasattr(cls, "__post_init__"):
         lines.append("    self.__post_init__()")
@@ -97,7 +99,7 @@ def _init(cls: Any) -> Callable[..., None]:
 
 
 _MADE_ANEW = object()
-"""Stands for a value that is made for each object by itself."""
+"""Stands for a default value that is made for each object."""
 
 
 def _default(one: Field[Any]) -> object:
@@ -105,7 +107,7 @@ def _default(one: Field[Any]) -> object:
 
 
 def _key(names: tuple[str, ...]) -> Callable[[Any], Any]:
-    """Return what takes the compared fields of an object, as a tuple."""
+    """Return a function that returns the compared fields of an object as a tuple."""
     if not names:
         return lambda _: ()
     return attrgetter(*names, names[0]) if len(names) == 1 else attrgetter(*names)
@@ -139,7 +141,7 @@ def _refuse_to_delete(self: Any, name: str) -> None:
 
 
 def _state(self: Any) -> list[Any]:
-    """Return what pickle and copy keep of an object."""
+    """Return the state of an object for pickle and copy."""
     return [getattr(self, one.name) for one in fields(self)]
 
 

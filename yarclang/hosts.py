@@ -1,7 +1,8 @@
-"""Whether a browser's request is for this server, and from its own pages.
+"""Check that a browser's request is for this server, and comes from the server's own pages.
 
-Any page that is open in the same browser can send requests to this machine, and its site can give itself this machine's address (DNS rebinding): the browser then takes both for
-one site. But the request's Host header still has the name that the browser was sent to, and the Origin of a request that of its page.
+Any page in the same browser can send requests to this machine, and its site can claim this machine's address
+(DNS rebinding): the browser then takes both for one site. But the Host header still has the name to which the
+browser connected, and the Origin header that of its page.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ def is_called(host: str, port: int, names: set[str] | frozenset[str], scheme: st
 
     Args:
         host: the header.
-        port: that the connection has reached.
+        port: port of the connection.
         names: names and addresses in lower case.
         scheme: http or https.
     """
@@ -38,9 +39,9 @@ def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
     """Return True if a page may connect.
 
     Args:
-        origin: where the page comes from; None: it is no page that connects.
-        host: what it connects to.
-        scheme: http or https, of that connection.
+        origin: origin of the page; None if it isn't a page that connects.
+        host: Host header of the connection.
+        scheme: http or https, of the connection.
     """
     if origin is None:
         return True
@@ -60,7 +61,7 @@ def is_own(origin: str | None, host: str | None, scheme: str = "http") -> bool:
 
 
 def is_loopback(host: str) -> bool:
-    """Return True if only this machine reaches a server that listens there."""
+    """Return True if only this machine reaches a server that listens at a host."""
     try:
         return ipaddress.ip_address(host.partition("%")[0]).is_loopback
     except ValueError:
@@ -68,7 +69,7 @@ def is_loopback(host: str) -> bool:
 
 
 def _plain(name: str) -> str:
-    """Return an address in the form that is the same for all ways to write it; a name as it is."""
+    """Return an address in a unique form; a name unchanged."""
     try:
         address = ipaddress.ip_address(name.partition("%")[0])
     except ValueError:

@@ -10,10 +10,10 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile, Span
 
 _FRAMES = 6
-"""The innermost calls that a report has."""
+"""Number of innermost calls in a report."""
 
 _LONGEST = 200
-"""Characters of a line, and of an exception's text, in a report."""
+"""Largest number of characters of a line, and of an exception's text, in a report."""
 
 _PACKAGE = Path(__file__).parent
 
@@ -24,12 +24,13 @@ def internal_error(
     """Make a finding of an exception.
 
     Args:
-        error: the exception, as it was caught.
-        source: the file that was looked at, if there is one.
+        error: the caught exception.
+        source: the file being processed, if there is one.
         span: the place in the file, if it is known.
 
     Raises:
-        KeyboardInterrupt: the exception came of one: while it makes a class, Python wraps what a `__set_name__` raises.
+        KeyboardInterrupt: the exception was caused by one. Python wraps exceptions of `__set_name__` while it
+            makes a class.
     """
     if isinstance(error.__cause__, KeyboardInterrupt):
         raise error.__cause__
@@ -42,7 +43,7 @@ def internal_error(
 
 
 def _report(error: BaseException, source: SourceFile | None, span: Span | None) -> str:
-    """Return what a person who looks into the error wants to know, without names of folders."""
+    """Return a report for a developer, without names of folders."""
     import platform
     import traceback
 
@@ -65,19 +66,19 @@ def _version() -> str:
 
     try:
         return version(_PACKAGE.name)
-    except PackageNotFoundError:  # it was never installed
+    except PackageNotFoundError:  # the package was never installed
         return "of unknown version"
 
 
 def frames_of(error: BaseException) -> Iterator[tuple[FrameType, int]]:
-    """Yield the calls that were under way when an exception was raised, the outermost first, with their lines."""
+    """Yield the calls at the time of an exception with their lines, the outermost first."""
     import traceback
 
     yield from traceback.walk_tb(error.__traceback__)
 
 
 def _file(frame: FrameType) -> str:
-    """Return the path of a call's module, from the package on."""
+    """Return the path of a call's module, beginning at the package."""
     path = Path(frame.f_code.co_filename)
     return str(path.relative_to(_PACKAGE.parent) if path.is_relative_to(_PACKAGE) else Path(*path.parts[-2:]))
 
@@ -89,5 +90,5 @@ def _short(text: str) -> str:
 
 
 def _plain(text: str) -> str:
-    """Return a text with escapes for what can't be written everywhere."""
+    """Return a text with escapes for characters that can't be written everywhere."""
     return "".join(one if one.isprintable() else f"\\u{ord(one):04x}" for one in text)

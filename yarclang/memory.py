@@ -1,7 +1,9 @@
-"""What was worked out before: results by all that determines them, so that a program that was edited is worked out anew only where it changed.
+"""Earlier results, stored by everything that determines them, so that after an edit only changes are
+computed.
 
-A memory is handed to a stage as an argument. What a stage does with one is what it does without: a key holds everything that the result depends on, by
-value (`bytes` of arrays) or by identity (a robot, a path that was itself recalled; the memory holds it, so no other can take its place).
+A memory is passed to a stage as an argument. Results don't depend on it: a key contains everything that a
+result depends on, by value (`bytes` of arrays) or by identity (a robot, or a path that was itself recalled;
+the memory holds a reference, so that no other object can take its place).
 """
 
 from __future__ import annotations
@@ -15,32 +17,32 @@ T = TypeVar("T")
 
 
 class Memory(Protocol):
-    """Keeps results by their keys, as long as it likes."""
+    """Stores results by key, as long as it likes."""
 
     def get(self, key: Hashable) -> Any:
-        """What was kept, or None."""
+        """Return the stored result, or None."""
 
     def keep(self, key: Hashable, value: object) -> None:
-        """Keep a result (not None)."""
+        """Store a result, which isn't None."""
 
 
 class Forgetful:
-    """Keeps nothing: every stage's choice where nothing comes again."""
+    """Stores nothing: the choice of every stage without repetition."""
 
     def get(self, key: Hashable) -> Any:
-        """Nothing."""
+        """Return None."""
 
     def keep(self, key: Hashable, value: object) -> None:
-        """Don't."""
+        """Do nothing."""
 
 
 NO_MEMORY = Forgetful()
 
 
 class Recent:
-    """Keeps the results that were used last, at most `most` of them.
+    """Stores the most recently used results, at most `most` of them.
 
-    Two threads may use it at once: the worst that happens is that a result is worked out twice.
+    Two threads may use it at a time; at worst, a result is computed twice.
     """
 
     def __init__(self, most: int) -> None:
@@ -48,7 +50,7 @@ class Recent:
         self._kept: OrderedDict[Hashable, Any] = OrderedDict()
         self._used: set[Hashable] = set()
         self._before: list[set[Hashable]] = []
-        """What looks have used that ended since the order was last put right."""
+        """Keys used by runs that have ended since the order was last updated."""
         self._uses = deque([0], maxlen=_LOOKS)
         self.hits = 0
         self.misses = 0
@@ -57,14 +59,14 @@ class Recent:
         return len(self._kept)
 
     def get(self, key: Hashable) -> Any:
-        """What was kept, or None."""
+        """Return the stored result, or None."""
         value = self._kept.get(key)
         if value is None:
             self.misses += 1
             return None
         self.hits += 1
         self._used.add(key)
-        # before, nothing is dropped for long, and to keep the order costs more than the look
+        # Below this size, nothing is dropped for long, and keeping the order would cost more than the access.
         if 2 * len(self._kept) > self._most:
             try:
                 self._kept.move_to_end(key)
@@ -73,7 +75,7 @@ class Recent:
         return value
 
     def keep(self, key: Hashable, value: object) -> None:
-        """Keep a result, and drop what wasn't used for longest."""
+        """Store a result, and drop the least recently used ones."""
         self._kept[key] = value
         self._used.add(key)
         if len(self._kept) > self._most:
@@ -81,20 +83,24 @@ class Recent:
             self._drop(self._most)
 
     def settle(self, least: int) -> None:
-        """Drop what wasn't used for long, after one look at something: up to `least` results stay, or as many as the largest of the last looks
-        has used, and as many again.
+        """Drop old results after a run.
+
+        Args:
+            least: number of results that stay in any case. Up to twice as many as the largest of the last
+                runs used stay.
         """
         used, self._used = self._used, set()
         self._uses.append(len(used))
         self._before.append(used)
-        # to put the order right costs as much as a look at some lines: that is done for several looks at once
+        # Updating the order costs as much as checking some lines, therefore it is done for several runs at a
+        # time.
         most = max(least, 2 * max(self._uses))
         if len(self._before) >= _LOOKS_AT_ONCE or len(self._kept) > most + least // 8:
             self._put_in_order()
             self._drop(most)
 
     def clear(self) -> None:
-        """Forget everything."""
+        """Drop everything."""
         self._kept.clear()
         self._used.clear()
         self._before.clear()
@@ -117,21 +123,21 @@ class Recent:
 
 
 _LOOKS_AT_ONCE = 8
-"""Looks after which the order of what was used is put right at the latest."""
+"""Number of runs after which the order of use is updated at the latest."""
 
 _LOOKS = 32
-"""Looks at something that count for how much is kept after one of them."""
+"""Number of last runs that determine how much is kept."""
 
 
 class Lately(Generic[T]):
-    """A function of texts and numbers that keeps what it has given lately.
+    """A function of texts and numbers that caches its latest results.
 
-    There are two tables. Once the younger one has more than enough, it becomes the older one, and what was in that and wasn't asked for since is forgotten. Two
-    threads may use it at once, as `Recent`.
+    There are two tables. Once the younger one is full, it becomes the older one, and results of the latter
+    that weren't used since are dropped. Two threads may use it at a time, as with `Recent`.
 
     Args:
-        make: gives a result.
-        least: how many results are enough at least.
+        make: computes a result.
+        least: least number of results in a full table.
     """
 
     def __init__(self, make: Callable[..., T], least: int) -> None:
@@ -142,7 +148,7 @@ class Lately(Generic[T]):
         self.__doc__ = make.__doc__
 
     def __call__(self, *key: Hashable) -> T:
-        """Return what was given lately, else what `make` gives."""
+        """Return a cached result, or compute it by `make`."""
         found: Any = self._young.get(key, self)
         if found is self:
             found = self._old.get(key, self)
@@ -158,16 +164,16 @@ class Lately(Generic[T]):
         return len(self._young) + len(self._old)
 
     def expect(self, number: int) -> None:
-        """Take it that so many results are asked for next: they are kept until they are asked for again."""
+        """Prepare for this many different results in a row: they are kept until they are used again."""
         self._enough = max(self._least, 2 * number)
 
     def cache_clear(self) -> None:
-        """Forget everything."""
+        """Drop everything."""
         self._young, self._old = {}, {}
 
 
 def recall(memory: Memory, key: Hashable, make: Callable[[], T]) -> T:
-    """What was kept under a key, else what `make` gives, which is kept."""
+    """Return the stored result of a key, or compute it by `make` and store it."""
     found: T | None = memory.get(key)
     if found is None:
         found = make()

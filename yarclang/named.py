@@ -1,4 +1,4 @@
-"""Open sets by name: commands, profiles, findings, rules, robots. No name means two things."""
+"""Open sets by name: commands, profiles, findings, rules, robots. Each name means one thing."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ class NamedTwice(ValueError):  # noqa: N818 - it is said in a sentence: a findin
 
 
 def by_name(kind: str, found: Iterable[tuple[str, str, T]]) -> dict[str, T]:
-    """Return the things of a set by their names, in the order in which they are given.
+    """Return the things of a set by name, in the given order.
 
     Args:
         kind: noun for one of them, for the message.

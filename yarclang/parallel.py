@@ -1,9 +1,11 @@
-"""Independent pieces of work on many cores: forked processes that see all that is there, and send back what they made.
+"""Independent pieces of work on many cores, in forked processes that see all data and send back their
+results.
 
-A door says how many processes there may be (`on_cores`); what takes long below it hands out its pieces (`mapped`). What comes of them, and its order,
-doesn't depend on that.
+A door sets the number of processes (`on_cores`); long work below it distributes its pieces (`mapped`).
+Results and their order don't depend on the number.
 
-A fork has only the thread that forks, and locks of others stay locked in it: a door says so only where other threads do nothing that the work needs.
+A fork contains only the thread that forks, and locks of other threads stay locked in it. A door therefore
+sets the number only if other threads do nothing that the work needs.
 """
 
 from __future__ import annotations
@@ -32,7 +34,7 @@ _PROCESSES: ContextVar[int] = ContextVar("processes", default=1)
 
 @contextmanager
 def on_cores(processes: int | None = None) -> Iterator[None]:
-    """Let work in this block use so many processes; None: as many as there are cores."""
+    """Let the work in this block use a number of processes; None for the number of cores."""
     token = _PROCESSES.set(cores() if processes is None else processes)
     try:
         yield
@@ -41,18 +43,18 @@ def on_cores(processes: int | None = None) -> Iterator[None]:
 
 
 def cores() -> int:
-    """Return how many cores this process may use."""
+    """Return the number of cores that this process may use."""
     if sys.platform == "linux":
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
 
 
 def mapped(work: Callable[[T], R], items: Sequence[T]) -> Iterator[R]:
-    """Yield what `work` makes of each item, in their order.
+    """Yield the result of `work` for each item, in order.
 
     Args:
-        work: must not change anything that others see, nor depend on what it did before: another process may do it.
-        items: each takes long enough that it's worth while to send back what is made of it.
+        work: must neither change shared data nor depend on earlier calls, because another process may run it.
+        items: each takes long enough to be worth sending back its result.
     """
     number = min(_PROCESSES.get(), len(items))
     if number < 2 or not hasattr(os, "fork"):
@@ -66,23 +68,23 @@ def mapped(work: Callable[[T], R], items: Sequence[T]) -> Iterator[R]:
             while waited_for in done:
                 yield done.pop(waited_for)
                 waited_for += 1
-    # what a process was at that was killed
+    # Items of killed processes are computed here.
     for place in range(waited_for, len(items)):
         yield done.pop(place) if place in done else work(items[place])
 
 
 @contextmanager
 def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterator[Iterator[tuple[int, R]]]:
-    """Start processes, and let them end, whatever happens."""
+    """Start processes, and end them in any case."""
     from multiprocessing import get_context
 
     context = get_context("fork")
     started: list[tuple[ForkProcess, Connection]] = []
-    # pages that nobody writes on are there once for all
+    # Processes share the pages that none of them writes to.
     gc.freeze()
     try:
         for _ in range(number):
-            # where no more processes may be started, those that are there do it, or this one alone
+            # If no more processes can be started, the existing ones do the work, or this one alone.
             with suppress(OSError):
                 ours, theirs = context.Pipe()
                 others = [*(line for _, line in started), ours]
@@ -101,7 +103,9 @@ def _workers(work: Callable[[T], R], items: Sequence[T], number: int) -> Iterato
 
 
 def _results(lines: list[Connection], count: int) -> Iterator[tuple[int, Any]]:
-    """Hand out places of items, and yield what comes back; a line that ends is one of a process that was killed."""
+    """Distribute the places of items, and yield their results. A connection that ends belongs to a killed
+    process.
+    """
     from multiprocessing.connection import wait
 
     waiting = iter(range(count))
@@ -134,8 +138,10 @@ def _hand_out(line: Connection, waiting: Iterator[int], busy: list[Connection]) 
 def _serve(
     work: Callable[[Any], Any], items: Sequence[Any], line: Connection, others: list[Connection]
 ) -> None:
-    """Do what is asked for, until nobody asks; nothing is flushed at the end, which is another's."""
-    # the one who started us ends us
+    """Serve requests until there are no more. Nothing is flushed at the end, since the buffers are the
+    parent's.
+    """
+    # Ctrl-C reaches the parent, which ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     for other in others:
@@ -145,7 +151,7 @@ def _serve(
             place = line.recv()
             try:
                 answer: tuple[int, Any, BaseException | None] = (place, work(items[place]), None)
-            except Exception as error:  # told where it can be told
+            except Exception as error:  # reported by the parent
                 answer = (place, None, error)
             try:
                 line.send(answer)

@@ -1,7 +1,8 @@
-"""How far work has come: told to whoever listens, who may end it.
+"""Progress of work: reported to a listener, who may end the work.
 
-Doors listen around a piece of work (`told_to`); long loops below them tell how much is done (`tell`), or that they go on (`go_on`). An exception that
-the listener raises ends the work. Nothing depends on whether somebody listens.
+Doors listen during a piece of work (`told_to`); long loops below them report how much is done (`tell`), or
+that they continue (`go_on`). An exception that the listener raises ends the work. Results don't depend on a
+listener.
 """
 
 from __future__ import annotations
@@ -14,15 +15,15 @@ from typing import TypeVar
 T = TypeVar("T")
 
 Listener = Callable[[str, int, int], None]
-"""Called with what is being done, how much of it is done, and how much there is (0: unknown)."""
+"""Called with the present work, the amount done, and the total amount (0: unknown)."""
 
 
 class GivenUp(BaseException):
-    """The work was given up. It is no failure, so nothing that catches these must catch it."""
+    """The work was cancelled. This is no failure, so that handlers of failures don't catch it."""
 
 
 def unless(is_over: Callable[[], bool]) -> Listener:
-    """Return a listener that gives the work up once it is over."""
+    """Return a listener that cancels the work once `is_over` returns True."""
 
     def listen(what: str, done: int, total: int) -> None:  # noqa: ARG001 - a listener
         if is_over():
@@ -32,7 +33,7 @@ def unless(is_over: Callable[[], bool]) -> Listener:
 
 
 class _Told:
-    """A listener, and what it was told last."""
+    """A listener, and the last report to it."""
 
     __slots__ = ("done", "listener", "total", "what")
 
@@ -46,7 +47,7 @@ _TOLD: ContextVar[_Told | None] = ContextVar("told", default=None)
 
 @contextmanager
 def told_to(listener: Listener | None) -> Iterator[None]:
-    """Let somebody listen to what is done in this block, by this thread; None: as before."""
+    """Let a listener hear the work of this thread in this block; with None, keep the present one."""
     if listener is None:
         yield
         return
@@ -69,7 +70,7 @@ def silent() -> Iterator[None]:
 
 @contextmanager
 def within() -> Iterator[None]:
-    """Let what is told in this block only say that what was told before goes on."""
+    """Let reports in this block only repeat the last report before it."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -80,7 +81,7 @@ def within() -> Iterator[None]:
 
 @contextmanager
 def part(title: str) -> Iterator[None]:
-    """Report what is done in this block as a part of something: `title: what is done`."""
+    """Report work in this block as a part of something: `title: what is done`."""
     around = _TOLD.get()
     if around is None:
         yield
@@ -91,7 +92,13 @@ def part(title: str) -> Iterator[None]:
 
 
 def tell(what: str, done: int, total: int = 0) -> None:
-    """Tell what is being done, and how much of it is done."""
+    """Report the present work and how much of it is done.
+
+    Args:
+        what: the work.
+        done: amount done.
+        total: total amount; 0 if it isn't known.
+    """
     told = _TOLD.get()
     if told is not None:
         told.what, told.done, told.total = what, done, total
@@ -99,7 +106,7 @@ def tell(what: str, done: int, total: int = 0) -> None:
 
 
 def go_on(done: int | None = None, total: int = 0) -> None:
-    """Tell again what was told last, or how much of that is done by now: called often where something takes long."""
+    """Repeat the last report, perhaps with a new amount. Called often during long work."""
     told = _TOLD.get()
     if told is not None:
         if done is not None:
@@ -108,11 +115,11 @@ def go_on(done: int | None = None, total: int = 0) -> None:
 
 
 _EVERY = 32
-"""Items of a long list between two reports."""
+"""Number of items of a long list between two reports."""
 
 
 def each(items: Iterable[T]) -> Iterator[T]:
-    """Yield the items, and report every few of them that the work goes on."""
+    """Yield the items, and report progress every few of them."""
     for number, item in enumerate(items):
         if number % _EVERY == 0:
             go_on()

@@ -1,4 +1,4 @@
-"""The shapes of bodies, each around its frame's origin: of links, tools and obstacles alike. Lengths are in m."""
+"""Shapes of bodies around the origins of their frames, for links, tools and obstacles. Lengths are in m."""
 
 from __future__ import annotations
 
@@ -14,21 +14,34 @@ Array = NDArray[np.float64]
 
 @frozen(eq=False)
 class Box:
-    """A box around its frame's origin: `size` (3,) are its whole edges along x, y, z [m]."""
+    """A box around its frame's origin.
+
+    Attributes:
+        size: (3,) whole edges along x, y, z [m].
+    """
 
     size: Array
 
 
 @frozen
 class Sphere:
-    """A sphere around its frame's origin [m]."""
+    """A sphere around its frame's origin.
+
+    Attributes:
+        radius: [m].
+    """
 
     radius: float
 
 
 @frozen
 class Cylinder:
-    """A cylinder around its frame's z axis; `length` [m] is halved by the origin."""
+    """A cylinder around its frame's z axis, with its middle at the origin.
+
+    Attributes:
+        radius: [m].
+        length: [m].
+    """
 
     radius: float
     length: float
@@ -36,7 +49,12 @@ class Cylinder:
 
 @frozen
 class Capsule:
-    """All points within `radius` [m] of a piece of the frame's z axis; its `length` [m], without the caps, is halved by the origin."""
+    """All points within a distance of a piece of the frame's z axis, with its middle at the origin.
+
+    Attributes:
+        radius: the distance [m].
+        length: length of the piece, without the caps [m].
+    """
 
     radius: float
     length: float
@@ -44,9 +62,13 @@ class Capsule:
 
 @frozen
 class Mesh:
-    """The triangles of a file, whose coordinates times `unit` are in m; `digest` is the SHA-256 of its bytes.
+    """The triangles of a file.
 
-    `scale` are factors of x, y and z besides.
+    Attributes:
+        path: the file.
+        unit: length of the file's unit [m].
+        digest: SHA-256 of the file's bytes.
+        scale: further factors of x, y and z.
     """
 
     path: Path

@@ -1,4 +1,4 @@
-"""Source text and the places in it."""
+"""Source texts and places in them."""
 
 from __future__ import annotations
 
@@ -9,10 +9,13 @@ from typing import NamedTuple
 
 
 class Span(NamedTuple):
-    """A stretch of source text.
+    """A stretch of source text, perhaps of several lines.
 
-    Lines and columns count from 1, columns in characters; `end_column` is the first
-    column behind the stretch. A span may run over several lines.
+    Attributes:
+        line: first line, from 1.
+        column: first column, from 1, counted in characters.
+        end_line: last line.
+        end_column: first column after the stretch.
     """
 
     line: int
@@ -22,7 +25,7 @@ class Span(NamedTuple):
 
     @staticmethod
     def on_line(line: int, column: int, end_column: int) -> Span:
-        """The columns `column` to `end_column` (not included) of one line."""
+        """Return the columns `column` to `end_column` (excluded) of one line."""
         return Span(line, column, line, end_column)
 
 
@@ -36,10 +39,14 @@ def lines_with_ends(text: str) -> list[str]:
 
 @dataclass(frozen=True)
 class SourceFile:
-    """The text of one file under the name by which messages speak of it.
+    """The text of one file.
 
-    `module` is the name of a module in upper case, as USE names it; empty for a program. `is_installed` is True of a module of the standard library: nobody edits
-    it, and people know it by its name, not by its path.
+    Attributes:
+        name: name of the file in messages.
+        text: its text.
+        module: name of a module in upper case, as in USE; empty for a program.
+        is_installed: True for a module of the standard library, which nobody edits and which people know by
+            its name, not by its path.
     """
 
     name: str
@@ -49,13 +56,14 @@ class SourceFile:
 
     @property
     def called(self) -> str:
-        """The name that people know the file by: an installed module's own name, else that of the file."""
+        """Return the name that people know: an installed module's own name, otherwise that of the file."""
         return self.module if self.is_installed else self.name
 
     @cached_property
     def lines(self) -> tuple[str, ...]:
-        """The lines without their ends (LF, CRLF or CR), as `str.splitlines` never splits them:
-        a form feed or a Unicode line separator inside a line stays there.
+        """Return the lines without their ends (LF, CRLF or CR).
+
+        Unlike `str.splitlines`, this keeps a form feed or a Unicode line separator inside a line.
         """
         text = self.text.replace("\r\n", "\n").replace("\r", "\n")
         lines = text.split("\n")
@@ -64,7 +72,7 @@ class SourceFile:
         return tuple(lines)
 
     def line(self, number: int) -> str:
-        """Line `number` (from 1), empty where the file has none."""
+        """Return line `number` (from 1); empty if the file has no such line."""
         return self.lines[number - 1] if 0 < number <= len(self.lines) else ""
 
     def whole_line(self, number: int) -> Span:

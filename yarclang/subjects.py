@@ -1,4 +1,4 @@
-"""What findings are about, for programs that act on them: a message is only for people, and nobody reads one back."""
+"""Facts of findings for programs that act on them. Messages are only for people, and never parsed."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from yarclang.units import Kind
 
 @frozen
 class Name:
-    """A name that isn't known, or isn't what is wanted in its place.
+    """A name that isn't known, or doesn't fit its place.
 
     Attributes:
-        name: as programs compare names: in upper case, without braces.
-        meant: the known name that it may stand for, as that is written; empty: none is near.
-        others: further names that it may stand for as well.
+        name: the name as programs compare names: in upper case, without braces.
+        meant: similar known name, as it is written; empty without one.
+        others: further similar names.
     """
 
     name: str
@@ -25,17 +25,17 @@ class Name:
 
     @property
     def question(self) -> str:
-        """Return `did you mean X, or Y?`, or nothing if no known name is near."""
+        """Return `did you mean X, or Y?`; empty if no known name is similar."""
         return f"did you mean {', or '.join((self.meant, *self.others))}?" if self.meant else ""
 
 
 @frozen
 class MissingUnit:
-    """A unit that isn't given.
+    """A missing unit.
 
     Attributes:
-        kind: of the unit.
-        of: what needs it, as `the speed`.
+        kind: kind of the unit.
+        of: the value that needs it, such as `the speed`.
     """
 
     kind: Kind
@@ -44,7 +44,11 @@ class MissingUnit:
 
 @frozen
 class LeftOut:
-    """Something that a command needs and doesn't say, as `the motion time`."""
+    """Something that a command needs and lacks.
+
+    Attributes:
+        what: its name, such as `the motion time`.
+    """
 
     what: str
 
@@ -59,5 +63,5 @@ def unknown(text: str, known: Iterable[str] = ()) -> Name:
 
 
 def suggest(word: str, known: Iterable[str]) -> str:
-    """Return `did you mean X?` for a mistyped word, or nothing if no known name is near."""
+    """Return `did you mean X?` for a mistyped word; empty if no known name is similar."""
     return unknown(word, known).question

@@ -1,4 +1,4 @@
-"""The known name that a mistyped word is most like."""
+"""The known name that is most similar to a mistyped word."""
 
 from __future__ import annotations
 
@@ -6,37 +6,44 @@ from collections.abc import Iterable
 from functools import lru_cache
 
 _LONGEST_NAME = 200
-"""Characters; nobody means a name by a longer word."""
+"""Largest number of characters of a name; nobody means a name by a longer word."""
 
 
 _NEAR = 0.6
-"""How like a mistyped word what was meant is at least: difflib's ratio."""
+"""Least similarity of a mistyped word and a name: difflib's ratio."""
 
 _SHORTEST_SLIP = 3
-"""Letters of a word in which one may be missing; a shorter one is another word."""
+"""Least number of letters of a word in which one may be missing; a shorter word is another word."""
 
 _AS_NEAR = 0.08
-"""Names whose likeness is less by this are as likely as the nearest."""
+"""Names less similar by up to this are as likely as the most similar one."""
 
 _MOST_LIKELY = 12
-"""Names of which the longest common subsequence with a mistyped word is found: those that may be the nearest by their letters."""
+"""Number of names whose longest common subsequence with a mistyped word is computed, the most similar ones by
+their letters.
+"""
 
 _MOST_COMPARED, _COMPARED_LETTERS = 5, 150
-"""Names that difflib compares with a mistyped word, and their letters in all: one comparison takes the square of the letters."""
+"""Number of names that difflib compares with a mistyped word, and the total of their letters. The time grows
+with the square of the letters.
+"""
 
 
 def nearest(word: str, known: Iterable[str]) -> str:
-    """Return the known name that a mistyped word is most like, whatever its case; empty if none is near."""
+    """Return the known name most similar to a mistyped word, regardless of case; empty if none is similar."""
     return next(iter(near(word, known)), "")
 
 
 def near(word: str, known: Iterable[str]) -> tuple[str, ...]:
-    """Return the known names that a mistyped word may mean, whatever its case: the nearest, then those hardly less like it."""
+    """Return the known names similar to a mistyped word, regardless of case.
+
+    The first one is the most similar, the others are hardly less so.
+    """
     return _near(word.upper(), tuple(known))
 
 
 def is_slip(word: str, name: str) -> bool:
-    """Return True if a word is a name with one letter missing, one too many, or two exchanged: nobody means another thing by it.
+    """Return True if a word is a name with one letter missing, one too many, or two exchanged.
 
     Another letter or another number makes another name: PICK2 is not PICK1, and SIDE_B not SIDE_A.
     """
@@ -51,9 +58,8 @@ def is_slip(word: str, name: str) -> bool:
     if len(longer) != len(shorter) + 1 or len(shorter) < _SHORTEST_SLIP:
         return False
     at = next((at for at, letter in enumerate(shorter) if letter != longer[at]), len(shorter))
-    if at == len(
-        shorter
-    ):  # a letter at the end tells names apart, as PART and PARTS, unless it is the same one twice
+    # A letter at the end distinguishes names, as in PART and PARTS, unless it repeats the last one.
+    if at == len(shorter):
         return longer[-1].isalpha() and longer[-1] == longer[-2]
     return longer[at].isalpha() and shorter[at:] == longer[at + 1 :]
 
@@ -68,7 +74,7 @@ def _near(word: str, known: tuple[str, ...]) -> tuple[str, ...]:
     close = get_close_matches(word, _likely(word, names, letters), n=5, cutoff=_NEAR)
     if not close:
         return ()
-    # of equally near names, the one with the same letters in another order was meant
+    # Of equally similar names, prefer the one with the same letters in another order.
     close.sort(key=lambda name: sorted(name) != sorted(word))
     if sorted(close[0]) == sorted(word):
         return tuple(names[name] for name in close if sorted(name) == sorted(word))
@@ -80,26 +86,27 @@ def _near(word: str, known: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=8)
 def _described(known: tuple[str, ...]) -> tuple[dict[str, str], tuple[int, ...]]:
-    """Return names by themselves in upper case, and the letters of each."""
+    """Return names by their upper-case form, and the letters of each."""
     names = dict(zip(map(str.upper, known), known, strict=True))
     return names, tuple(map(_letters, names))
 
 
 def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str]:
-    """Return the few names that may be nearest to a word.
+    """Return the few names that may be most similar to a word.
 
-    Two upper bounds of difflib's ratio tell which: one by lengths and letters, and of the best by that, one by the longest common subsequence. They take a
-    hundredth and a tenth of difflib's time.
+    Two upper bounds of difflib's ratio select them: one by lengths and letters and, for the best of these,
+    one by the longest common subsequence. They take a hundredth and a tenth of difflib's time.
 
     Args:
-        word: what was typed.
-        names: what it may mean.
+        word: the typed word.
+        names: the names.
         letters: the letters of each name.
     """
     from heapq import nlargest
 
     mine, length, begin = _letters(word), len(word), word[: len(word) // 2]
-    # 2 common >= near (length + other), and other >= common: so many of the word's letters are in the name, each counted once
+    # 2 common >= near (length + other), and other >= common: so many of the word's letters are in the name,
+    # each counted once
     fewest = mine.bit_count() - length + _NEAR / (2.0 - _NEAR) * length
     pairs = [
         (name, theirs)
@@ -114,7 +121,7 @@ def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str
         common = length - (mine & ~theirs).bit_count()
         if common >= least and (rest := other - (theirs & ~mine).bit_count()) >= least:
             found.append((min(common, rest) / both, name.startswith(begin), name))
-    most = max(_MOST_LIKELY, length // 2)  # of long words, letters tell little
+    most = max(_MOST_LIKELY, length // 2)  # letters tell little about long words
     if len(found) > most:
         found = nlargest(most, found)
     enough = min(_MOST_COMPARED, max(1, _COMPARED_LETTERS // max(1, length)))
@@ -125,7 +132,7 @@ def _likely(word: str, names: Iterable[str], letters: Iterable[int]) -> list[str
 
 
 def _places(word: str) -> dict[str, int]:
-    """Return the places of each letter of a word, one bit a place."""
+    """Return the places of each letter of a word, one bit for each place."""
     found: dict[str, int] = {}
     for place, letter in enumerate(word):
         found[letter] = found.get(letter, 0) | 1 << place
@@ -133,14 +140,15 @@ def _places(word: str) -> dict[str, int]:
 
 
 def _common(places: dict[str, int], length: int, name: str) -> int:
-    """Return the length of the longest common subsequence of a word and a name, at most that of both.
+    """Return the length of the longest common subsequence of a word and a name.
 
-    A row of the usual table is one integer: a bit is 0 where the row's value rises (Hyyrö, Bit-Parallel LCS-length Computation Revisited, 2004).
+    A row of the usual table is one integer: a bit is 0 where the row's value rises (Hyyrö, Bit-Parallel
+    LCS-length Computation Revisited, 2004).
 
     Args:
-        places: the places of the word's letters.
-        length: of the word.
-        name: another word.
+        places: places of the word's letters.
+        length: length of the word.
+        name: the name.
     """
     row = whole = (1 << length) - 1
     for letter in name:

@@ -1,4 +1,4 @@
-"""Rotations from what people write: roll pitch yaw, and quaternions."""
+"""Rotations from roll pitch yaw and from quaternions."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 QUATERNION_TOLERANCE = 1e-3
-"""How far the norm of a quaternion that is given may be from 1."""
+"""Largest difference of a given quaternion's norm from 1."""
 
 
 def rpy_rotation(rpy: Array) -> Array:
-    """Rz(yaw) Ry(pitch) Rx(roll) of `rpy` (3,) = roll pitch yaw [rad], as (3, 3)."""
+    """Return Rz(yaw) Ry(pitch) Rx(roll) (3, 3) of `rpy` (3,), roll pitch yaw [rad]."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy).tolist(), np.cos(rpy).tolist()
     return np.array(
         [
@@ -26,7 +26,7 @@ def rpy_rotation(rpy: Array) -> Array:
 
 
 _STRAIGHT = 1e-9
-"""With a cosine of the pitch below this, roll and yaw turn about one axis, and yaw stays 0."""
+"""If the cosine of the pitch is smaller than this, roll and yaw turn about one axis, and yaw stays 0."""
 
 
 def pose_matrix(values: Sequence[float]) -> Array:
@@ -37,7 +37,7 @@ def pose_matrix(values: Sequence[float]) -> Array:
 
 
 def roll_pitch_yaw(rotation: Array) -> Array:
-    """Roll pitch yaw (3,) [rad] of a rotation (3, 3): the way back from `rpy_rotation`."""
+    """Return roll pitch yaw (3,) [rad] of a rotation (3, 3), the inverse of `rpy_rotation`."""
     cosine = float(np.hypot(rotation[0, 0], rotation[1, 0]))
     pitch = np.arctan2(-rotation[2, 0], cosine)
     if cosine < _STRAIGHT:
@@ -52,7 +52,7 @@ def roll_pitch_yaw(rotation: Array) -> Array:
 
 
 def quaternion_rotation(quaternion: Array) -> Array:
-    """The rotation (3, 3) of a quaternion (4,) x y z w, which is divided by its norm (not 0)."""
+    """Return the rotation (3, 3) of a quaternion (4,) x y z w, which is divided by its norm (not 0)."""
     x, y, z, w = quaternion / np.linalg.norm(quaternion)
     return np.array(
         [
@@ -64,7 +64,7 @@ def quaternion_rotation(quaternion: Array) -> Array:
 
 
 def constant(values: Array) -> Array:
-    """The values as a read-only array of floats."""
+    """Return the values as a read-only array of floats."""
     values = np.asarray(values, dtype=np.float64, order="C")
     values.setflags(write=False)
     return values

@@ -12,7 +12,13 @@ Kind = Literal["length", "angle", "time"]
 
 @frozen
 class Unit:
-    """A unit: `value * factor` is the value in m, rad or s."""
+    """A unit.
+
+    Attributes:
+        name: its name.
+        kind: its kind.
+        factor: factor from the unit to m, rad or s.
+    """
 
     name: str
     kind: Kind
@@ -41,11 +47,16 @@ MS = UNITS["ms"].factor
 
 
 def units_of(kind: Kind) -> tuple[str, ...]:
-    """The names of the units of a kind, in the order of the table."""
+    """Return the names of the units of a kind, in the order of the table."""
     return tuple(unit.name for unit in UNITS.values() if unit.kind == kind)
 
 
 def number_text(value: float, digits: int) -> str:
-    """Return a number without needless zeros, and without a minus before a zero; fewer `digits` than 0 round before the point."""
+    """Return a number without needless zeros, and without a minus sign before zero.
+
+    Args:
+        value: the number.
+        digits: decimal places; a negative number rounds before the point.
+    """
     text = f"{round(value, digits) + 0.0:.{max(digits, 0)}f}"
     return text.rstrip("0").rstrip(".") if "." in text else text

@@ -1,4 +1,4 @@
-"""What stands in a line of a program, and what to write instead."""
+"""Values as they stand in a line of a program, and fixes that replace them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
     """Return a share of a programmed speed as it would be written, and a fix that writes it.
 
     Args:
-        share: of the speed that stands in the line, above 0.
+        share: share of the speed in the line, above 0.
         origin: the command.
 
     Returns:
@@ -28,7 +28,7 @@ def slower(share: float, origin: Origin) -> tuple[str, Fix | None]:
 
 
 def stretch_fix(motion: TimedMove, stretch: float) -> Fix | None:
-    """Return a fix that writes another STRETCH into a line; None if the one that stands there is computed."""
+    """Return a fix that replaces the STRETCH of a line; None if its value is computed."""
     origin, text = motion.origin, f"{stretch:.10g}"
     if origin.stretch_span is not None:
         edit = Edit(origin.stretch_span, text)
@@ -40,7 +40,7 @@ def stretch_fix(motion: TimedMove, stretch: float) -> Fix | None:
 
 
 def written_speed(origin: Origin) -> float | None:
-    """Return the number of a speed that stands in the line itself; None if there is none."""
+    """Return the number of a speed in the line itself; None if there is none."""
     span = origin.time_span
     if span is None:
         return None

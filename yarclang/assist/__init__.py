@@ -1,5 +1,5 @@
-"""What helps people who write programs: names and where they are used, what may stand here, what something means.
+"""Help for people who write programs: completion, navigation, hover texts, repairs and more.
 
-All of it is pure: a text, a place in it and what the pipeline has made of it lead to values of this package. Editors and the
-interpreter show them, each in its way.
+All functions are pure: they compute values of this package from a text, a place in the text and the results
+of the pipeline. Editors and the interpreter show these values, each in its own way.
 """

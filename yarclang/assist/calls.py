@@ -1,4 +1,4 @@
-"""Who calls a SUB, and which SUBs it calls, across the files of a folder."""
+"""Calls of SUBs across the files of a folder: the callers of a SUB, and the SUBs that a caller calls."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ class Caller:
 
     Attributes:
         source: the file.
-        name: of the SUB; of the lines outside, the file's name.
-        span: all of it.
-        name_span: where its name stands; of lines outside, the file's beginning.
+        name: name of the SUB, or name of the file for the lines outside.
+        span: the whole SUB, or the whole file.
+        name_span: the place of the name; the beginning of the file for the lines outside.
         symbol: the SUB's declaration; None outside.
     """
 
@@ -33,29 +33,34 @@ class Caller:
 
 @dataclass(frozen=True, slots=True)
 class Calls:
-    """One SUB or file, and the places at which it calls another one, or is called."""
+    """A caller, and the places of its calls.
+
+    Attributes:
+        caller: the SUB or file at the other end of the calls.
+        places: the calls.
+    """
 
     caller: Caller
     places: tuple[Place, ...]
 
 
 def callable_at(view: View, line: int, column: int) -> Caller | None:
-    """Return the SUB whose name stands at a place (from 1): where it is declared, or in a CALL."""
+    """Return the SUB whose name stands at a place (from 1), in its declaration or in a CALL."""
     target = target_at(view, line, column)
     return _of(target) if target is not None and target.symbol.kind == "sub" else None
 
 
 def outside(view: View) -> Caller:
-    """Return the lines of a file that stand in no SUB."""
+    """Return the lines of a file that belong to no SUB."""
     return _caller(view.sketch, 0)
 
 
 def incoming(called: Caller, views: Iterable[View]) -> Iterator[Calls]:
-    """Yield who calls a SUB.
+    """Yield the callers of a SUB, each with its calls.
 
     Args:
         called: the SUB.
-        views: the files that may call it, its own among them.
+        views: the files that may call the SUB, including its own.
     """
     for view in views:
         found: dict[str, list[Place]] = {}
@@ -71,11 +76,11 @@ def incoming(called: Caller, views: Iterable[View]) -> Iterator[Calls]:
 
 
 def outgoing(caller: Caller, view: View) -> Iterator[Calls]:
-    """Yield which SUBs a SUB, or the lines outside of all, call.
+    """Yield the SUBs that a caller calls, each with the calls.
 
     Args:
-        caller: in the file of the view.
-        view: what is known of that file.
+        caller: a SUB of the view's file, or the lines outside of all SUBs.
+        view: the file.
     """
     found: dict[tuple[str, Span], tuple[Caller, list[Place]]] = {}
     own = caller.symbol.name if caller.symbol else ""
@@ -113,7 +118,7 @@ def _caller(sketch: Sketch, line: int) -> Caller:
 
 
 def _inside(sketch: Sketch, line: int) -> Symbol | None:
-    """Return the SUB that a line stands in."""
+    """Return the SUB that contains a line."""
     subs = (one for one in sketch.names.symbols if one.kind == "sub")
     return next((one for one in subs if one.statement.line < line <= _last(sketch, one)), None)
 

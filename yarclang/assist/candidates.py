@@ -1,4 +1,4 @@
-"""Candidates of a completion, and those that are names."""
+"""Candidates of a completion, and the candidates that are names."""
 
 from __future__ import annotations
 
@@ -47,10 +47,16 @@ _AMOUNTS = ("number", "parameter")
 
 @dataclass(frozen=True, slots=True)
 class Candidate:
-    """Something that may stand at a place.
+    """A text that may be inserted at a place.
 
-    `label` is what is shown and compared with what is typed, `detail` a few words, `documentation` Markdown, `text` what is written (with
-    holes), `span` what it is written over. `rank` sorts: the smaller the earlier.
+    Attributes:
+        label: text that is shown, and compared with the typed text.
+        kind: kind of the candidate.
+        detail: a few words that are shown beside the label.
+        documentation: documentation in Markdown.
+        text: text to insert, with holes such as `${1:x}`.
+        span: the stretch that the text replaces.
+        rank: sort key; candidates with smaller ranks come first.
     """
 
     label: str
@@ -63,7 +69,7 @@ class Candidate:
 
     @property
     def plain(self) -> str:
-        """What is written, without holes."""
+        """Return the text to insert, without holes."""
         return plain_text(self.text)
 
 
@@ -71,10 +77,10 @@ class NameMaker:
     """Makes candidates of the names that are known at a place.
 
     Args:
-        view: what is known of the text.
+        view: the text and its analysis.
         cursor: the place.
-        span: what a candidate is written over.
-        behind: the character behind the place.
+        span: the stretch that a candidate replaces.
+        behind: the character after the place.
     """
 
     def __init__(self, view: View, cursor: Cursor, span: Span, behind: str) -> None:
@@ -84,14 +90,14 @@ class NameMaker:
         self.behind = behind
 
     def numbers(self) -> Iterator[Candidate]:
-        """Names that stand for a number."""
+        """Yield the names that stand for a number."""
         for symbol in self.symbols():
             if symbol.kind in _AMOUNTS and not symbol.is_frame:
                 yield self._symbol(symbol)
         yield from self._of_modules("number")
 
     def tables(self) -> Iterator[Candidate]:
-        """Tables, with a place for the index."""
+        """Yield the tables, with a hole for the index."""
         for symbol in self.symbols():
             if symbol.kind == "table":
                 yield replace(self._symbol(symbol), text=f"{symbol.name}[${{1:0}}]")
@@ -99,7 +105,7 @@ class NameMaker:
             yield replace(one, text=f"{one.label}[${{1:0}}]")
 
     def functions(self) -> Iterator[Candidate]:
-        """What expressions may have besides: functions of the program, of its modules, and of the language."""
+        """Yield the functions of the program, of its modules and of the language, and PI."""
         for symbol in self.symbols():
             if symbol.kind == "function":
                 yield replace(self._symbol(symbol), text=f"{symbol.name}(${{1}})")
@@ -111,7 +117,7 @@ class NameMaker:
         yield self.make("PI", "number", OTHERS["PI"].summary, entry_text("PI", OTHERS["PI"]), "PI", 1)
 
     def frames(self, *, closing: bool = True) -> Iterator[Candidate]:
-        """Frames in their braces."""
+        """Yield the frames in their braces."""
         seen: set[str] = set()
         for symbol in self.symbols():
             if symbol.is_frame and symbol.name not in seen:
@@ -134,7 +140,7 @@ class NameMaker:
         return self.make(f"{{{name}}}", "frame", detail, "", text, rank)
 
     def known(self, kind: type[Named], called: Kind) -> Iterator[Candidate]:
-        """Names of a kind: of the file, of its modules, of the cell and the robot."""
+        """Yield the names of a kind that are declared in the file, its modules, the cell and the robot."""
         for symbol in self.symbols():
             if (
                 not symbol.is_frame
@@ -161,7 +167,7 @@ class NameMaker:
                 yield self.make(name, inner.kind, f"of the module {module}", documentation, name, 1)
 
     def _module_symbols(self) -> Iterator[tuple[str, Symbol]]:
-        """What the modules declare that are used above."""
+        """Yield the declarations of the modules that are used above, each with the module's name."""
         for symbol in self.symbols():
             module = self.view.module(symbol.name) if symbol.kind == "module" else None
             for inner in module.names.symbols if module else ():
@@ -169,7 +175,7 @@ class NameMaker:
                     yield symbol.name, inner
 
     def modules(self) -> Iterator[Candidate]:
-        """Files that USE may name: those that have a SUB."""
+        """Yield the files that USE may name: those that contain a SUB."""
         folder = Path(self.view.sketch.source.name).parent
         own = Path(self.view.sketch.source.name).stem.upper()
         for place in (folder, library_folder()):
@@ -183,11 +189,11 @@ class NameMaker:
                     yield self.make(name, "module", "a module", "\n".join(module_lines(module)), name)
 
     def symbols(self) -> Iterable[Symbol]:
-        """What the file declares that is known at the place."""
+        """Return the declarations of the file that are known at the place."""
         return self.view.sketch.names.known_in(self.cursor.line)
 
     def _is_own(self, name: str, is_frame: bool) -> bool:
-        """Whether a name is declared somewhere in the file: where it is known was looked at."""
+        """Return True if the file declares a name anywhere, even if the name isn't known at the place."""
         return any((one.name, one.is_frame) == (name, is_frame) for one in self.view.sketch.names.symbols)
 
     def _symbol(self, symbol: Symbol) -> Candidate:
@@ -197,10 +203,10 @@ class NameMaker:
     def make(
         self, label: str, kind: Kind, detail: str, documentation: str, text: str, rank: int = 0
     ) -> Candidate:
-        """A candidate that is written over what is typed."""
+        """Return a candidate that replaces the typed text."""
         return Candidate(label, kind, detail, documentation, text, self.span, rank)
 
 
 def _line_of(view: View, symbol: Symbol) -> str:
-    """The line that declares a name, without its comment."""
+    """Return the line that declares a name, without its comment."""
     return code_of(view.sketch.source.line(symbol.statement.line)).strip()

@@ -1,4 +1,4 @@
-"""Frames and joint positions of a cell: another name for one, in the cell's file and in all programs that keep to it."""
+"""Rename frames and joint positions of a cell, in the cell's file and in all programs that use the cell."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _FRAME_KEYS = ("parent", "frame", "grips")
 
 
 def cell_of_name(view: View, named: Symbol | Use) -> Place | None:
-    """Return where the cell of a program declares a frame or joint position; None if it doesn't."""
+    """Return the place where the cell of a program declares a frame or joint position; None if it doesn't."""
     scope = view.scope
     if scope is None or target_of(view, named) is not None:
         return None
@@ -36,16 +36,16 @@ def cell_of_name(view: View, named: Symbol | Use) -> Place | None:
 def rename_in_cell(
     place: Place, named: Symbol | Use, name: str, views: Iterable[View]
 ) -> dict[SourceFile, list[Edit]]:
-    """Return edits that give a frame or joint position of a cell another name.
+    """Return the edits that rename a frame or joint position of a cell.
 
     Args:
-        place: where the cell declares it.
+        place: its declaration in the cell.
         named: one of its uses.
         name: the new name.
-        views: programs that may keep to the cell.
+        views: programs that may use the cell.
 
     Raises:
-        RenameError: the name can't be given.
+        RenameError: the new name isn't allowed.
     """
     new = name.strip().strip("{}").strip()
     _check(place.source, named, new)
@@ -75,7 +75,9 @@ def _in_cell(source: SourceFile, named: Symbol | Use) -> Iterator[Span]:
 
 
 def _declared(source: SourceFile, kind: str, name: str) -> Iterator[Span]:
-    """Yield where a table of the cell gives a name: as the table's own, or as a key of `[frames]` or `[joints]`."""
+    """Yield the places where the cell declares a name, as a table's own name or as a key of `[frames]` or
+    `[joints]`.
+    """
     word = rf"[\"']?({re.escape(name)})[\"']?"
     header = re.compile(rf"\s*\[\s*{kind}\s*\.\s*{word}\s*\]", re.I)
     key = re.compile(rf"\s*(?:{kind}\s*\.\s*)?{word}\s*=", re.I)
@@ -103,7 +105,7 @@ def _check(source: SourceFile, named: Symbol | Use, name: str) -> None:
 
 
 def _keeps_to(view: View, cell: Path) -> bool:
-    """Return True if a program names the cell, or names none and lies beside it."""
+    """Return True if a program's CELL line names the cell or, without a CELL line, its project does."""
     folder = Path(view.sketch.source.name).parent
     for statement in view.sketch.module.statements:
         if statement.name.name == "CELL":

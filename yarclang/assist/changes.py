@@ -1,4 +1,4 @@
-"""From a text to another one by few edits, so that an editor keeps its place in what stays the same."""
+"""Changes from one text to another by few edits, so that an editor keeps its cursor in unchanged lines."""
 
 from __future__ import annotations
 
@@ -9,11 +9,13 @@ from yarclang.source import SourceFile, Span, lines_with_ends
 from yarclang.syntax.form import usual_form
 
 _MOST_LINES = 3_000
-"""Longer stretches are replaced whole: to find what is alike in them takes too long."""
+"""Largest number of lines that are compared. A longer stretch is replaced as a whole, because comparing takes
+too long.
+"""
 
 
 def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
-    """Edits of whole lines that make another text of a source."""
+    """Return edits of whole lines that change a source into another text."""
     before, after = lines_with_ends(source.text), lines_with_ends(text)
     first = 0
     while first < min(len(before), len(after)) and before[first] == after[first]:
@@ -35,7 +37,10 @@ def changes_to(source: SourceFile, text: str) -> tuple[Edit, ...]:
 
 
 def _edit(lines: list[str], begin: int, end: int, text: str) -> Edit:
-    """Lines `begin` to `end` (not included, from 0) replaced; behind a last line without an end is the end of that line."""
+    """Return an edit that replaces the lines `begin` to `end` (excluded, from 0).
+
+    If the last line has no line end, the position after it is the end of this line.
+    """
     return Edit(Span(*_at(lines, begin), *_at(lines, end)), text)
 
 
@@ -46,14 +51,14 @@ def _at(lines: list[str], number: int) -> tuple[int, int]:
 
 
 def formatted(source: SourceFile, renumber: tuple[int, int] | None = None) -> tuple[Edit, ...] | None:
-    """Edits that bring a program into its usual form, as `yarc fmt` does.
+    """Return the edits that format a program as `yarc fmt` does.
 
     Args:
         source: the program.
-        renumber: the first number of the commands and the step to the next; None: they keep theirs.
+        renumber: first command number and step between numbers; None keeps the numbers.
 
     Returns:
-        None if the program has syntax errors, or its usual form isn't proved to say the same: it is left as it is.
+        None if the program has syntax errors, or if the formatted program isn't proved to mean the same.
     """
     text = usual_form(source, renumber).value
     return None if text is None else changes_to(source, text)

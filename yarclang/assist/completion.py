@@ -1,6 +1,6 @@
-"""What may stand at a place: commands, names, frames, units, options, modules, each with its documentation.
+"""Completion: the commands, names, frames, units, options and modules that may stand at a place.
 
-In a text the places of values are holes, as `${1:x}`: who can't fill holes takes `plain`.
+A text to insert contains holes such as `${1:x}` for its values. Clients that can't fill holes use `plain`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from yarclang.words.spec import Slot, WordSpec
 
 
 def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
-    """What may stand at a place (from 1), of the kinds that fit there; what is typed of it already isn't looked at."""
+    """Return the candidates that fit at a place (from 1). They aren't filtered by the typed text."""
     cursor = cursor_at(view.sketch, line, column)
     text = view.sketch.source.line(line)
     maker = _Maker(view, cursor, Span.on_line(line, cursor.start, column), text[column - 1 : column])
@@ -51,7 +51,7 @@ def candidates_at(view: View, line: int, column: int) -> tuple[Candidate, ...]:
 
 
 class _Maker(NameMaker):
-    """What may stand at a place."""
+    """Makes all candidates for a place."""
 
     def candidates(self) -> Iterator[Candidate]:
         cursor = self.cursor
@@ -80,19 +80,19 @@ class _Maker(NameMaker):
         else:
             yield from self._parts()
 
-    # the head
+    # The word that begins a statement.
 
     def _heads(self) -> Iterator[Candidate]:
-        """Commands, and, where no index stands, the words of declarations."""
+        """Yield the commands and, without an index, the words of declarations."""
         front = "" if self.cursor.has_index else f"{next_index(self.view.sketch, self.cursor.line)} "
         typed = self.cursor.text.upper()
         for name in command_names():
             found = command_of(name)
-            assert found is not None  # it is a command's name
+            assert found is not None  # `name` is a command's name
             spec, _, _ = found
             suffixes = name.count("_") - spec.name.count("_")
             if suffixes and not (typed.startswith(spec.name) and len(typed) >= len(spec.name)):
-                continue  # a long list: they come when the command is written
+                continue  # too many to list now: they are proposed once the command is written
             text = front + command_snippet(self.view, name)
             yield self.make(name, "command", spec.summary, command_text(name), text, suffixes)
         for name, entry in action_entries().items():
@@ -110,7 +110,7 @@ class _Maker(NameMaker):
                 3,
             )
 
-    # the parts behind it
+    # The parts after it.
 
     def _parts(self) -> Iterator[Candidate]:
         head = self.cursor.head
@@ -122,7 +122,7 @@ class _Maker(NameMaker):
             yield from self._of_command(head)
 
     def _proposed(self, word: WordSpec) -> Iterator[Candidate]:
-        """Yield the names of the kind that a word speaks of."""
+        """Yield the names of the kind that a word refers to."""
         match word.proposes:
             case "robots":
                 for one in list_robots():
@@ -140,7 +140,7 @@ class _Maker(NameMaker):
                 yield from self.known(Input, "input")
 
     def _of_command(self, head: str) -> Iterator[Candidate]:
-        """Frames, joint positions and options."""
+        """Yield frames, joint positions and options."""
         cursor = self.cursor
         if cursor.option == "NEAR":
             yield from self.known(JointPosition, "joints")
@@ -148,7 +148,7 @@ class _Maker(NameMaker):
         if cursor.option:
             return
         found = command_of(head)
-        assert found is not None  # it was looked up
+        assert found is not None  # the command was looked up above
         spec, target, _ = found
         if not cursor.has("[") and not cursor.has("("):
             values = spec.targets.get(target)
@@ -175,7 +175,7 @@ class _Maker(NameMaker):
                     )
 
     def _slots(self, slots: tuple[Slot, ...]) -> Iterator[Candidate]:
-        """Yield inputs, outputs or states, as the value at this place is one."""
+        """Yield inputs, outputs or states, whichever the value at this place is."""
         at = len(self.cursor.before) - 1
         slot = slots[at] if at < len(slots) else None
         if slot is Slot.INPUT:
@@ -196,7 +196,7 @@ class _Maker(NameMaker):
                 yield self.make(name, "word", OTHERS[name].summary, entry_text(name, OTHERS[name]), name)
 
     def _arguments(self) -> Iterator[Candidate]:
-        """SUBs, and then what may be given to one."""
+        """Yield the SUBs; after a SUB's name, the values for its parameters."""
         if len(self.cursor.before) == 1:
             yield from self.known(Routine, "sub")
             return
@@ -206,7 +206,7 @@ class _Maker(NameMaker):
         yield from self.known(Input, "input")
         yield from self.known(Output, "output")
 
-    # brackets
+    # Brackets.
 
     def _times(self) -> Iterator[Candidate]:
         if self.cursor.inside:
@@ -220,7 +220,7 @@ class _Maker(NameMaker):
             yield self.make(name, "time", entry.summary, entry_text(name, entry), text + closing)
 
     def _units(self) -> Iterator[Candidate]:
-        """The units of kinds that aren't there yet."""
+        """Yield the units of kinds that have no unit yet."""
         there = {UNITS[one.text.lower()].kind for one in self.cursor.inside if one.text.lower() in UNITS}
         for number, unit in enumerate(UNITS.values()):
             if unit.kind not in there:
@@ -228,10 +228,10 @@ class _Maker(NameMaker):
                     unit.name, "unit", f"a unit of {unit.kind}", unit_text(unit.name), unit.name, number
                 )
 
-    # comments
+    # Comments.
 
     def _suppressions(self) -> Iterator[Candidate]:
-        """Codes of findings, in a comment that suppresses some."""
+        """Yield the codes of findings, in a comment that suppresses findings."""
         from yarclang.lint.registry import everything
 
         match = re.search(
@@ -252,11 +252,13 @@ class _Maker(NameMaker):
 
 
 _OF_TABLES = ("STRETCH", "TOL")
-"""The options that a motion with a timetable takes."""
+"""Options of a motion with a timetable."""
 
 
 def _options(spec: CommandSpec, cursor: Cursor) -> Iterator[tuple[str, Entry]]:
-    """Yield the options that a command may still take; behind the time of a way-point also what says how fast the joints are there."""
+    """Yield the options that a command may still take. After the time of a way-point, also the words for
+    joint speeds.
+    """
     names = [one.name for one in cursor.before]
     if spec.is_timed:
         here = names[len(names) - names[::-1].index(";") :] if ";" in names else names

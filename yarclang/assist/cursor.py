@@ -1,4 +1,4 @@
-"""Where in a statement somebody is typing, however much of it there is."""
+"""The place in a statement at which somebody is typing; the statement may be incomplete."""
 
 from __future__ import annotations
 
@@ -15,18 +15,19 @@ _VALUES = {"number", "word", "frame", "string"}
 
 @dataclass(frozen=True, slots=True)
 class Cursor:
-    """What stands in front of a place.
+    """The part of a statement in front of a place.
 
     Attributes:
-        line: the place's line, from 1.
-        start: the column where the piece begins that is being typed; `text` is it, up to the place. Empty between two pieces.
-        kind: of that piece; empty between two.
-        before: the pieces in front of it, from the beginning of the statement on, without the index.
-        has_index: whether the statement has one.
-        head: the statement's word in upper case; empty where it isn't there yet.
-        bracket: the innermost bracket that is open: `[`, `(`, `$(` or nothing.
-        inside: the pieces in that bracket.
-        is_glued: whether a `$` stands right before the piece.
+        line: line of the place, from 1.
+        start: column at which the piece that is being typed begins.
+        text: this piece, up to the place; empty between two pieces.
+        kind: kind of this piece; empty between two pieces.
+        before: the pieces in front of it, from the beginning of the statement, without the index.
+        has_index: True if the statement has an index.
+        head: first word of the statement, in upper case; empty if it isn't complete yet.
+        bracket: innermost open bracket: `[`, `(`, `$(` or empty.
+        inside: the pieces in this bracket.
+        is_glued: True if a `$` stands immediately in front of the piece.
     """
 
     line: int
@@ -42,17 +43,17 @@ class Cursor:
 
     @property
     def is_comment(self) -> bool:
-        """Whether the place is in a comment."""
+        """Return True if the place is in a comment."""
         return self.kind == "comment"
 
     @property
     def is_head(self) -> bool:
-        """Whether the statement's word is being typed, or is to come."""
+        """Return True if the statement's first word is being typed or is still missing."""
         return not self.head
 
     @property
     def is_expression(self) -> bool:
-        """Whether an expression stands here."""
+        """Return True if an expression stands here."""
         if self.bracket == "$(" or (self.bracket == "[" and self._is_index):
             return True
         if self.head == "IF":
@@ -61,7 +62,7 @@ class Cursor:
 
     @property
     def _is_index(self) -> bool:
-        """True if the open `[` stands inside an expression, behind a table's name."""
+        """Return True if the open `[` stands inside an expression, after a table's name."""
         opened: list[str] = []
         for one in self.before:
             if one.text in {"[", "(", "$("}:
@@ -72,7 +73,7 @@ class Cursor:
 
     @property
     def is_decided(self) -> bool:
-        """Whether an expression stands here whose value is known only when the program runs."""
+        """Return True if an expression stands here whose value is known only while the program runs."""
         marks = {"SET": {"="}, **dict.fromkeys(("WHEN", "WAIT", "WHILE", "UNTIL"), _OF_CONDITIONS)}.get(
             self.head, set()
         )
@@ -80,7 +81,7 @@ class Cursor:
 
     @property
     def values(self) -> tuple[Lexeme, ...]:
-        """The finished values of the way-point that the place is in."""
+        """Return the complete values in front of the place, in its way-point."""
         found: list[Lexeme] = []
         depth = 0
         for one in self.before[1:]:
@@ -96,23 +97,23 @@ class Cursor:
 
     @property
     def way_point(self) -> int:
-        """The number of the way-point that the place is in, from 0."""
+        """Return the number of the way-point that contains the place, from 0."""
         return sum(one.text == ";" for one in self.before)
 
     @property
     def option(self) -> str:
-        """The option whose argument is to come; empty where none is."""
+        """Return the option whose argument comes next; empty if none."""
         if self.before and not self.bracket and self.before[-1].kind == "word":
             return self.before[-1].name if self.before[-1].name in OPTIONS else ""
         return ""
 
     def has(self, mark: str) -> bool:
-        """Whether a mark stands in front of the place."""
+        """Return True if a mark stands in front of the place."""
         return any(one.text == mark for one in self.before)
 
 
 def cursor_at(sketch: Sketch, line: int, column: int) -> Cursor:
-    """The place in front of a column (from 1)."""
+    """Return the part of the statement in front of a column (from 1)."""
     begin = sketch.begin_of(line)
     pieces: list[Lexeme] = []
     for number in range(begin, line):
@@ -148,12 +149,12 @@ def cursor_at(sketch: Sketch, line: int, column: int) -> Cursor:
 
 
 def _head(before: tuple[Lexeme, ...]) -> str:
-    """The word that a statement begins with."""
+    """Return the first word of a statement."""
     return before[0].name if before and before[0].kind == "word" else ""
 
 
 def _open(before: tuple[Lexeme, ...]) -> tuple[str, tuple[Lexeme, ...]]:
-    """The innermost open bracket, and what stands in it."""
+    """Return the innermost open bracket, and the pieces in it."""
     opened: list[tuple[str, int]] = []
     for number, one in enumerate(before):
         if one.text in {"[", "(", "$("}:
@@ -162,6 +163,6 @@ def _open(before: tuple[Lexeme, ...]) -> tuple[str, tuple[Lexeme, ...]]:
             opened.pop()
     if not opened:
         return "", ()
-    # a bracket in an expression belongs to it
+    # A bracket inside an expression belongs to the expression.
     kind = "$(" if any(text == "$(" for text, _ in opened) else opened[-1][0]
     return kind, before[opened[-1][1] :]

@@ -1,4 +1,4 @@
-"""What a declared name means, in Markdown."""
+"""The meaning of declared names, in Markdown."""
 
 from __future__ import annotations
 
@@ -37,7 +37,9 @@ _CALLED = {
 
 
 def meaning_of(view: View, named: Symbol | Use, line: int) -> list[str]:
-    """What a declaration or use of a name in a line says; nothing where the name isn't known."""
+    """Return the paragraphs that explain a declaration or use of a name in a line; empty if the name isn't
+    known.
+    """
     symbol = named if isinstance(named, Symbol) else named.symbol
     if isinstance(named, Use) and named.module:
         return _of_module(view, named, line)
@@ -47,7 +49,7 @@ def meaning_of(view: View, named: Symbol | Use, line: int) -> list[str]:
 
 
 def _of_symbol(view: View, sketch: Sketch, symbol: Symbol) -> list[str]:
-    """A name that is declared in a file: this one or a module of it."""
+    """Describe a name that this file or one of its modules declares."""
     title = f"{{{symbol.name}}}" if symbol.is_frame else symbol.name
     if symbol.kind == "sub":
         return sub_lines(sketch, symbol.name)
@@ -65,7 +67,7 @@ def _of_symbol(view: View, sketch: Sketch, symbol: Symbol) -> list[str]:
 
 
 def _of_module(view: View, use: Use, line: int) -> list[str]:
-    """`PALLET.GRID`, from its second part on."""
+    """Describe the part of `PALLET.GRID` after the dot."""
     symbol = view.sketch.names.meant(use.module, False, line)
     module = view.module(use.module) if symbol and symbol.kind == "module" else None
     found = module.names.declared(use.name, use.is_frame) if module else None
@@ -79,7 +81,7 @@ def _of_module(view: View, use: Use, line: int) -> list[str]:
 
 
 def _from_outside(view: View, name: str, is_frame: bool) -> list[str]:
-    """A name of the robot, or of the cell."""
+    """Describe a name of the robot or the cell."""
     if is_frame:
         frame = _known_frame(view, name)
         if frame is not None and frame.link is not None:
@@ -152,7 +154,7 @@ def _value(view: View, meaning: Named | None) -> list[str]:
 
 
 def _base_from(link: FrameLink) -> Array:
-    """Return base_from_frame (4, 4) of a frame that stands still."""
+    """Return base_from_frame (4, 4) of a fixed frame."""
     transform: Array = link.parent_from_frame
     while (parent := link.parent) is not None:
         link, transform = parent, parent.parent_from_frame @ transform
@@ -160,7 +162,7 @@ def _base_from(link: FrameLink) -> Array:
 
 
 def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
-    """The frame that a line declares; in a block, as a command that uses it has it."""
+    """Return the frame that a line declares. In a block, the frame of a command that uses it."""
     if view.scope is not None and sketch is view.sketch:
         frame = view.scope.frame(symbol.name)
         if frame and frame.link and frame.link.span and frame.link.span.line == symbol.statement.line:
@@ -182,19 +184,19 @@ def _link(view: View, symbol: Symbol, sketch: Sketch) -> FrameLink | None:
 
 
 def _code(sketch: Sketch, symbol: Symbol) -> list[str]:
-    """The lines that declare a name."""
+    """Return the lines that declare a name."""
     first = symbol.statement.line
     rows = [sketch.source.line(first + row).strip() for row in range(symbol.statement.rows)]
     return ["```yarc", *rows, "```", ""]
 
 
 def described_sub(sketch: Sketch, name: str) -> SubText | None:
-    """What the comment above a SUB says."""
+    """Return the comment above a SUB, parsed; None without one."""
     return next((one for one in describe_module(sketch.module).subs if one.name == name), None)
 
 
 def sub_lines(sketch: Sketch, name: str) -> list[str]:
-    """A SUB's reference."""
+    """Return a SUB's reference."""
     sub = described_sub(sketch, name)
     if sub is None:
         return []
@@ -205,7 +207,7 @@ def sub_lines(sketch: Sketch, name: str) -> list[str]:
 
 
 def module_lines(sketch: Sketch) -> list[str]:
-    """A module's reference in short."""
+    """Return a module's reference in short."""
     module = describe_module(sketch.module)
     lines = [f"**{module.name}**: a module", "", *(f"{one}\n" for one in module.paragraphs)]
     return [*lines, *(f"- `{module.name}.{sub.head}`: {sub.purpose}" for sub in module.subs)]

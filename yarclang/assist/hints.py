@@ -1,4 +1,6 @@
-"""What is shown behind a motion command: the shortest time that works, and how much of the limits it uses."""
+"""Hints after motion commands: the shortest time that works, and the share of the limits that the motion
+uses.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +16,22 @@ from yarclang.identity import fingerprint
 from yarclang.source import SourceFile, Span
 
 _KEPT = 1024
-"""Shortest times that are kept, of motions that were looked at last."""
+"""Number of shortest times that are kept: those of the motions used last."""
 
 _SHORTER = 0.02
-"""A motion that takes less than this share more than the shortest time is as short as it can be."""
+"""A motion counts as shortest if it takes less than this share more than the shortest time."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hint:
-    """A few words behind the end of a line (column from 1), and more in Markdown."""
+    """A few words after the end of a line.
+
+    Attributes:
+        line: from 1.
+        column: from 1.
+        text: the hint.
+        tooltip: details in Markdown.
+    """
 
     line: int
     column: int
@@ -31,13 +40,17 @@ class Hint:
 
 
 class ShortestTimes:
-    """The shortest times of motions that were looked at: an edit elsewhere leaves them as they are."""
+    """Cache of shortest times: an edit elsewhere in the text leaves them valid."""
 
     def __init__(self) -> None:
         self._known: dict[Any, float | None] = {}
 
     def of(self, view: View, number: int) -> float | None:
-        """The shortest time of a motion [s]; None where none works, it isn't planned, or it has none of its own since it flows."""
+        """Return the shortest time of a motion [s].
+
+        None if no time works, if the motion isn't planned, or if it flows into another motion and has no time
+        of its own.
+        """
         planned = view.motion(number)
         step, robot = view.step(number), view.robot
         if planned is None or robot is None or not isinstance(step, Motion) or number in view.flowing:
@@ -57,7 +70,10 @@ class ShortestTimes:
 
 
 def hints_in(view: View, first: int, last: int, times: ShortestTimes) -> Iterator[Hint]:
-    """The hints of the lines `first` to `last`. Only motions that are or were planned as they stand there have one."""
+    """Yield the hints of the lines `first` to `last`.
+
+    Only motions with a plan for their present text have hints.
+    """
     for line in range(first, last + 1):
         statement, planned_at = view.sketch.statement_at(line), view.planned_at(line)
         if statement is None or statement.line != line or planned_at is None:

@@ -1,4 +1,4 @@
-"""What is said of the place under the mouse: a command, a frame, a name, a word."""
+"""Hover texts: the explanation of the command, frame, name or word at a place."""
 
 from __future__ import annotations
 
@@ -22,14 +22,19 @@ from yarclang.units import MM
 
 @dataclass(frozen=True, slots=True)
 class Hover:
-    """A text in Markdown, and what it is about."""
+    """An explanation.
+
+    Attributes:
+        text: in Markdown.
+        span: the stretch that the text explains.
+    """
 
     text: str
     span: Span
 
 
 def hover_at(view: View, line: int, column: int) -> Hover | None:
-    """What is said of a place (from 1); None where there is nothing to say."""
+    """Return the explanation for a place (from 1); None if there is none."""
     text = view.sketch.source.line(line)
     lexeme = lexeme_at(text, column)
     if lexeme is None or lexeme.kind in {"open_frame", "string"}:
@@ -48,7 +53,7 @@ def hover_at(view: View, line: int, column: int) -> Hover | None:
 
 
 def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme) -> Iterator[str]:
-    """A word of the language, with what is known of its command; numbers stand for their command."""
+    """Yield the paragraphs for a word of the language and its command. Numbers stand for their command."""
     word = lexeme.name
     if statement is None:
         told = command_text(word) or word_text(word) or unit_text(word)
@@ -73,12 +78,12 @@ def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme)
 
 
 def _inner_word(lexeme: Lexeme) -> str:
-    """A word behind a line's head."""
+    """Return the explanation of a word after the first one of a line."""
     return unit_text(lexeme.text) or word_text(lexeme.name)
 
 
 def _of_suppression(line: int, lexeme: Lexeme, column: int) -> Hover | None:
-    """The code of a finding in a comment that suppresses it."""
+    """Return the explanation of a finding's code in a comment that suppresses the finding."""
     import re
 
     from yarclang.lint.registry import codes_of, everything
@@ -93,7 +98,7 @@ def _of_suppression(line: int, lexeme: Lexeme, column: int) -> Hover | None:
 
 
 def finding_text(finding: Finding) -> str:
-    """What a finding is about, in Markdown."""
+    """Return the explanation of a finding, in Markdown."""
     lines = [f"**{finding.code} {finding.name}** ({finding.severity}): {finding.title}", "", finding.why]
     for title, text in (("For example", finding.example), ("Better", finding.better)):
         if text:
@@ -102,7 +107,10 @@ def finding_text(finding: Finding) -> str:
 
 
 def command_lines(view: View, line: int) -> Iterator[str]:
-    """What a view knows of the motion in a line, in Markdown; nothing for what is none. It may plan the motion once more."""
+    """Yield what is known of the motion in a line, in Markdown; nothing for other lines.
+
+    May plan the motion once more.
+    """
     known, there = view.planned_at(line) or (view, line)
     steps = known.steps_in(there)
     number = first_motion(known, steps)
@@ -116,7 +124,7 @@ def command_lines(view: View, line: int) -> Iterator[str]:
 
 
 def motion_lines(view: View, facts: MotionFacts, pace: Pace | None) -> Iterator[str]:
-    """The lines for one motion."""
+    """Yield the lines for one motion."""
     robot = view.robot
     assert robot is not None
     if facts.in_base is not None:

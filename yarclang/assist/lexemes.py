@@ -1,4 +1,4 @@
-"""The words of a line, however much of it is typed: what the parser refuses is taken apart here all the same."""
+"""The words of a line. Lines that the parser rejects are split as well."""
 
 from __future__ import annotations
 
@@ -27,7 +27,13 @@ _INDEX = re.compile(r"[Pp][0-9]+")
 
 @dataclass(frozen=True, slots=True)
 class Lexeme:
-    """A piece of a line: `start` and `end` (not included) are columns from 1."""
+    """A piece of a line.
+
+    Attributes:
+        kind: kind of the piece.
+        text: its text.
+        start: its first column, from 1.
+    """
 
     kind: Kind
     text: str
@@ -35,17 +41,17 @@ class Lexeme:
 
     @property
     def end(self) -> int:
-        """The first column behind it."""
+        """Return the first column after the piece."""
         return self.start + len(self.text)
 
     @property
     def name(self) -> str:
-        """The text as names are compared: in upper case, a frame's without braces."""
+        """Return the text in the form in which names are compared: in upper case, a frame without braces."""
         return self.text.strip("{}").strip().upper()
 
 
 def _read(line: str) -> tuple[Lexeme, ...]:
-    """The pieces of one line; blanks are none."""
+    """Return the pieces of one line. Blanks are left out."""
     found: list[Lexeme] = []
     for match in _TOKEN.finditer(line):
         kind: Kind = match.lastgroup  # type: ignore[assignment]
@@ -56,16 +62,18 @@ def _read(line: str) -> tuple[Lexeme, ...]:
 
 
 _KEPT = 1024
-"""Lines that are kept at least, each some 1 to 2 kB; of longer texts whose words are coloured, all."""
+"""Least number of lines that are kept, at 1 to 2 kB each. For longer texts that are coloured, all lines are
+kept.
+"""
 
 lexemes_of = Lately(_read, _KEPT)
-"""The same, for the lines that are looked at again and again."""
+"""Return the pieces of one line. Cached, because the same lines are read again and again."""
 
 
 def lexeme_at(line: str, column: int) -> Lexeme | None:
-    """The piece at a column from 1, or the one that ends there; None between two."""
+    """Return the piece at a column (from 1), or the one that ends there; None between two pieces."""
     touched = [one for one in lexemes_of(line) if one.start <= column <= one.end]
-    # of two that touch each other, the one that has a name: in `{B}|` or `$|X`
+    # Of two pieces that touch, prefer the one with a name, as in `{B}|` or `$|X`.
     named = [one for one in touched if one.kind not in {"mark", "comment"}]
     inside = [one for one in named if column < one.end]
     return next(iter(inside or named or touched), None)

@@ -1,4 +1,4 @@
-"""Files that a program names: modules, cells, tables, robots."""
+"""Links to the files that a program names: modules, cells, tables, robots."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class Link:
     """A stretch of a program that names a file.
 
     Attributes:
-        span: where it stands.
+        span: the stretch.
         path: the file.
-        what: what it is, in words.
+        what: kind of the file, in words.
     """
 
     span: Span
@@ -28,11 +28,11 @@ class Link:
 
 
 def links(view: View, folder: Path) -> Iterator[Link]:
-    """Yield the files that a program names, as far as they are there.
+    """Yield the files that a program names, if they exist.
 
     Args:
         view: the program.
-        folder: where it is.
+        folder: the program's folder.
     """
     for statement in view.sketch.module.statements:
         word = statement.name.name

@@ -1,4 +1,4 @@
-"""What a motion command comes to: where it ends, how long it takes, and what it comes near to."""
+"""Facts about motion commands: target, duration, and distances from obstacles and singularities."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from yarclang.robot.kinematics.singularity import smallest_singular_values
 from yarclang.robot.model import Robot
 
 _SAMPLES = 201
-"""Places of a motion at which its nearness to a singularity is looked at."""
+"""Number of samples of a motion at which its distance from singularities is computed."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -25,13 +25,17 @@ class MotionFacts:
     """One motion of a program.
 
     Attributes:
-        label: its place; `number` is its step.
-        frame: the frame that moves, and `base` that in which its values are given (both without braces).
-        in_base: (4, 4) the moving frame in `base` at the end, None where that is the robot's own; `in_world` in {B}.
-        joints: (n,) the joint positions at the end [rad or m]; None where errors hide them.
-        begins: when it begins [s]; `duration` how long it takes. None where it isn't planned.
-        smallest: the smallest singular value on the way; None likewise.
-        certificate: what was proved; None where nothing was.
+        label: label of the command.
+        number: number of its step.
+        frame: the moving frame, without braces.
+        base: frame of the programmed values, without braces.
+        in_base: (4, 4) moving frame in `base` at the end; None if `base` is the robot's base.
+        in_world: (4, 4) moving frame in {B} at the end.
+        joints: (n,) joint positions at the end [rad or m]; None if errors hide them.
+        begins: time at which the motion begins [s]; None if the motion isn't planned.
+        duration: duration [s]; None if the motion isn't planned.
+        smallest: smallest singular value on the way; None if the motion isn't planned.
+        certificate: proved properties; None if nothing was proved.
     """
 
     label: str
@@ -48,19 +52,19 @@ class MotionFacts:
 
     @property
     def load(self) -> tuple[str, Load] | None:
-        """The limit that is used most, of those that slow a motion down, and what it is called."""
+        """Return the most used of the limits that slow a motion down, with the limit's name."""
         return None if self.certificate is None else most_used(self.certificate)
 
     @property
     def clearance(self) -> Clearance | None:
-        """How near the motion comes to anything."""
+        """Return the smallest clearance of the motion."""
         one = self.certificate
         found = [each for each in (one.clearance, one.own_clearance) if each is not None] if one else []
         return min(found, key=lambda each: each.distance, default=None)
 
 
 def most_used(certificate: CommandCertificate) -> tuple[str, Load]:
-    """The limit of velocity, acceleration, jerk or motor speed that a motion uses most."""
+    """Return the most used limit of velocity, acceleration, jerk or motor speed, with its name."""
     loads = [
         ("velocity", certificate.velocity),
         ("acceleration", certificate.acceleration),
@@ -72,7 +76,7 @@ def most_used(certificate: CommandCertificate) -> tuple[str, Load]:
 
 
 def facts_of(view: View, number: int) -> MotionFacts | None:
-    """What is known of step `number` of a view's program; None where it is no motion, or nothing is known of the robot."""
+    """Return the facts about a step; None if the step is no motion, or the robot isn't known."""
     step, robot = view.step(number), view.robot
     if not isinstance(step, Motion) or robot is None:
         return None
@@ -101,7 +105,10 @@ def facts_of(view: View, number: int) -> MotionFacts | None:
 
 
 def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Array]:
-    """The frame that a command moves, and where it sits on the flange; of joint motions that of DEFAULT, else of the robot."""
+    """Return the name of the frame that a command moves, and flange_from_frame (4, 4).
+
+    For joint motions, this is the frame of DEFAULT, or else that of the robot.
+    """
     if link is not None:
         return link.name, chain_pose(link)
     default = view.sketch.default
@@ -114,7 +121,14 @@ def _moving(view: View, link: FrameLink | None, robot: Robot) -> tuple[str, Arra
 
 
 def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: Robot) -> Array | None:
-    """Where the moving frame stands in {B} at the end (4, 4)."""
+    """Return base_from_frame (4, 4) of the moving frame at the end of a motion.
+
+    Args:
+        step: the motion.
+        joints: (n,) joint positions at its end [rad or m]; None if they aren't known.
+        flange_from_frame: (4, 4) of the moving frame.
+        robot: the robot.
+    """
     if isinstance(goal := step.end, PoseGoal):
         return goal.base_from_moving
     if joints is None:
@@ -124,7 +138,10 @@ def _world(step: Motion, joints: Array | None, flange_from_frame: Array, robot: 
 
 
 def pace_in(view: View, number: int) -> Pace | None:
-    """What limits the time of a motion, and the shortest that works, as `yarc inspect` tells it: it plans the motion again."""
+    """Return the limit that determines a motion's time, and the shortest time that works.
+
+    The values are those of `yarc inspect`; the motion is planned again.
+    """
     step, planned = view.step(number), view.motion(number)
     checked = view.checked
     if checked is None or checked.opened is None or planned is None or not isinstance(step, Motion):
@@ -137,5 +154,5 @@ def pace_in(view: View, number: int) -> Pace | None:
 
 
 def first_motion(view: View, numbers: Iterable[int]) -> int | None:
-    """The first of some steps that is a motion."""
+    """Return the first of some steps that is a motion."""
     return next((number for number in numbers if isinstance(view.step(number), Motion)), None)

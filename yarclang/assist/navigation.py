@@ -1,4 +1,4 @@
-"""Where names are declared and used, in a file and in those that use it; a name for another one."""
+"""Declarations and uses of names, in a file and in its users; renaming."""
 
 from __future__ import annotations
 
@@ -19,7 +19,12 @@ NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A stretch of a file."""
+    """A stretch of a file.
+
+    Attributes:
+        source: the file.
+        span: the stretch.
+    """
 
     source: SourceFile
     span: Span
@@ -27,18 +32,23 @@ class Place:
 
 @dataclass(frozen=True, slots=True)
 class Target:
-    """A declaration: a symbol of a file."""
+    """A declaration in a file.
+
+    Attributes:
+        sketch: structure of the file.
+        symbol: the declaration.
+    """
 
     sketch: Sketch
     symbol: Symbol
 
     @property
     def place(self) -> Place:
-        """Where the name stands."""
+        """Return the place of the name."""
         return Place(self.sketch.source, self.symbol.span)
 
     def is_same(self, other: Target | None) -> bool:
-        """Whether it is the same declaration, also in another sketch of the same text."""
+        """Return True if the other target is this declaration, even in another sketch of an equal text."""
         return (
             other is not None
             and self.sketch.source.name == other.sketch.source.name
@@ -47,17 +57,17 @@ class Target:
 
 
 class RenameError(ValueError):
-    """A name that can't be given; the message says why."""
+    """The new name isn't allowed; the message says why."""
 
 
 def target_at(view: View, line: int, column: int) -> Target | None:
-    """The declaration that a name at a place (from 1) means, in this file or in a module of it."""
+    """Return the declaration of the name at a place (from 1), in this file or in one of its modules."""
     named = view.sketch.named_at(line, column)
     return None if named is None else target_of(view, named)
 
 
 def target_of(view: View, named: Symbol | Use) -> Target | None:
-    """The declaration of a name; None where it isn't one of a program's file."""
+    """Return the declaration of a name; None if no program file declares it."""
     if isinstance(named, Symbol):
         return Target(view.sketch, named)
     if named.symbol is not None:
@@ -71,7 +81,11 @@ def target_of(view: View, named: Symbol | Use) -> Target | None:
 
 
 def definition_at(view: View, line: int, column: int) -> Place | None:
-    """Where the name at a place is declared: in this file, a module, the cell's or the robot's file. A module's own name leads to its file."""
+    """Return the place where the name at a place (from 1) is declared: in this file, a module, the cell or
+    the robot.
+
+    For a module's name, return the beginning of the module's file.
+    """
     named = view.sketch.named_at(line, column)
     if named is None:
         return None
@@ -84,7 +98,7 @@ def definition_at(view: View, line: int, column: int) -> Place | None:
 
 
 def _outside(view: View, named: Symbol | Use) -> Place | None:
-    """A name of the cell or the robot."""
+    """Return the place where the cell or the robot declares a name."""
     scope, name = view.scope, named.name
     if scope is not None:
         where = scope.where_frame(name) if named.is_frame else scope.where(name)
@@ -98,7 +112,7 @@ def _outside(view: View, named: Symbol | Use) -> Place | None:
 
 
 def _in_description(folder: Path, name: str) -> Place | None:
-    """Where a robot.toml has a name as a key."""
+    """Return the place where a robot.toml has a name as a key."""
     from yarclang.robot.library import DESCRIPTION
 
     try:
@@ -114,12 +128,12 @@ def _in_description(folder: Path, name: str) -> Place | None:
 
 
 def references(target: Target, views: Iterable[View], *, declaration: bool = True) -> Iterator[Place]:
-    """Every use of a declaration in some texts, and itself.
+    """Yield every use of a declaration in some texts.
 
     Args:
         target: the declaration.
-        views: the file that it is in, and those that may use it.
-        declaration: whether it counts as well.
+        views: the file with the declaration, and those that may use it.
+        declaration: True if the declaration itself is yielded as well.
     """
     if declaration:
         yield target.place
@@ -132,10 +146,10 @@ def references(target: Target, views: Iterable[View], *, declaration: bool = Tru
 
 
 def renamable_at(view: View, line: int, column: int) -> Place:
-    """The name at a place, if it can be another one.
+    """Return the place of the name at a place (from 1), if the name can be changed.
 
     Raises:
-        RenameError: there is none, or it comes from elsewhere.
+        RenameError: there is no name, or it is declared outside of programs.
     """
     named = view.sketch.named_at(line, column)
     if named is None:
@@ -150,10 +164,10 @@ def renamable_at(view: View, line: int, column: int) -> Place:
 
 
 def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile, list[Edit]]:
-    """Edits that give a declaration and all its uses another name.
+    """Return the edits that rename a declaration and all its uses.
 
     Raises:
-        RenameError: the name can't be given.
+        RenameError: the new name isn't allowed.
     """
     views = list(views)
     new = name.strip().strip("{}").strip()
@@ -165,7 +179,7 @@ def rename(target: Target, views: Iterable[View], name: str) -> dict[SourceFile,
 
 
 def _check(target: Target, views: list[View], name: str) -> None:
-    """Whether a name may be declared instead of that of a target."""
+    """Check that a new name is allowed for a target."""
     symbol, upper = target.symbol, name.upper()
     if NAME.fullmatch(name) is None:
         raise RenameError(f"`{name}` is no name: names have letters, digits and _, and begin with no digit")
@@ -189,5 +203,5 @@ def _check(target: Target, views: list[View], name: str) -> None:
 
 
 def _meet(one: Symbol, other: Symbol) -> bool:
-    """Whether two declarations are known in one line."""
+    """Return True if two declarations are known in a common line."""
     return one.first <= other.last and other.first <= one.last

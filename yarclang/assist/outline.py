@@ -1,4 +1,4 @@
-"""What a file consists of, as a tree; and its blocks, which can be folded."""
+"""The outline of a file as a tree, and its blocks that can be folded."""
 
 from __future__ import annotations
 
@@ -31,7 +31,16 @@ Kind = Literal[
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A part of a file: `span` is all of it, `name_span` what is shown when it is gone to."""
+    """A part of a file.
+
+    Attributes:
+        name: name that is shown.
+        detail: text that is shown after the name.
+        kind: kind of the part.
+        span: the whole part.
+        name_span: the stretch that an editor goes to.
+        children: the parts inside.
+    """
 
     name: str
     detail: str
@@ -43,7 +52,13 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Fold:
-    """Lines `first` to `last` of which only the first is shown; `is_comment` says that they are comments."""
+    """A range of lines of which only the first one is shown when folded.
+
+    Attributes:
+        first: first line, from 1.
+        last: last line.
+        is_comment: True if the lines are comments.
+    """
 
     first: int
     last: int
@@ -51,11 +66,11 @@ class Fold:
 
 
 MOST_COMMANDS = 2_000
-"""In a longer file commands aren't listed: nobody finds one in such a list, and each edit makes it anew."""
+"""Largest number of commands in an outline. Longer lists are useless, and each edit would build them anew."""
 
 
 def outline(sketch: Sketch) -> tuple[Entry, ...]:
-    """Declarations, SUBs and other blocks with what is in them, and commands, unless there are too many."""
+    """Return declarations, SUBs and other blocks with their contents, and commands unless too many."""
     symbols = {one.statement.line: one for one in sketch.names.symbols if one.kind != "parameter"}
     maker = _Maker(sketch, symbols, len(sketch.module.statements) - len(symbols) <= MOST_COMMANDS)
     return tuple(maker.entries(sketch.nodes))
@@ -94,7 +109,7 @@ class _Maker:
         if statement.index is None or not self.has_commands:
             return None
         name = f"{statement.index.name} {statement.name.name}"
-        rest = _code(sketch, statement).removeprefix(name).strip()  # an editor shows it behind the name
+        rest = _code(sketch, statement).removeprefix(name).strip()  # an editor shows it after the name
         return Entry(name, rest, "command", statement.whole_span, statement.head_span)
 
 
@@ -103,7 +118,9 @@ def _code(sketch: Sketch, statement: Statement) -> str:
 
 
 def folds(sketch: Sketch) -> tuple[Fold, ...]:
-    """Blocks up to the line before their ELSE or END, way-point lists of several lines, and comments of several lines."""
+    """Return the ranges of blocks up to their ELSE or END, of way-point lists and of comments of several
+    lines.
+    """
     return tuple(
         sorted((*_block_folds(sketch.nodes), *_list_folds(sketch), *_comment_folds(sketch)), key=_order)
     )

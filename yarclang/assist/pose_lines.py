@@ -13,9 +13,9 @@ from yarclang.robot.model import Robot
 
 
 def joints_text(robot: Robot, q: Array) -> str:
-    """`J1 12.000, J2 -5.500 deg`: each joint with its value, the unit once where all have the same."""
+    """Return a text such as `J1 12.000, J2 -5.500 deg`. A common unit is given once, at the end."""
     units = robot.axis_unit_names
-    values = np.round(q / robot.axis_units, 3) + 0.0  # no minus before a zero
+    values = np.round(q / robot.axis_units, 3) + 0.0  # avoid a minus sign before zero
     same = len(set(units)) == 1
     told = (
         f"{name} {value:.3f}" + ("" if same else f" {unit}")
@@ -25,7 +25,7 @@ def joints_text(robot: Robot, q: Array) -> str:
 
 
 def chain_lines(link: FrameLink) -> Iterator[str]:
-    """A frame, what it hangs on with values, and where it is in the end."""
+    """Yield a frame, the frames it hangs on with values, and its pose in the last one."""
     chain = chain_of(link)
     for one in chain:
         if one.parent is not None:

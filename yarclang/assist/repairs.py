@@ -1,6 +1,7 @@
-"""What can be done about a finding: its own fix, the name that may be meant, the unit that is missing, a comment that suppresses it.
+"""Repairs for findings: the finding's own fix, a similar name, the missing unit, a comment that suppresses
+it.
 
-A finding's own fix is one that `yarc check --fix` may apply. The others are a choice of the person who sees the finding.
+`yarc check --fix` may apply a finding's own fix. The other repairs are for a person to choose.
 """
 
 from __future__ import annotations
@@ -24,7 +25,13 @@ _IGNORE = re.compile(r"!\s*yarc\s*:\s*ignore\s*\[[^\]]*(?=\])", re.IGNORECASE)
 
 @dataclass(frozen=True, slots=True)
 class Repair:
-    """A change that answers a finding. `is_preferred` says that it is most likely what is wanted."""
+    """A change that answers a finding.
+
+    Attributes:
+        finding: the finding.
+        fix: the change.
+        is_preferred: True if this is most likely the wanted change.
+    """
 
     finding: Diagnostic
     fix: Fix
@@ -34,11 +41,11 @@ class Repair:
 def repairs_of(
     source: SourceFile, sketch: Sketch | None, finding: Diagnostic, others: Iterable[Diagnostic] = ()
 ) -> Iterator[Repair]:
-    """The repairs of a finding in a text, the likeliest first.
+    """Yield the repairs of a finding in a text, the most likely first.
 
     Args:
-        source: the text that the finding is in.
-        sketch: how it looks, if it is a program.
+        source: the text with the finding.
+        sketch: the text's structure, if it is a program.
         finding: the finding.
         others: all findings of the text.
     """
@@ -53,7 +60,7 @@ def repairs_of(
 
 
 def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
-    """The names that may be meant, in the place of the one that stands there."""
+    """Yield fixes that replace an unknown name by a similar one."""
     if isinstance(finding.subject, Name) and finding.subject.meant:
         for name in (finding.subject.meant, *finding.subject.others):
             fix = with_name(source, finding, name)
@@ -62,7 +69,7 @@ def _meant(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
 
 
 def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) -> Iterator[Fix]:
-    """The units that a line needs, all that are missing in it at once."""
+    """Yield fixes that insert all units missing in a line."""
     kind = _kind(finding)
     statement = sketch.statement_at(finding.span.line) if finding.span else None
     if kind is None or statement is None or finding.span is None:
@@ -76,12 +83,12 @@ def _units(sketch: Sketch, finding: Diagnostic, others: Iterable[Diagnostic]) ->
 
 
 def _kind(finding: Diagnostic) -> Kind | None:
-    """Return the kind of the unit that a finding misses."""
+    """Return the kind of the unit that is missing according to a finding."""
     return finding.subject.kind if isinstance(finding.subject, MissingUnit) else None
 
 
 def _with_units(statement: Statement, names: str) -> Edit:
-    """Units into the brackets of a statement, or behind its time or values where it has none."""
+    """Return the edit that inserts units into a statement's brackets, or after its time or values."""
     if statement.units is not None:
         end = statement.span(statement.units.place)
         place = Span(end.end_line, end.end_column - 1, end.end_line, end.end_column - 1)
@@ -96,7 +103,7 @@ def _with_units(statement: Statement, names: str) -> Edit:
 
 
 def _suppressed(source: SourceFile, finding: Diagnostic) -> Iterator[Fix]:
-    """A comment that silences the finding."""
+    """Yield the fix that suppresses the finding by a comment."""
     if finding.span is None:
         return
     line = finding.span.line

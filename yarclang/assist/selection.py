@@ -1,4 +1,4 @@
-"""What is selected around a place, from a word to the file."""
+"""Growing selections around a place, from a word to the whole file."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ _GROUP = re.compile(r"\[[^\]]*\]|\{[^}]*\}|\([^()]*\)|[^;\[\]{}()]+")
 
 
 def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
-    """Return the stretches around a place (from 1), the smallest first: word, group, way-point, statement, blocks, all of the text."""
+    """Return the stretches around a place (from 1), the smallest first.
+
+    They are word, group, way-point, statement, blocks, and the whole text.
+    """
     source = sketch.source
     last = max(len(source.lines), 1)
     found = [*_in_line(source.line(line), line, column)]
@@ -26,7 +29,7 @@ def around(sketch: Sketch, line: int, column: int) -> tuple[Span, ...]:
     found.append(Span(1, 1, last, len(source.line(last)) + 1))
     spans: list[Span] = []
     for span in found:
-        # each holds the one before
+        # Each stretch contains the one before.
         if not spans or (
             _begin(span) <= _begin(spans[-1]) and _end(span) >= _end(spans[-1]) and span != spans[-1]
         ):
@@ -55,7 +58,7 @@ def _in_line(text: str, line: int, column: int) -> Iterator[Span]:
 
 
 def _blocks(nodes: Iterable[Node], sketch: Sketch, line: int) -> Iterator[Span]:
-    """Yield the blocks that a line stands in, from outside in."""
+    """Yield the blocks that contain a line, the outermost first."""
     for node in nodes:
         if not isinstance(node, Block):
             continue

@@ -1,4 +1,4 @@
-"""What the values of a line mean: their names and units, and which of them is being typed."""
+"""The values of a line: their names and units, and the one that is being typed."""
 
 from __future__ import annotations
 
@@ -41,7 +41,12 @@ _DEFAULT_UNITS: Mapping[Kind, str] = {"length": "length", "angle": "angle", "tim
 
 @dataclass(frozen=True, slots=True)
 class ValueText:
-    """A value: what it is called, with its unit, and what it means."""
+    """A value of a line.
+
+    Attributes:
+        label: its name with its unit.
+        meaning: its meaning.
+    """
 
     label: str
     meaning: str
@@ -49,7 +54,14 @@ class ValueText:
 
 @dataclass(frozen=True, slots=True)
 class Signature:
-    """The values that a line wants: `active` is the number of the one that is being typed (from 0), None behind the last."""
+    """The values that a line needs.
+
+    Attributes:
+        head: first word of the line.
+        values: the values in order.
+        active: number of the value that is being typed, from 0; None after the last one.
+        summary: meaning of the line.
+    """
 
     head: str
     values: tuple[ValueText, ...]
@@ -58,7 +70,7 @@ class Signature:
 
 
 def signature_at(view: View, line: int, column: int) -> Signature | None:
-    """The signature of the values at a place; None where no values stand."""
+    """Return the signature of the values at a place (from 1); None if no values stand there."""
     cursor = cursor_at(view.sketch, line, column)
     if cursor.is_head or cursor.is_comment or cursor.bracket in {"[", "("} or _is_behind(cursor):
         return None
@@ -81,14 +93,14 @@ def signature_at(view: View, line: int, column: int) -> Signature | None:
 
 
 def _has_frame(cursor: Cursor) -> bool:
-    """Whether a moving frame stands in front of the values of the first way-point."""
+    """Return True if a moving frame stands in front of the values of the first way-point."""
     return len(cursor.before) > 1 and cursor.before[1].kind == "frame" and not cursor.way_point
 
 
 def _is_behind(cursor: Cursor) -> bool:
-    """Whether the values are over: a time, units, the base frame or an option stand in front."""
+    """Return True if a time, units, the base frame or an option in front of the place ends the values."""
     depth = 0
-    # each way-point of a timetable has a time, and behind a semicolon values begin again
+    # Each way-point of a timetable has a time, and values begin again after a semicolon.
     begins = max((number for number, one in enumerate(cursor.before) if one.text == ";"), default=0)
     for number, one in enumerate(cursor.before[begins + 1 :], begins + 1):
         if one.text == "[" or (one.text == "(" and not depth):
@@ -102,7 +114,7 @@ def _is_behind(cursor: Cursor) -> bool:
 
 
 def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
-    """The values of a command's way-point, or of a declaration."""
+    """Return the values that a command's way-point or a declaration needs."""
     if cursor.head in _DECLARED:
         return _DECLARED[cursor.head], DECLARED[cursor.head].summary
     found = command_of(cursor.head)
@@ -116,7 +128,7 @@ def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
 
 
 def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, ...]:
-    """The names of values with the units that they have in a line."""
+    """Return the names of values with their units in a line."""
     robot = view.robot
     names = robot.joint_names if robot else _WITHOUT_ROBOT
     kinds: tuple[Kind, ...] = tuple(
@@ -134,7 +146,7 @@ def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, 
 
 
 def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
-    """The unit of each kind in a line: its own, or that of DEFAULT; where none is given, the kind's name."""
+    """Return the unit of each kind in a line: the line's own or that of DEFAULT, else the kind's name."""
     found = dict(_DEFAULT_UNITS)
     for statement in (sketch.default, sketch.statement_at(line)):
         for item in statement.units.items if statement and statement.units else ():
@@ -144,7 +156,7 @@ def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
 
 
 def _of_call(view: View, cursor: Cursor) -> Signature | None:
-    """The parameters of the SUB that is called."""
+    """Return the parameters of the SUB that is called."""
     arguments = [
         one
         for one in cursor.before[1:]
@@ -169,7 +181,7 @@ def _of_call(view: View, cursor: Cursor) -> Signature | None:
 
 
 def _arguments(pieces: tuple[Lexeme, ...]) -> int:
-    """How many arguments stand among pieces: what stands in brackets belongs to the one before, or is one."""
+    """Return the number of arguments in pieces. Pieces in brackets belong to one argument."""
     depth = count = 0
     for one in pieces:
         if one.text in {"(", "$("}:

@@ -1,4 +1,6 @@
-"""What can be said of a text by looking at it: statements, blocks, names. It is there for every text, however broken."""
+"""The structure of a text without evaluation: statements, blocks, names. Every text has one, even with
+errors.
+"""
 
 from __future__ import annotations
 
@@ -15,26 +17,31 @@ from yarclang.syntax.parse import parse
 
 @dataclass(frozen=True, eq=False)
 class Sketch:
-    """A text and its tree."""
+    """A text and its syntax tree.
+
+    Attributes:
+        source: the text.
+        module: its syntax tree.
+    """
 
     source: SourceFile
     module: Module
 
     @cached_property
     def nodes(self) -> tuple[Node, ...]:
-        """The statements in their blocks."""
+        """Return the statements in their blocks."""
         arranged = arrange(self.module).value
-        assert arranged is not None  # arranging always gives a tree
+        assert arranged is not None  # arranging always returns a tree
         return arranged
 
     @cached_property
     def names(self) -> Names:
-        """Declarations and uses."""
+        """Return declarations and uses."""
         return names_of(self.nodes)
 
     @cached_property
     def ends(self) -> dict[int, int]:
-        """The last line of each block by its first."""
+        """Return the last line of each block by the block's first line."""
         return ends_of(self.nodes)
 
     @cached_property
@@ -42,11 +49,11 @@ class Sketch:
         return {one.line + row: one for one in self.module.statements for row in range(max(one.rows, 1))}
 
     def statement_at(self, line: int) -> Statement | None:
-        """The statement that a line belongs to, if it can be read."""
+        """Return the statement that a line belongs to, if it can be parsed."""
         return self._by_line.get(line)
 
     def begin_of(self, line: int) -> int:
-        """The first line of the way-point list that a line goes on with; else the line itself."""
+        """Return the first line of the way-point list that a line continues; otherwise the line itself."""
         above = line - 1
         begin = line
         while above > 0:
@@ -60,13 +67,16 @@ class Sketch:
 
     @cached_property
     def default(self) -> Statement | None:
-        """The DEFAULT line."""
+        """Return the DEFAULT line."""
         return next(
             (one for one in self.module.statements if one.index is None and one.name.name == "DEFAULT"), None
         )
 
     def named_at(self, line: int, column: int) -> Symbol | Use | None:
-        """The declaration or use of a name at a place (from 1); its end counts as well, and so do a frame's braces."""
+        """Return the declaration or use of a name at a place (from 1).
+
+        The place after the name, and a frame's braces, count as well.
+        """
         named: list[Symbol | Use] = [*self.names.symbols, *self.names.uses]
         found = [one for one in named if _touches(one.span, line, column, int(one.is_frame))]
         inside = [one for one in found if column < one.span.end_column]
@@ -74,9 +84,9 @@ class Sketch:
 
 
 def sketch_of(source: SourceFile) -> Sketch:
-    """Look at a text."""
+    """Return the structure of a text."""
     module = parse(source).value
-    assert module is not None  # parsing always gives a tree
+    assert module is not None  # parsing always returns a tree
     return Sketch(source, module)
 
 

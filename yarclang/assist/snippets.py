@@ -1,4 +1,4 @@
-"""Lines with holes for what is to be filled in."""
+"""Snippets: lines with holes for the values."""
 
 from __future__ import annotations
 
@@ -17,16 +17,18 @@ _HOLE = re.compile(r"\$\{\d+:([^}]*)\}|\$\{\d+\}|\$\d+")
 _FILLED = re.compile(
     r'(?<=")[^"]+(?=")|(?<![A-Za-z0-9_(.-])(?:-?\d+(?:\.\d+)?|[A-Z][A-Z0-9_]*)(?![A-Za-z0-9_])'
 )
-"""Names, numbers and texts of an example; units aren't among them."""
+"""Names, numbers and texts of an example, without units."""
 
 
 def plain_text(snippet: str) -> str:
-    """A snippet with what its holes propose."""
+    """Return a snippet with the proposed value in each hole."""
     return _HOLE.sub(lambda match: match[1] or "", snippet)
 
 
 def next_index(sketch: Sketch, line: int) -> str:
-    """An index for a command in a line: behind the one above, and in front of the one below if there is room."""
+    """Return an index for a command in a line: after the one above and, if there is room, before the one
+    below.
+    """
     numbers = [(one.line, int(one.index.text[1:])) for one in sketch.module.statements if one.index]
     above = max((number for at, number in numbers if at < line), default=0)
     below = [number for at, number in numbers if at > line and number > above]
@@ -41,7 +43,7 @@ def next_index(sketch: Sketch, line: int) -> str:
 
 
 def command_snippet(view: View, name: str) -> str:
-    """A command with holes for its values; what DEFAULT gives is left out."""
+    """Return a command with holes for its values, without those that DEFAULT gives."""
     found = command_of(name)
     if found is None:
         return name
@@ -71,7 +73,7 @@ class _Holes:
         self._count = 0
 
     def hole(self, proposed: str) -> str:
-        """The next hole."""
+        """Return the next hole."""
         self._count += 1
         return f"${{{self._count}:{proposed}}}"
 
@@ -88,7 +90,7 @@ def _way_points(view: View, spec: CommandSpec, values: Values, numbers: _Holes) 
 
 
 def declaration_snippet(example: str) -> str:
-    """A line with its names and numbers as holes; a block with its END."""
+    """Return a declaration with holes for its names and numbers. A block gets its END."""
     head, _, line = example.partition(" ")
     holes = _Holes()
     text = f"{head} {_FILLED.sub(lambda match: holes.hole(match[0]), line)}".rstrip()

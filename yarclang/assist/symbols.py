@@ -1,7 +1,7 @@
-"""The names of a file: what declares them, where they are known, and where they are used.
+"""The names of a file: their declarations, the lines in which they are known, and their uses.
 
-Names are told apart as the language does: frames have names of their own. Nothing is evaluated: this holds for texts with errors too, and
-in blocks that are never carried out.
+As in the language, frames have a namespace of their own. Nothing is evaluated, so that texts with errors and
+blocks that never run are covered too.
 """
 
 from __future__ import annotations
@@ -58,9 +58,17 @@ _END = 1 << 30
 
 @dataclass(frozen=True, slots=True)
 class Symbol:
-    """A name that a file declares. `name` is in upper case, `span` where it stands, a frame's without braces.
+    """A name that a file declares.
 
-    It is known behind line `first` up to line `last`. `inside` is the SUB that it belongs to; empty outside.
+    Attributes:
+        kind: kind of the name.
+        name: in upper case.
+        is_frame: True if it names a frame.
+        span: place of the name, for a frame without braces.
+        statement: the declaration.
+        first: line after which the name is known.
+        last: last line in which the name is known.
+        inside: the SUB that contains the declaration; empty outside.
     """
 
     kind: Kind
@@ -73,14 +81,20 @@ class Symbol:
     inside: str = ""
 
     def is_known_in(self, line: int) -> bool:
-        """Whether the name means this in a line."""
+        """Return True if the name is known in a line."""
         return self.first < line <= self.last
 
 
 @dataclass(frozen=True, slots=True)
 class Use:
-    """A name that is spoken of. `module` is the one that stands in front of it, `symbol` what it means in this file, if it is
-    declared in it.
+    """A use of a name.
+
+    Attributes:
+        name: in upper case.
+        is_frame: True if it names a frame.
+        span: place of the name.
+        module: module in front of the name; empty without one.
+        symbol: its declaration, if it is in this file.
     """
 
     name: str
@@ -92,34 +106,39 @@ class Use:
 
 @dataclass(slots=True)
 class Names:
-    """A file's symbols in order, and its uses of names, also of those that aren't declared in it."""
+    """The names of a file.
+
+    Attributes:
+        symbols: declarations, in order.
+        uses: all uses of names, including undeclared ones.
+    """
 
     symbols: list[Symbol] = field(default_factory=list)
     uses: list[Use] = field(default_factory=list)
     _by_name: dict[tuple[str, bool], list[Symbol]] = field(default_factory=dict)
 
     def add(self, symbol: Symbol) -> None:
-        """One more declaration."""
+        """Add a declaration."""
         self.symbols.append(symbol)
         self._by_name.setdefault((symbol.name, symbol.is_frame), []).append(symbol)
 
     def known_in(self, line: int) -> Iterator[Symbol]:
-        """What is known in a line, the last declared first."""
+        """Yield the symbols that are known in a line, the last declared first."""
         return (one for one in reversed(self.symbols) if one.is_known_in(line))
 
     def meant(self, name: str, is_frame: bool, line: int) -> Symbol | None:
-        """What a name, without a module in front, means in a line."""
+        """Return the symbol that a name without a module means in a line."""
         named = reversed(self._by_name.get((name, is_frame), []))
         return next((one for one in named if one.is_known_in(line)), None)
 
     def declared(self, name: str, is_frame: bool) -> Symbol | None:
-        """What a name means to the users of a module: one that is declared outside of blocks."""
+        """Return the symbol that a name means to users of the module: it is declared outside of blocks."""
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
 
 
 def names_of(nodes: tuple[Node, ...]) -> Names:
-    """Look through a file's blocks."""
+    """Return the names in a file's blocks."""
     reader = _Reader()
     reader.nodes(nodes, _END, "")
     return reader.names
@@ -129,7 +148,7 @@ class _Reader:
     def __init__(self) -> None:
         self.names = Names()
         self._behind: dict[tuple[str, bool], int] = {}
-        """The names that the IF around leaves behind, and the last line in which each is known."""
+        """The names that are known after the surrounding IF, and the last line in which each is known."""
 
     def nodes(self, nodes: tuple[Node, ...], last: int, inside: str) -> None:
         for node in nodes:
@@ -149,7 +168,8 @@ class _Reader:
                 self._repeat(head, end, inside)
             case _:
                 self._speak_of_all(head)
-        # a name of both ways of an IF is one name: the first line declares it, the second one speaks of it
+        # A name that both branches of an IF declare is one name: its first line declares it, the second one
+        # uses it.
         left = known_behind(block) if head.name.name == "IF" else ()
         before, self._behind = self._behind, {one: self._behind.get(one, last) for one in left}
         self.nodes(block.body, turn, inside)
@@ -201,7 +221,7 @@ class _Reader:
         elif isinstance(own, Word):
             self._declare(_BY_WORD[word], own.name, statement.span(own.place), statement, last, inside)
 
-    # declarations
+    # Declarations.
 
     def _declare(
         self, kind: Kind, name: str, span: Span, statement: Statement, last: int, inside: str = ""
@@ -211,7 +231,7 @@ class _Reader:
         )
 
     def _add(self, symbol: Symbol) -> None:
-        """Add a declaration; where the other way of an IF has declared the name, the line speaks of that."""
+        """Add a declaration. If the other branch of an IF has declared the name, add a use instead."""
         key = (symbol.name, symbol.is_frame)
         if key not in self._behind:
             self.names.add(symbol)
@@ -229,7 +249,7 @@ class _Reader:
         line = statement.line + statement.rows - 1
         self._add(Symbol(kind, frame.name, True, span, statement, line, last, inside))
 
-    # uses
+    # Uses.
 
     def _speak_of_all(self, statement: Statement, own: object = None) -> None:
         word = statement.name.name
@@ -280,14 +300,14 @@ class _Reader:
 
 
 def _inner(statement: Statement, frame: FrameName) -> Span:
-    """Where a frame's name stands between its braces."""
+    """Return the place of a frame's name between its braces."""
     inner = frame.text[1:-1]
     start = frame.place.start + 1 + len(inner) - len(inner.lstrip())
     return Span.on_line(statement.line + frame.place.row, start, start + len(inner.strip()))
 
 
 def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
-    """Return the last line of each block by its first."""
+    """Return the last line of each block by the block's first line."""
     found: dict[int, int] = {}
     for node in nodes:
         if isinstance(node, Block):
@@ -297,7 +317,7 @@ def ends_of(nodes: tuple[Node, ...]) -> dict[int, int]:
 
 
 def _last_line(block: Block) -> int:
-    """The last line of a block without an END: what follows it belongs to it too."""
+    """Return the last line of a block. Without an END, the statements that follow belong to the block."""
     return max((_end_of(one) for one in (*block.body, *(block.otherwise or ()))), default=block.head.line)
 
 

@@ -1,4 +1,4 @@
-"""What kind of thing each word of a text is, for editors that colour it."""
+"""The kind of each word of a text, for editors that colour it."""
 
 from __future__ import annotations
 
@@ -49,7 +49,15 @@ _OF_SYMBOL: dict[str, Tint] = {
 
 @dataclass(frozen=True, slots=True)
 class Tinted:
-    """A stretch of a line, columns from 1; `declares` says that a name is declared there."""
+    """A stretch of a line.
+
+    Attributes:
+        line: from 1.
+        start: first column, from 1.
+        end: column after the last one.
+        tint: kind of the word.
+        declares: True if a name is declared here.
+    """
 
     line: int
     start: int
@@ -59,7 +67,7 @@ class Tinted:
 
 
 def tints(sketch: Sketch, first: int = 1, last: int | None = None) -> Iterator[Tinted]:
-    """The words of a text in lines `first` to `last`, in order. Lines that can't be read have theirs too."""
+    """Yield the words of the lines `first` to `last` in order, including lines that can't be parsed."""
     named: dict[tuple[int, int], tuple[Tint, bool]] = {}
     for symbol in sketch.names.symbols:
         named[symbol.span.line, symbol.span.column] = _OF_SYMBOL[symbol.kind], True
@@ -101,7 +109,7 @@ def _of_line(
 
 
 def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bool]]) -> Iterator[Tinted]:
-    """The names in a piece: `PALLET.GRID` has two."""
+    """Yield the names in a piece: `PALLET.GRID` has two."""
     start = piece.start
     for part in piece.text.split("."):
         inner = part.strip("{} \t")
@@ -113,7 +121,9 @@ def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bo
 
 
 def _plain(piece: Lexeme, *, is_head: bool, is_called: bool) -> Tint | None:
-    """A word that is no declared name. `MIN` is a time, and a function where a bracket follows."""
+    """Return the kind of a word that is no declared name. `MIN` is a time, or a function if a bracket
+    follows.
+    """
     match piece.kind:
         case "comment" | "string" | "number" | "index":
             return piece.kind

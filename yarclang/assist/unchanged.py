@@ -1,4 +1,4 @@
-"""Which lines of a text an edit has left alone."""
+"""The lines of a text that an edit has left unchanged."""
 
 from __future__ import annotations
 
@@ -8,8 +8,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Unchanged:
-    """The lines that two texts have in common: so many at their beginnings (`first`) and at their ends (`last`), of `before` and `after`
-    lines.
+    """The common lines of two texts.
+
+    Attributes:
+        first: number of common lines at the beginning.
+        last: number of common lines at the end.
+        before: number of lines of the older text.
+        after: number of lines of the newer text.
     """
 
     first: int
@@ -18,13 +23,13 @@ class Unchanged:
     after: int
 
     def now(self, line: int) -> int | None:
-        """Where a line of the older text is in the newer one; None where it was changed."""
+        """Return the newer number of a line of the older text; None if the line was changed."""
         if line <= self.first:
             return line
         return line + self.after - self.before if line > self.before - self.last else None
 
     def then(self, line: int) -> int | None:
-        """Where a line of the newer text was in the older one; None where it was changed."""
+        """Return the older number of a line of the newer text; None if the line was changed."""
         return Unchanged(self.first, self.last, self.after, self.before).now(line)
 
 

@@ -1,4 +1,6 @@
-"""What is known when somebody asks about a text: how it looks, and what the pipeline has made of it so far."""
+"""The state of a text when a question about it is asked: its structure, and the results of the pipeline so
+far.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +23,20 @@ from yarclang.semantics.names.scope import Scope
 
 
 def no_module(name: str) -> Sketch | None:  # noqa: ARG001
-    """Where no modules are."""
+    """Return None, for a text without modules."""
     return None
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A text, and what has been found out about it.
+    """A text, and its analysis so far.
 
-    `checked` is of this very text; None until it is there. `robot` is the text's, or that of an older version of it. `module` finds a module
-    by its name in upper case. `older` is what was known of the last version that could be planned.
+    Attributes:
+        sketch: the text's structure.
+        checked: result of checking this text; None until it is ready.
+        robot: robot of this text, or of an older version.
+        module: function that returns a module by its name in upper case.
+        older: view of the last version that could be planned.
     """
 
     sketch: Sketch
@@ -41,12 +47,14 @@ class View:
 
     @property
     def is_planned(self) -> bool:
-        """Whether there is a plan of this very text."""
+        """Return True if this text has a plan."""
         return self.checked is not None and self.checked.plan is not None
 
     def planned_at(self, line: int) -> tuple[View, int] | None:
-        """Where the motions of a line are planned: here, or, while errors or a plan that isn't made yet hide them, in the last version that could be
-        planned, if the line is as it was. None where that isn't so.
+        """Return the view and the step in which the motions of a line are planned.
+
+        This is the present text or, if errors or a missing plan hide the motions, the last version that could
+        be planned, provided that the line is unchanged. None otherwise.
         """
         if self.is_planned:
             return self, line
@@ -65,12 +73,14 @@ class View:
 
     @property
     def program(self) -> Program | None:
-        """The checked program, if it is there."""
+        """Return the checked program, if it is ready."""
         return self.checked.program if self.checked else None
 
     @cached_property
     def scope(self) -> Scope | None:
-        """What the names mean that the file declares outside of blocks; None where the robot isn't known."""
+        """Return the meanings of the names that the file declares outside of blocks; None if the robot isn't
+        known.
+        """
         opened = self.checked.opened if self.checked else None
         if opened is None:
             return None
@@ -81,23 +91,23 @@ class View:
         return Analysis(self.checked) if self.checked else None
 
     def steps_in(self, line: int) -> tuple[int, ...]:
-        """The numbers of the program's steps that come from the statement in a line of this text."""
+        """Return the numbers of the steps that the statement in a line of this text produces."""
         statement = self.sketch.statement_at(line)
         return self._analysis.steps_by_line.get(statement.line, ()) if statement and self._analysis else ()
 
     def step(self, number: int) -> Step:
-        """A step of the program, which is there."""
+        """Return a step of the program, which must exist."""
         assert self.program is not None
         return self.program.steps[number]
 
     def motion(self, number: int) -> tuple[PlannedMotion, float] | None:
-        """How a step is planned, and when it begins [s]; None where it isn't."""
+        """Return the plan of a step and the time at which it begins [s]; None if it isn't planned."""
         found = self._analysis.motions.get(number) if self._analysis else None
         return None if found is None else (found, self._begins[number])
 
     @cached_property
     def flowing(self) -> frozenset[int]:
-        """The steps whose motions begin or end without a stop."""
+        """Return the steps whose motions begin or end without a stop."""
         plan = self.checked.plan if self.checked else None
         motions = plan.motions if plan else ()
         begins = [later.step for before, later in pairwise(motions) if before.flows]
@@ -105,10 +115,10 @@ class View:
 
     @cached_property
     def _begins(self) -> dict[int, float]:
-        """When the motions begin [s], by their steps."""
+        """Return the times at which the motions begin [s], by step."""
         plan = self.checked.plan if self.checked else None
         return {motion.step: plan.schedule.clocks[motion.step] for motion in plan.motions} if plan else {}
 
     def proved(self, number: int) -> CommandCertificate | None:
-        """What was proved of a step."""
+        """Return the certificate of a step."""
         return self._analysis.proofs.get(number) if self._analysis else None

@@ -1,4 +1,4 @@
-"""The words of the language with a line of documentation each: commands and profiles bring their own, the others stand here."""
+"""The words of the language with a line of documentation each. Commands and profiles document themselves."""
 
 from __future__ import annotations
 
@@ -19,7 +19,12 @@ from yarclang.words.registry import word_specs
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A word: what it does in a few words, and a line as it is written (empty where there is none)."""
+    """A word of the language.
+
+    Attributes:
+        summary: its meaning in a few words.
+        example: an example line; empty without one.
+    """
 
     summary: str
     example: str = ""
@@ -66,7 +71,7 @@ RATES: Mapping[str, Entry] = MappingProxyType(
         "ACC": Entry("behind VEL, the acceleration of each joint there", "ACC 0 0 0 0 0 0"),
     }
 )
-"""Words behind the time of a way-point."""
+"""Words after the time of a way-point."""
 
 TIMES: Mapping[str, Entry] = MappingProxyType(
     {
@@ -105,7 +110,7 @@ TARGETS: Mapping[str, str] = MappingProxyType(
         "QUAT": "the target is a pose as x y z qx qy qz qw",
     }
 )
-"""What a target suffix means."""
+"""Meanings of the target suffixes."""
 
 FRAMES: Mapping[str, Entry] = MappingProxyType(
     {
@@ -114,12 +119,12 @@ FRAMES: Mapping[str, Entry] = MappingProxyType(
         "TCP": Entry("the tool centre point that the robot's description gives"),
     }
 )
-"""Frames that come from the robot."""
+"""Frames that the robot defines."""
 
 
 @cache
 def command_names() -> tuple[str, ...]:
-    """Every name of a command of commands/builtin, with all the suffixes that it takes."""
+    """Return all names of commands, with every suffix that each command takes."""
     names: list[str] = []
     for spec in commands().values():
         laws = ("", *profile_names()) if spec.is_motion and not spec.is_timed else ("",)
@@ -133,7 +138,9 @@ def command_names() -> tuple[str, ...]:
 
 @cache
 def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
-    """The command of a full name, its target suffix (empty: none) and its profile; None where no command has the name."""
+    """Return the command of a full name, its target suffix (empty for none) and its profile; None if there is
+    none.
+    """
     if name not in command_names():
         return None
     spec = max(
@@ -148,7 +155,7 @@ def command_of(name: str) -> tuple[CommandSpec, str, str] | None:
 
 @cache
 def command_text(name: str) -> str:
-    """A command's documentation in Markdown; empty for what is none."""
+    """Return a command's documentation in Markdown; empty if there is no such command."""
     found = command_of(name)
     if found is None:
         entry = action_entries().get(name) or DECLARED.get(name)
@@ -166,13 +173,13 @@ def command_text(name: str) -> str:
 
 
 def entry_text(word: str, entry: Entry) -> str:
-    """A word's documentation in Markdown."""
+    """Return a word's documentation in Markdown."""
     example = f"\n\n```yarc\n{entry.example}\n```" if entry.example else ""
     return f"**{word}**: {entry.summary}{example}"
 
 
 def unit_text(name: str) -> str:
-    """What a unit is, in Markdown; empty for what is none."""
+    """Return a unit's documentation in Markdown; empty if there is no such unit."""
     unit = UNITS.get(name.lower())
     if unit is None:
         return ""
@@ -181,7 +188,7 @@ def unit_text(name: str) -> str:
 
 
 def word_text(word: str) -> str:
-    """What a word of the language means, wherever it stands, in Markdown; empty for what is none."""
+    """Return the meaning of a word of the language at any place, in Markdown; empty if there is none."""
     for table in (OPTIONS, RATES, TIMES, OTHERS):
         if word in table:
             return entry_text(word, table[word])

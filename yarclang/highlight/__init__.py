@@ -1,1 +1,3 @@
-"""Colours for programs in documentation and terminals: a lexer for Pygments, and the words of the language by their kinds."""
+"""Colours for programs in documentation and terminals: a Pygments lexer, and the words of the language by
+kind.
+"""

@@ -1,7 +1,7 @@
-"""The Pygments lexer of the language: mkdocs and rich find it as `yarc`.
+"""The Pygments lexer of the language, which mkdocs and rich find as `yarc`.
 
-It knows lines, not programs: a word is what it is called, wherever it is declared. editors/vscode has a grammar that tells the same kinds; the
-tests hold them together.
+It works line by line: the kind of a name doesn't depend on its declaration. The grammar in editors/vscode
+distinguishes the same kinds; tests compare the two.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class YarcLexer(Lexer):  # type: ignore[misc]  # Pygments has no types
     url = "https://pypi.org/project/yarclang"
 
     def get_tokens_unprocessed(self, text: str) -> Iterator[tuple[int, Any, str]]:
-        """The pieces of a text: place, kind, piece. Together they are the text."""
+        """Yield the pieces of a text as (place, kind, piece). Together they are the whole text."""
         at = 0
         for line in lines_with_ends(text):
             code = line.rstrip("\r\n")
@@ -106,27 +106,27 @@ def _of_line(line: str) -> Iterator[tuple[int, Any, str]]:
 
 @cache
 def _heads() -> dict[str, Any]:
-    """What begins a line without an index."""
+    """Return the words that begin a line without an index."""
     known = words()
     return dict.fromkeys(known.blocks, Keyword) | dict.fromkeys(known.declarations, Keyword.Declaration)
 
 
 @cache
 def _commands() -> re.Pattern[str]:
-    """A command and its suffixes."""
+    """Return a pattern of commands with their suffixes."""
     known = words()
     return re.compile(rf"({'|'.join(known.commands)})((?:_(?:{'|'.join(known.suffixes)}))*)")
 
 
 @cache
 def _units() -> re.Pattern[str]:
-    """Round brackets with nothing but units."""
+    """Return a pattern of round brackets that contain only units."""
     one = rf"\s*(?:{'|'.join(words().units)})\s*"
     return re.compile(rf"(?<!\$)\({one}(?:,{one})*\)", re.IGNORECASE)
 
 
 def _kind(upper: str, rest: str) -> Any:
-    """What a word is that begins no line."""
+    """Return the kind of a word that doesn't begin a line."""
     known = words()
     if upper in known.functions and rest.lstrip().startswith("("):
         return Name.Builtin

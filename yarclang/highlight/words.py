@@ -1,4 +1,4 @@
-"""The words of the language by their kinds, as the registry and the tables of the language have them."""
+"""The words of the language by kind, from the registry and the language's tables."""
 
 from __future__ import annotations
 
@@ -27,7 +27,21 @@ from yarclang.words.registry import word_specs
 
 @dataclass(frozen=True, slots=True)
 class Words:
-    """Words in upper case (units as they are written), longest first where one begins like another."""
+    """Words in upper case, and units as they are written.
+
+    Words that begin with a shorter word precede it.
+
+    Attributes:
+        blocks: words that begin or end a block.
+        declarations: words that begin other declarations.
+        commands: names of commands.
+        suffixes: suffixes of commands.
+        options: words that begin an option.
+        operators: operators of expressions.
+        functions: functions of expressions.
+        constants: constants and states.
+        units: units.
+    """
 
     blocks: tuple[str, ...]
     declarations: tuple[str, ...]
@@ -42,7 +56,7 @@ class Words:
 
 @cache
 def words() -> Words:
-    """All of them. A new command, profile or unit is among them by itself."""
+    """Return all words, including those of commands, profiles and units that are registered later."""
     specs = commands().values()
     names = {name for spec in specs for name in (spec.name, spec.old_name) if name} | actions().keys()
     blocks = BLOCK_HEADS | BLOCK_ENDS | {"ELSE", "OF"}

@@ -1,1 +1,5 @@
-"""The language server: `yarc lsp`. It translates what yarclang.assist and the pipeline know to the protocol, and knows nothing of its own."""
+"""The language server `yarc lsp`.
+
+It translates the results of yarclang.assist and of the pipeline to the protocol, and has no knowledge of its
+own.
+"""

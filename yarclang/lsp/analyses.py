@@ -1,7 +1,10 @@
-"""What the pipeline says of the open texts: found in threads, newest first, given up where a text has changed meanwhile.
+"""Analyses of the open texts: made in threads, the newest text first, and abandoned if the text changes
+meanwhile.
 
-Each version of a text is looked at twice: first what needs no planning, then all of it; of the second look, what planning has found is there before the proof. Each has a thread of its own, so that the first look at one text
-doesn't wait for the motions of another. Who asks gets what is there.
+Each version of a text is checked twice: first without planning, then completely. The second check reports the
+results of planning before the proof is made. Each of the two checks has a thread of its own, so that the
+first check of a text doesn't wait for the motions of another one. Requests are answered with the results so
+far.
 """
 
 from __future__ import annotations
@@ -21,14 +24,21 @@ from yarclang.lsp.documents import Document
 from yarclang.pipeline.checking import Checked
 
 _SHOWN_BY = 0.1
-"""So long [s] a proof waits at most until what was found before it is shown."""
+"""Longest time that a proof waits until the findings before it are shown [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Analysis:
-    """What was found in one version of a text; `is_whole` says that motions were planned as well.
+    """The results of checking one version of a text.
 
-    Until they are, `carried` has what planning said of the lines that are as they were.
+    Attributes:
+        document: the text.
+        generation: number of the check, counted over all versions of the text.
+        checked: the results.
+        is_whole: True if motions were planned and proved as well.
+        carried: findings of earlier planning in unchanged lines, shown until motions are planned anew.
+        is_planned: True if motions are planned but perhaps not proved.
+        repeats: True if all findings were shown before the proof.
     """
 
     document: Document
@@ -37,19 +47,30 @@ class Analysis:
     is_whole: bool
     carried: tuple[Diagnostic, ...] = ()
     is_planned: bool = False
-    """Whether motions are planned, and perhaps not proved."""
     repeats: bool = False
-    """Whether all of it was shown before the proof."""
 
     @property
     def shown(self) -> tuple[Diagnostic, ...]:
-        """What is shown in the text."""
+        """Return the findings to show in the text."""
         return (*self.checked.diagnostics, *self.carried)
 
 
 @dataclass(slots=True)
 class _Desk:
-    """An open text: its newest version, how often it was to be looked at, and what is known of it."""
+    """An open text.
+
+    Attributes:
+        document: its newest version.
+        generation: number of checks that were requested.
+        analysis: the latest results.
+        begun: results of the newest version without planning.
+        planned: findings that only planning reports.
+        early: results of the newest version before the proof.
+        proved: findings that only a proof reports.
+        whole: set when everything is known.
+        some: set when anything is known.
+        most: set when everything is known, except perhaps the proof.
+    """
 
     document: Document
     generation: int = 0
@@ -57,19 +78,17 @@ class _Desk:
     begun: Checked | None = None
     planned: Planned | None = None
     early: Analysis | None = None
-    """What was known of the newest version before the proof."""
     proved: Planned | None = None
-    """What only a proof has said."""
     whole: asyncio.Event = field(default_factory=asyncio.Event)
     some: asyncio.Event = field(default_factory=asyncio.Event)
     most: asyncio.Event = field(default_factory=asyncio.Event)
-    """All is known, or all but the proof."""
 
 
 class Analyses:
-    """Analyses of all open texts. Everything but the work itself is done in the event loop's thread.
+    """Analyses of all open texts.
 
-    `arrived` is called there with each new analysis.
+    Everything except the checks themselves runs in the event loop's thread. There, `arrived` is called with
+    each new analysis.
     """
 
     def __init__(self, checks: Checks, arrived: Callable[[Analysis], None]) -> None:
@@ -77,29 +96,29 @@ class Analyses:
         self._arrived = arrived
         self._desks: dict[str, _Desk] = {}
         self._touched: list[str] = []
-        """The texts that wait for a look, the one that was touched last at the end."""
+        """The texts that wait for a check, the last changed one at the end."""
         self._unread: set[str] = set()
-        """Those of them that weren't looked at without planning."""
+        """The waiting texts that haven't been checked without planning."""
         self._checking = ThreadPoolExecutor(1, thread_name_prefix="checking")
         self._planning = ThreadPoolExecutor(1, thread_name_prefix="planning")
         self._reading = ThreadPoolExecutor(1, thread_name_prefix="reading")
         self._tasks: set[asyncio.Task[None]] = set()
         self._running: set[bool] = set()
-        """Which looks are being made: without planning, or with it."""
+        """The checks that are running: False without planning, True with planning."""
 
     def put(self, document: Document) -> None:
-        """A text was opened or changed: it is looked at anew."""
+        """Check a text that was opened or changed."""
         desk = self._desks.get(document.uri)
         if desk is None:
             desk = self._desks[document.uri] = _Desk(document)
         desk.document = document
         self.again(document.uri)
         task = asyncio.ensure_future(self._read(desk))
-        self._tasks.add(task)  # the loop itself keeps no task alive
+        self._tasks.add(task)  # the loop holds no reference to a task
         task.add_done_callback(self._tasks.discard)
 
     def again(self, uri: str) -> None:
-        """Something that an open text depends on has changed."""
+        """Check an open text again, because something that it depends on has changed."""
         desk = self._desks.get(uri)
         if desk is None:
             return
@@ -114,7 +133,7 @@ class Analyses:
         self._go_on()
 
     def drop(self, uri: str) -> None:
-        """A text was closed."""
+        """Forget a text that was closed."""
         desk = self._desks.pop(uri, None)
         if desk is not None:
             desk.whole.set()
@@ -123,25 +142,31 @@ class Analyses:
         self._take_out(uri)
 
     def _take_out(self, uri: str) -> None:
-        """Let a text wait for nothing."""
+        """Remove a text from the queues."""
         self._unread.discard(uri)
         if uri in self._touched:
             self._touched.remove(uri)
 
     def of(self, uri: str) -> Analysis | None:
-        """What is known of the newest version of a text; None where nothing is yet."""
+        """Return the results for the newest version of a text; None if there are none yet."""
         desk = self._desks.get(uri)
         found = desk.analysis if desk else None
         return found if desk and found and found.document is desk.document else None
 
     def last(self, uri: str) -> Analysis | None:
-        """What was found last, also in an older version."""
+        """Return the latest results for a text, perhaps of an older version."""
         desk = self._desks.get(uri)
         return desk.analysis if desk else None
 
     async def whole(self, uri: str, patience: float | None) -> Analysis | None:
-        """All that is to be said of a text, or, where that takes longer than `patience` [s], what is known by then: at least what needs no
-        planning. None if the text was closed.
+        """Wait for the complete results of a text.
+
+        Args:
+            uri: the text.
+            patience: longest time to wait [s]; None waits without limit.
+
+        Returns:
+            The results so far after `patience`, at least those without planning. None if the text was closed.
         """
         desk = self._desks.get(uri)
         if desk is None:
@@ -154,7 +179,15 @@ class Analyses:
         return self.of(uri)
 
     async def most(self, uri: str, patience: float) -> Analysis | None:
-        """What is to be said of a text when its motions are planned, though perhaps not proved; else as `whole`."""
+        """Wait for the results of a text with planned motions, proved or not.
+
+        Args:
+            uri: the text.
+            patience: longest time to wait [s].
+
+        Returns:
+            As `whole` after `patience`.
+        """
         desk = self._desks.get(uri)
         if desk is None:
             return None
@@ -167,13 +200,13 @@ class Analyses:
         return found if found is None or found.is_whole else desk.early or found
 
     def close(self) -> None:
-        """End all work."""
+        """Stop all work."""
         for uri in list(self._desks):
             self.drop(uri)
         for pool in (self._checking, self._planning, self._reading):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    # the threads' work
+    # The work in threads.
 
     def _go_on(self) -> None:
         if self._unread and False not in self._running:
@@ -191,10 +224,10 @@ class Analyses:
     def _looked(self, plans: bool, task: asyncio.Task[None]) -> None:
         self._running.discard(plans)
         self._go_on()
-        task.result()  # a bug is reported by the loop, and the next text is looked at all the same
+        task.result()  # the loop reports a bug, and the next text is checked all the same
 
     async def _read(self, desk: _Desk) -> None:
-        """Tell the syntax errors of a long text, beside whatever else is being looked at."""
+        """Report the syntax errors of a long text while other checks are running."""
         document, generation = desk.document, desk.generation
 
         def is_wanted() -> bool:
@@ -209,7 +242,7 @@ class Analyses:
             self._arrived(_of_syntax(desk, document, generation, found))
 
     async def _look(self, uri: str, plans: bool) -> None:
-        """Look at a text, without planning or then with it."""
+        """Check a text, with or without planning."""
         desk = self._desks.get(uri)
         if desk is None:
             return
@@ -223,7 +256,7 @@ class Analyses:
         loop = asyncio.get_running_loop()
 
         def early(checked: Checked) -> None:
-            # what is shown first has the processor first
+            # Let the event loop run until the findings are shown, before the proof takes the processor.
             shown = threading.Event()
             loop.call_soon_threadsafe(self._show_early, desk, document, generation, checked, shown)
             shown.wait(_SHOWN_BY)
@@ -233,7 +266,7 @@ class Analyses:
                 pool, self._checks.check, document, plans, begun, is_stale, early
             )
         except Exception:
-            # a bug: nobody shall wait for what doesn't come
+            # After a bug, release everybody who waits for results.
             if not is_stale():
                 self._take_out(uri)
             desk.some.set()
@@ -244,7 +277,7 @@ class Analyses:
             return
         if checked is not None:
             self._put_down(desk, Analysis(document, generation, checked, plans))
-            assert desk.analysis is not None  # it was put down
+            assert desk.analysis is not None  # it was just stored
             self._arrived(desk.analysis)
         if not plans:
             desk.begun = checked
@@ -252,7 +285,7 @@ class Analyses:
     def _show_early(
         self, desk: _Desk, document: Document, generation: int, checked: Checked, shown: threading.Event
     ) -> None:
-        """Show what was found before the proof, with what the last proof has said of unchanged lines."""
+        """Show the findings before the proof, with those of the last proof in unchanged lines."""
         if self._desks.get(document.uri) is desk and desk.generation == generation:
             rest = () if desk.proved is None else tuple(carried(desk.proved, document.source))
             desk.early = Analysis(document, generation, checked, False, rest, is_planned=True)
@@ -265,7 +298,7 @@ class Analyses:
 
     @staticmethod
     def _put_down(desk: _Desk, found: Analysis) -> None:
-        """Keep what was found, for whoever waits for it."""
+        """Store results, and wake up the tasks that wait for them."""
         source = found.document.source
         if found.is_whole:
             quick = desk.analysis.checked.diagnostics if desk.analysis else ()
@@ -284,7 +317,7 @@ class Analyses:
 
 
 def _of_syntax(desk: _Desk, document: Document, generation: int, found: tuple[Diagnostic, ...]) -> Analysis:
-    """Syntax errors of a long text, with what else was said of unchanged lines: told at once, and kept by nobody."""
+    """Return the syntax errors of a long text and the other findings in unchanged lines; nothing is kept."""
     rest: tuple[Diagnostic, ...] = ()
     if desk.analysis is not None:
         others = [one for one in desk.analysis.shown if one.family != SYNTAX]

@@ -1,4 +1,7 @@
-"""What planning has said of the lines that an edit leaves alone: shown until it is said anew, so that nothing flickers."""
+"""Findings of planning in lines that an edit leaves unchanged.
+
+They are shown until motions are planned anew, so that nothing flickers.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,19 @@ from yarclang.source import SourceFile, Span
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Planned:
-    """Findings that only planning has brought, and the text that they are about."""
+    """Findings that only planning reports.
+
+    Attributes:
+        source: their text.
+        findings: the findings.
+    """
 
     source: SourceFile
     findings: tuple[Diagnostic, ...]
 
 
 def planned_alone(source: SourceFile, whole: Iterable[Diagnostic], quick: Iterable[Diagnostic]) -> Planned:
-    """Of all findings of a text those that weren't there without planning."""
+    """Return the findings of a text that a check without planning doesn't report."""
     known = {_key(one) for one in quick}
     own = (one for one in whole if one.source is not None and one.source.name == source.name)
     return Planned(source, tuple(one for one in own if _key(one) not in known))
@@ -30,7 +38,10 @@ def _key(one: Diagnostic) -> tuple[str, str, Span | None]:
 
 
 def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
-    """The findings of the lines that are the same in a newer text, where they are now; without fixes, which would be those of the older one."""
+    """Yield the findings in unchanged lines, at their places in a newer text.
+
+    Fixes are left out, because they would be those of the older text.
+    """
     same = unchanged(planned.source.lines, source.lines)
     for one in planned.findings:
         span = one.span
@@ -39,7 +50,7 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
         line, end_line = same.now(span.line), same.now(span.end_line)
         if line is not None and end_line is not None and end_line - line == span.end_line - span.line:
             there = span if line == span.line else Span(line, span.column, end_line, span.end_column)
-            # a third of the time that `replace` takes, for as many findings as a long program has
+            # takes a third of the time of `replace`; long programs have many findings
             yield Diagnostic(
                 one.code,
                 one.message,

@@ -1,4 +1,4 @@
-"""Which check an open text gets: a program's, a cell's, a robot's, a project's. All of them are those of `yarc check`."""
+"""The checks of `yarc check` for each kind of open text: program, cell, robot or project."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
 
 _LONG = 2_000
-"""Lines; a shorter program is checked nearly as soon as it is read."""
+"""Lines of a long program. A shorter one is checked nearly as soon as it is parsed."""
 
 
 class Checks:
-    """Checks texts for options that hold for all of them."""
+    """Checks texts with common options."""
 
     def __init__(self, options: Options) -> None:
         self._options = options
         self._analyst = Analyst(options)
         self.texts: Mapping[Path, SourceFile] = NO_TEXTS
-        """The texts that are open, by their paths; never changed in its place, since threads read it."""
+        """The open texts by path. Replaced rather than changed, because threads read it."""
 
     def check(
         self,
@@ -43,17 +43,17 @@ class Checks:
         is_stale: Callable[[], bool],
         early: Callable[[Checked], None] | None = None,
     ) -> Checked | None:
-        """What is to be said of a text.
+        """Check a text.
 
         Args:
             document: the text.
-            plans: whether motions are planned and proved.
-            begun: what was found in this very text without planning, if it was looked for.
-            is_stale: whether nobody waits for it any more: asked between motions.
-            early: called with what is known when all motions are planned, before they are proved.
+            plans: True to plan and prove motions.
+            begun: results of this text without planning, if they exist.
+            is_stale: called between motions; returns True if nobody waits for the results any more.
+            early: called with the results when all motions are planned, before they are proved.
 
         Returns:
-            None where there is nothing to say: the work was given up; or a description is to be checked, which is done once.
+            None if the work was cancelled, or for a description without `plans`, which is checked only once.
         """
         try:
             if document.is_program:
@@ -67,19 +67,19 @@ class Checks:
                 )
                 return found.checked if found is not None else None
             return self._described(document) if plans else None
-        except Exception as error:  # a bug of ours: it is shown in the text, and the next edit is looked at
+        except Exception as error:  # a bug of ours: show it, and go on with the next edit
             return Checked((failure(error, document.source),), document.source)
 
     def syntax(self, document: Document) -> tuple[Diagnostic, ...] | None:
-        """The syntax errors of a long program, which are there long before its names are looked up; None of other texts."""
+        """Return the syntax errors of a long program, before its names are resolved; None for other texts."""
         if not document.is_program or len(document.source.lines) < _LONG:
             return None
         return tuple(one for one in parse(document.source).diagnostics if one.family == SYNTAX)
 
     def of_text(self, source: SourceFile, folder: Path) -> Checked:
-        """All that is to be said of a program that is nowhere open."""
+        """Check a program that isn't open, completely."""
         found = self._look(source, folder, quick=False)
-        assert found is not None  # nobody gives it up
+        assert found is not None  # it can't be cancelled
         return found.checked
 
     def _look(
@@ -92,14 +92,16 @@ class Checks:
         is_stale: Callable[[], bool] | None = None,
         early: Callable[[Checked], None] | None = None,
     ) -> Analysis | None:
-        analyst = copy(
-            self._analyst
-        )  # it remembers the same: other threads look with the texts that are open then
+        # The copy shares the caches. Other threads check with the texts that are open at their time.
+        analyst = copy(self._analyst)
         analyst.options = replace(analyst.options, texts=self.texts)
         return analyst.analyse(source, folder, quick=quick, begun=begun, cancelled=is_stale, early=early)
 
     def _described(self, document: Document) -> Checked:
-        """Check a cell's file, for the robot that its folder is for; or a robot's, or a project's. Of a table of way-points, the programs that name it say what is wrong."""
+        """Check the file of a cell for the robot of its folder, or the file of a robot or a project.
+
+        Tables of way-points have no findings of their own: the programs that name a table check it.
+        """
         if document.is_table:
             return Checked(())
         name = document.path.name.lower() if document.path else ""

@@ -1,4 +1,4 @@
-"""The texts that the client has open, as it has them."""
+"""The texts that the client has open, with the client's content."""
 
 from __future__ import annotations
 
@@ -24,7 +24,13 @@ TABLE = SUFFIX
 
 @dataclass(frozen=True, eq=False)
 class Document:
-    """One version of an open text. `path` is where it is saved, or would be; `name` is how findings call it."""
+    """One version of an open text.
+
+    Attributes:
+        uri: the client's name of the text.
+        version: the client's number of the version.
+        text: the content.
+    """
 
     uri: str
     version: int
@@ -32,33 +38,35 @@ class Document:
 
     @cached_property
     def path(self) -> Path | None:
-        """Where the file is; None of a text that was never saved."""
+        """Return the path of the file; None if the text was never saved."""
         path = to_fs_path(self.uri)
         return Path(path) if path else None
 
     @cached_property
     def folder(self) -> Path:
-        """Where the files are that it speaks of."""
+        """Return the folder for the files that the text names."""
         return self.path.parent if self.path else Path.cwd()
 
     @cached_property
     def source(self) -> SourceFile:
-        """The text under its file's name; a byte order mark is no part of it."""
+        """Return the text under its file's name, without a byte order mark."""
         return SourceFile(str(self.path) if self.path else self.uri, self.text.removeprefix("\ufeff"))
 
     @cached_property
     def sketch(self) -> Sketch:
-        """What the text looks like."""
+        """Return the text's structure."""
         return sketch_of(self.source)
 
     @property
     def is_program(self) -> bool:
-        """True of a program or a module; else the text describes a cell, a robot or a project, or is a table of way-points."""
+        """Return True for a program or a module. Other texts describe a cell, robot or project, or are
+        tables.
+        """
         return not self.uri.lower().endswith((DESCRIPTION, TABLE))
 
     @property
     def is_table(self) -> bool:
-        """True of a table of way-points, which only a program that names it can judge."""
+        """Return True for a table of way-points, which only a program that names it can check."""
         return self.uri.lower().endswith(TABLE)
 
 
@@ -68,7 +76,10 @@ def changed(
     version: int,
     encoding: str,
 ) -> Document:
-    """The next version of a document: each change counts in the text that the ones before have made."""
+    """Return the next version of a document.
+
+    Each change refers to the text that the changes before it have made.
+    """
     text = document.text
     for change in changes:
         if isinstance(change, types.TextDocumentContentChangePartial):

@@ -1,4 +1,4 @@
-"""What a feature is: one value of `Feature`, in one file of lsp/features."""
+"""Features of the server: one value of `Feature` in each file of lsp/features."""
 
 from __future__ import annotations
 
@@ -9,9 +9,12 @@ from typing import Any
 
 @dataclass(frozen=True, slots=True)
 class Feature:
-    """Some methods of the protocol: what answers each, as a function of server and parameters, and the options that are announced.
+    """Some methods of the protocol.
 
-    `listens` is called with the server and each analysis that arrives. `commands` are those that the client may have carried out.
+    Attributes:
+        methods: by method, the function of server and parameters that answers, and the announced options.
+        listens: called with the server and each new analysis.
+        commands: functions that the client may call by name.
     """
 
     methods: dict[str, tuple[Callable[..., Any], Any]]

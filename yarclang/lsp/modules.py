@@ -1,4 +1,4 @@
-"""The files that open texts speak of: modules, as they are open or saved; and who speaks of a file that has changed."""
+"""Modules and other files that open texts refer to, and the texts that refer to a changed file."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ if TYPE_CHECKING:
 
 
 _MOST_FILES = 2_000
-"""Files that are read for one folder, and that are kept."""
+"""Largest number of files that are read for one folder, and that are kept."""
 
 
 class Modules:
-    """Modules by the text that uses them; what is open goes before what is saved."""
+    """Modules of the open texts. An open module has priority over its saved file."""
 
     def __init__(self, documents: Mapping[str, Document]) -> None:
         self._documents = documents
         self._sketches: dict[Path, tuple[int, Sketch]] = {}
 
     def in_folder(self, folder: Path) -> Callable[[str], Sketch | None]:
-        """How the modules of texts in a folder are found: by name in upper case, each read once."""
+        """Return a function that finds the modules of a folder by name in upper case, and reads each once."""
         open_ = self._open()
         load = loader(folder, {path: one.source for path, one in open_.items()})
         known: dict[str, Sketch | None] = {}
@@ -43,14 +43,14 @@ class Modules:
         return find
 
     def files(self, folder: Path, names: Iterable[str] = ()) -> Iterator[Sketch]:
-        """The programs and modules that are saved in a folder, and other files by their names; the open ones are left out."""
+        """Yield the saved programs and modules of a folder, and other files by name, except the open ones."""
         open_ = self._open()
         for path in dict.fromkeys([*modules_in(folder), *map(Path, names)]):
             if path.absolute() not in open_ and (sketch := self._saved(path)) is not None:
                 yield sketch
 
     def everywhere(self, roots: Iterable[Path]) -> list[Sketch]:
-        """All programs and modules below some folders, and the open ones."""
+        """Return all programs and modules below some folders, and the open ones."""
         open_ = self._open()
         found = [one.sketch for one in open_.values() if one.is_program]
         for root in roots:
@@ -63,7 +63,7 @@ class Modules:
         return {one.path: one for one in list(self._documents.values()) if one.path is not None}
 
     def _saved(self, path: Path) -> Sketch | None:
-        """A saved file, read again only if it has changed."""
+        """Return the structure of a saved file, read again only if the file has changed."""
         try:
             stamp = path.stat().st_mtime_ns
         except OSError:
@@ -81,14 +81,17 @@ class Modules:
         return sketch
 
     def changed(self, document: Document, analyses: Analyses) -> None:
-        """Have the open texts looked at again that may speak of a text."""
+        """Check the open texts again that may refer to a changed text."""
         for other in list(self._documents.values()):
             if other.uri != document.uri and _may_speak_of(other, document):
                 analyses.again(other.uri)
 
 
 def _may_speak_of(user: Document, used: Document) -> bool:
-    """Whether what is said of a text may depend on another one: on a module of its folder by name, on any table that it names, on any description."""
+    """Return True if the findings of a text may depend on another one.
+
+    The other text may be a module of the folder, a table that the text names, or any description.
+    """
     if used.path is None:
         return False
     if used.is_table:

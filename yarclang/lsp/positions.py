@@ -1,4 +1,4 @@
-"""Places in a text as the protocol counts them: lines from 0, columns in the units that client and server agreed on."""
+"""Positions of the protocol: lines from 0, columns in the units that client and server have agreed on."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ UTF32 = types.PositionEncodingKind.Utf32
 
 
 def units_of(text: str, encoding: str) -> int:
-    """How many units a text has."""
+    """Return the number of units of a text."""
     if text.isascii() or encoding == UTF32:
         return len(text)
     if encoding == UTF8:
@@ -21,17 +21,17 @@ def units_of(text: str, encoding: str) -> int:
 
 
 def position_of(source: SourceFile, line: int, column: int, encoding: str) -> types.Position:
-    """The position of a line and column from 1; behind a line's end its end is meant."""
+    """Return the position of a line and column from 1; the line's end for a column after the end."""
     return position_in(source.line(line), line, column, encoding)
 
 
 def position_in(text: str, line: int, column: int, encoding: str) -> types.Position:
-    """The same where the line's text is at hand."""
+    """Return the position of a column in a line with this text."""
     return types.Position(line - 1, units_of(text[: column - 1], encoding))
 
 
 def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
-    """The range of a span."""
+    """Return the range of a span."""
     return types.Range(
         position_of(source, span.line, span.column, encoding),
         position_of(source, span.end_line, span.end_column, encoding),
@@ -39,7 +39,10 @@ def range_of(source: SourceFile, span: Span, encoding: str) -> types.Range:
 
 
 def column_of(line: str, units: int, encoding: str) -> int:
-    """The column from 1 that lies `units` units behind a line's beginning; in the middle of a character that character's."""
+    """Return the column from 1 that lies `units` units after a line's beginning.
+
+    Inside a character, return the character's column.
+    """
     if units <= 0:
         return 1
     if line.isascii() or encoding == UTF32:
@@ -55,17 +58,17 @@ def column_of(line: str, units: int, encoding: str) -> int:
 
 
 def place_of(source: SourceFile, position: types.Position, encoding: str) -> tuple[int, int]:
-    """Line and column from 1 of a position; beyond the end of the text its end is meant."""
+    """Return line and column from 1 of a position; the text's end for a position after the end."""
     lines = source.lines
     if position.line < 0:
         return 1, 1
     if position.line >= len(lines):
-        # a text that ends with a line end has one more line, which is empty
+        # A text with a final line end has one more, empty line.
         return min(position.line, len(lines)) + 1, 1
     line = position.line + 1
     return line, column_of(source.line(line), position.character, encoding)
 
 
 def span_of(source: SourceFile, range_: types.Range, encoding: str) -> Span:
-    """The span of a range."""
+    """Return the span of a range."""
     return Span(*place_of(source, range_.start, encoding), *place_of(source, range_.end, encoding))

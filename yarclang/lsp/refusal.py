@@ -1,4 +1,4 @@
-"""Requests that can't be carried out: the person who asked is told why, and nobody else."""
+"""Refused requests: only the person who asked gets the reason."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ class Refusal(JsonRpcException):
 
 
 class Outdated(Refusal):
-    """The text has changed since a request about it came; editors ask again if they still want to know."""
+    """The text has changed since the request; editors ask again if they still need the answer."""
 
     CODE = types.LSPErrorCodes.ContentModified.value
     MESSAGE = "outdated"
 
 
 def keep_quiet_about_refusals() -> None:
-    """The library logs what is no fault: refusals, with their whole way, and that an editor gave up a question while its answer was on the way."""
+    """Keep pygls from logging refusals and late cancellations, which are no faults."""
     logging.getLogger("pygls.protocol.json_rpc").addFilter(_is_fault)
 
 

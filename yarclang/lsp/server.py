@@ -1,4 +1,4 @@
-"""The server: what the client opens and changes, and the features that answer."""
+"""The server: the texts that the client opens and changes, and the features that answer."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _LOG = logging.getLogger(__name__)
 
 
 class Protocol(LanguageServerProtocol):
-    """The protocol, with texts of our own: those of pygls part lines at more characters than the protocol does."""
+    """The protocol without pygls's own texts, which split lines at more characters than the protocol does."""
 
     def _execute_handler(
         self,
@@ -52,7 +52,9 @@ class Protocol(LanguageServerProtocol):
         args: tuple[Any, ...] | None = None,
         kwargs: dict[str, Any] | None = None,
     ) -> None:
-        """Call a handler as pygls does, and forget it once it is done: pygls would keep each notification for ever."""
+        """Call a handler as pygls does, and forget it once it is done. pygls would keep each notification for
+        ever.
+        """
         super()._execute_handler(msg_id, handler, callback, args, kwargs)
         future = self._request_futures.get(msg_id)
         if future is not None:
@@ -62,26 +64,26 @@ class Protocol(LanguageServerProtocol):
     def lsp_text_document__did_open(
         self, params: types.DidOpenTextDocumentParams
     ) -> Generator[Any, Any, None]:
-        """Only what the server does."""
+        """Call only the server's own handler."""
         yield self.fm.features[types.TEXT_DOCUMENT_DID_OPEN], (params,), None
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CHANGE)
     def lsp_text_document__did_change(
         self, params: types.DidChangeTextDocumentParams
     ) -> Generator[Any, Any, None]:
-        """Only what the server does."""
+        """Call only the server's own handler."""
         yield self.fm.features[types.TEXT_DOCUMENT_DID_CHANGE], (params,), None
 
     @lsp_method(types.TEXT_DOCUMENT_DID_CLOSE)
     def lsp_text_document__did_close(
         self, params: types.DidCloseTextDocumentParams
     ) -> Generator[Any, Any, None]:
-        """Only what the server does."""
+        """Call only the server's own handler."""
         yield self.fm.features[types.TEXT_DOCUMENT_DID_CLOSE], (params,), None
 
 
 class Server(LanguageServer):
-    """A server of one client."""
+    """A server for one client."""
 
     def __init__(self, options: Options) -> None:
         super().__init__("yarc", __version__, protocol_cls=Protocol, max_workers=2)
@@ -94,7 +96,7 @@ class Server(LanguageServer):
         self.listeners: list[Any] = []
         self.shortest_times = ShortestTimes()
         self.owed: set[str] = set()
-        """The texts of which the client has only got what was known without planning."""
+        """The texts of which the client has only the results without planning."""
         self.settings: dict[str, Any] = {}
         self._folder: TemporaryDirectory[str] | None = None
         self._views: dict[str, tuple[Document, Analysis | None, View]] = {}
@@ -102,7 +104,7 @@ class Server(LanguageServer):
             self._register(feature)
 
     def _register(self, feature: Feature) -> None:
-        """Answer the methods and commands of a feature."""
+        """Register the methods and commands of a feature."""
         for method, (answer, options) in feature.methods.items():
             self.feature(method, options)(self._answering(answer))
         for name, command in (feature.commands or {}).items():
@@ -111,7 +113,10 @@ class Server(LanguageServer):
             self.listeners.append(feature.listens)
 
     def _answering(self, answer: Callable[..., Any]) -> Callable[..., Any]:
-        """Return an answer as a function of the parameters alone; awaited where the answer is, since pygls looks at that."""
+        """Return an answer as a function of the parameters alone.
+
+        It is a coroutine function if the answer is one, because pygls distinguishes them.
+        """
 
         async def awaited(*params: Any) -> Any:
             return await answer(self, *params)
@@ -123,11 +128,11 @@ class Server(LanguageServer):
 
     @property
     def encoding(self) -> str:
-        """The units in which client and server count columns."""
+        """Return the units in which client and server count columns."""
         return str(self.server_capabilities.position_encoding or types.PositionEncodingKind.Utf16)
 
     def view(self, uri: str) -> View | None:
-        """What is known of the newest version of an open text; None of one that isn't open."""
+        """Return the view of the newest version of an open text; None if the text isn't open."""
         document = self.documents.get(uri)
         if document is None:
             return None
@@ -150,12 +155,15 @@ class Server(LanguageServer):
         return view
 
     def program_view(self, uri: str) -> View | None:
-        """What is known of an open program or module; None of other texts."""
+        """Return the view of an open program or module; None for other texts."""
         document = self.documents.get(uri)
         return self.view(uri) if document is not None and document.is_program else None
 
     def views_beside(self, uri: str, *others: str) -> list[View]:
-        """What is known of the programs and modules of a text's folder, and of other files by their names; the open ones as they are open."""
+        """Return the views of the programs and modules in a text's folder, and of other files by name.
+
+        Open files have the client's content.
+        """
         document = self.documents[uri]
         views: dict[str, View] = {}
         for one in self.documents.values():
@@ -171,7 +179,7 @@ class Server(LanguageServer):
         return list(views.values())
 
     def caller_of(self, item: types.CallHierarchyItem) -> tuple[Caller, list[View]] | None:
-        """Return the SUB, or the lines outside of SUBs, that a client has got before, and what is known of the files around it."""
+        """Return the SUB or file of a client's item, and the views of the files around it."""
         path = to_fs_path(item.uri)
         beside = next((one.uri for one in self.documents.values() if one.is_program), None)
         uri = item.uri if item.uri in self.documents else beside
@@ -187,29 +195,37 @@ class Server(LanguageServer):
         return (found, views) if found is not None else None
 
     def uri_of(self, name: str) -> str:
-        """The URI of a file that findings call `name`: that under which the client has it open, if it has."""
+        """Return the URI of a file that findings call `name`; for an open file, that of the client."""
         open_ = next((one.uri for one in self.documents.values() if one.source.name == name), None)
         return open_ or uri_of(name)
 
     def roots(self) -> list[Path]:
-        """The folders that the client works in; without any, those of the open texts."""
+        """Return the folders of the client; if it has none, the folders of the open texts."""
         uris = [*self.workspace.folders] or ([self.workspace.root_uri] if self.workspace.root_uri else [])
         paths = [Path(path) for uri in uris if (path := to_fs_path(uri))]
         return paths or list(dict.fromkeys(one.folder for one in self.documents.values()))
 
     @property
     def shows_documents(self) -> bool:
-        """Whether the client lets the server show files: initialization option `showDocuments`, true unless it says otherwise."""
+        """Return True if the client lets the server show files.
+
+        This is the initialization option `showDocuments`, true by default.
+        """
         return self.settings.get("showDocuments") is not False
 
     @cached_property
     def files(self) -> Path:
-        """A folder for what is written for people to look at; it goes with the server."""
+        """Return a temporary folder for files that are shown to people. It is deleted with the server."""
         self._folder = TemporaryDirectory(prefix="yarc-lsp-")
         return Path(self._folder.name)
 
     async def answer(self, uri: str, work: Any, *arguments: Any) -> Any:
-        """Do some work about a text in a thread, so that the next message is read meanwhile.
+        """Do some work on a text in a thread, so that further messages are read meanwhile.
+
+        Args:
+            uri: the text.
+            work: the function to call.
+            arguments: its arguments.
 
         Raises:
             Outdated: the text has changed meanwhile.
@@ -232,17 +248,17 @@ class Server(LanguageServer):
             is_given_up.set()
             raise
 
-    # texts
+    # Texts.
 
     def opened(self, document: Document) -> None:
-        """The client has a text open."""
+        """Open a text."""
         self.documents[document.uri] = document
         self._lay_out()
         self.analyses.put(document)
         self.modules.changed(document, self.analyses)
 
     def edited(self, params: types.DidChangeTextDocumentParams) -> None:
-        """The client has changed a text."""
+        """Change a text as the client did."""
         uri = params.text_document.uri
         before = self.documents.get(uri)
         if before is None:
@@ -251,7 +267,7 @@ class Server(LanguageServer):
         self.opened(changed(before, params.content_changes, params.text_document.version, self.encoding))
 
     def closed(self, uri: str) -> None:
-        """The client has closed a text."""
+        """Close a text."""
         document = self.documents.pop(uri, None)
         self._views.pop(uri, None)
         self.owed.discard(uri)
@@ -261,21 +277,21 @@ class Server(LanguageServer):
             self.modules.changed(document, self.analyses)
 
     def touched(self, uri: str) -> None:
-        """A file was changed outside of the client's texts, or saved."""
+        """Check the texts that depend on a file that was saved, or changed by others."""
         self.modules.changed(self.documents.get(uri) or Document(uri, 0, ""), self.analyses)
 
     def _lay_out(self) -> None:
-        """The open texts, where the checks look for modules, cells and robots."""
+        """Pass the open texts to the checks, which look up modules, cells and robots there."""
         self.checks.texts = {one.path: one.source for one in self.documents.values() if one.path}
 
     def _arrived(self, analysis: Analysis) -> None:
         for listener in self.listeners:
             listener(self, analysis)
         if analysis.is_whole:
-            self.view(analysis.document.uri)  # kept for the time when an edit hides the plan
+            self.view(analysis.document.uri)  # cached, for the time when an edit hides the plan
 
     def shutdown(self) -> None:
-        """End all work."""
+        """Stop all work."""
         self.analyses.close()
         self.answering.shutdown(wait=False, cancel_futures=True)
         if self._folder is not None:
@@ -284,6 +300,6 @@ class Server(LanguageServer):
 
 
 def found_features() -> tuple[Feature, ...]:
-    """The features: each file of lsp/features that has a FEATURE."""
+    """Return the features: the FEATURE of each file in lsp/features."""
     names = sorted(module.name for module in iter_modules(features.__path__))
     return tuple(import_module(f"{features.__name__}.{name}").FEATURE for name in names)

@@ -1,4 +1,4 @@
-"""From a process to a server that talks to its client."""
+"""The server's process and its connection to the client."""
 
 from __future__ import annotations
 
@@ -13,27 +13,28 @@ from yarclang.lsp.server import Server
 from yarclang.pipeline.inputs import Options
 
 _BEGIN = b"content-"
-"""Each message of the protocol begins with Content-Length or Content-Type, in any case."""
+"""Beginning of each message: the protocol begins with Content-Length or Content-Type, in any case."""
 
 _PATIENCE = 5.0
-"""Who says nothing for longer is no editor [s]."""
+"""Longest time in which an editor must send its first message [s]."""
 
 SELDOM = (50_000, 20, 20)
-"""How many more objects, and how many rounds, Python waits before it looks through them for garbage."""
+"""Thresholds of the garbage collector: number of new objects, and numbers of rounds."""
 
 
 def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
     """Serve one client until it leaves.
 
     Args:
-        address: host and port to wait on; None: standard input and output.
-        robot: the robot of programs that name none.
+        address: host and port to listen on; None for standard input and output.
+        robot: robot of programs that name none.
     """
     logging.basicConfig(stream=sys.stderr, level=logging.WARNING, format="%(levelname)s: %(message)s")
     keep_quiet_about_refusals()
-    # trees of a long program are no garbage, and were looked through again and again
+    # The syntax trees of long programs live long: collecting more seldom avoids visiting them again and
+    # again.
     gc.set_threshold(*SELDOM)
-    sys.setswitchinterval(0.001)  # an answer doesn't wait for a motion that is being planned
+    sys.setswitchinterval(0.001)  # answers don't wait for a motion that is being planned
     server = Server(Options(robot=robot))
     if address is None:
         server.start_io()
@@ -43,7 +44,11 @@ def serve(address: tuple[str, int] | None, robot: str | None = None) -> None:
 
 
 def _editor(host: str, port: int) -> socket.socket:
-    """Wait for an editor that connects. Every page of a browser reaches a port of this computer: who doesn't begin as the protocol does is sent away."""
+    """Wait for an editor that connects.
+
+    Any page in a browser can connect to a port of this computer. Connections that don't begin as the protocol
+    requires are closed.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     with socket.create_server((host, port), family=family) as listener:
         while True:

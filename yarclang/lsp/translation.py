@@ -1,4 +1,4 @@
-"""Findings as the protocol has them."""
+"""Translate findings to the protocol."""
 
 from __future__ import annotations
 
@@ -28,9 +28,10 @@ _TAGS = {
 
 
 def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> types.Diagnostic:
-    """One finding. What is in another file is told at the beginning of the text, with the place as related information.
+    """Return one finding.
 
-    What is given is shared, and never changed.
+    A finding in another file is shown at the beginning of the text, with its place as related information.
+    The result is shared and must not be changed.
     """
     source, span = document.source, finding.span
     if finding.source is None or finding.source.name == source.name:
@@ -58,9 +59,9 @@ def diagnostic_of(document: Document, finding: Diagnostic, encoding: str) -> typ
 
 
 def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: str) -> types.Diagnostic:
-    """Return a finding in a module at the line that called it, with the module's line as related information."""
+    """Return a finding in a module at the calling line, with the module's line as related information."""
     range_ = shown_range(source, finding.span, encoding)
-    message = f"{finding.message}\n{within.text}"  # not every editor shows related information
+    message = f"{finding.message}\n{within.text}"  # some editors don't show related information
     shown = _diagnostic(finding.code, finding.severity, message, finding.help, range_)
     there = types.Location(uri_of(within.source.name), shown_range(within.source, within.span, encoding))
     shown.related_information = [types.DiagnosticRelatedInformation(there, within.text)]
@@ -68,15 +69,17 @@ def _called(source: SourceFile, finding: Diagnostic, within: Within, encoding: s
 
 
 def expect(findings: int) -> None:
-    """Take it that so many findings of a text are given next: those of its next version are mostly the same."""
+    """Reserve room in the cache for the findings of a text: those of its next version are mostly equal."""
     _on_line.expect(findings)
 
 
 def _made_on_line(
     code: str, severity: str, message: str, help_: str, line: str, span: Span, encoding: str
 ) -> types.Diagnostic:
-    """A finding in one line: most of a long program's are the same after an edit."""
-    column = min(span.column, max(len(line), 1))  # of what is missing at the end, the last character
+    """Return a finding within one line. Cached, because an edit leaves most of a long program's findings
+    alone.
+    """
+    column = min(span.column, max(len(line), 1))  # for something missing at the end, the last character
     range_ = types.Range(
         position_in(line, span.line, column, encoding),
         position_in(line, span.line, max(span.end_column, column + 1), encoding),
@@ -85,7 +88,7 @@ def _made_on_line(
 
 
 _KEPT = 1024
-"""Findings that are kept at least, each some 1 to 2 kB; of texts with more of them, all."""
+"""Least number of findings that are kept, at 1 to 2 kB each. For texts with more findings, all are kept."""
 
 _on_line = Lately(_made_on_line, _KEPT)
 
@@ -102,7 +105,10 @@ def _diagnostic(code: str, severity: str, message: str, help_: str, range_: type
 
 
 def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.Range:
-    """Where a finding is shown: without a place, in the first line; an empty place is made one character wide."""
+    """Return the range at which a finding is shown.
+
+    A finding without a place is shown in the first line; an empty place is made one character wide.
+    """
     if span is None:
         end = max(len(source.line(1)), 1) + 1
         return range_of(source, Span.on_line(1, 1, end), encoding)
@@ -113,12 +119,12 @@ def shown_range(source: SourceFile, span: Span | None, encoding: str) -> types.R
 
 
 def text_edits(source: SourceFile, edits: Iterable[Edit], encoding: str) -> list[types.TextEdit]:
-    """Edits of a text."""
+    """Return edits of a text."""
     return [types.TextEdit(range_of(source, one.span, encoding), one.text) for one in edits]
 
 
 def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
-    """A text in Markdown for a client that takes these formats; without its marks for one that takes plain text only."""
+    """Return a text in Markdown for clients that accept it, and without marks for others."""
     kinds = [getattr(one, "value", one) for one in formats or ()]
     if types.MarkupKind.Markdown.value in kinds:
         return types.MarkupContent(types.MarkupKind.Markdown, text)
@@ -128,5 +134,5 @@ def markup(text: str, formats: Iterable[object] | None) -> types.MarkupContent:
 
 
 def uri_of(name: str) -> str:
-    """The URI of a file that findings call `name`."""
+    """Return the URI of a file that findings call `name`."""
     return Path(name).absolute().as_uri()

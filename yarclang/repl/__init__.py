@@ -1,6 +1,7 @@
-"""`yarc repl`: a person at the robot with a terminal. What is typed goes to a coordinator; nothing of the language or the robot is known here.
+"""`yarc repl`: a person with a terminal at the robot.
 
-`interpreter.py` takes what is typed, `session.py` is what the person's session knows and asks; `dots/` are
-the dot commands (`dot.py`), `jogging.py` is what keys mean. `console.py` is the terminal, with
-`completion.py` and `toolbar.py`.
+Typed texts go to a coordinator; this package knows nothing of the language or the robot. `interpreter.py`
+takes typed texts, `session.py` holds the state of a person's session, `dots/` contains the dot commands
+(`dot.py`), and `jogging.py` interprets keys. `console.py` is the terminal, with `completion.py` and
+`toolbar.py`.
 """

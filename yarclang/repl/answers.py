@@ -1,4 +1,4 @@
-"""What the interpreter answers, as text."""
+"""The interpreter's answers as text."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from yarclang.report.pose_text import pose_text
 from yarclang.robot.model import Array, Robot
 
 _TIGHT = 0.005
-"""Shares of a limit that are nearer to each other are one."""
+"""Shares of a limit with a smaller difference count as equal."""
 
 
 _SAME_TIME = 5e-3
-"""Times that differ by less are printed as one [s]."""
+"""Times with a smaller difference are printed as equal [s]."""
 
 
 def offer_text(offer: OfferDescribed) -> str:
-    """What would be done: a line a motion, and the whole, if that isn't one motion alone."""
+    """Return the plan of an offer: a line for each motion and, unless it is a single motion, the total."""
     lines = [_motion_text(one) for one in offer.motions]
-    # what stands or waits besides the one motion counts
+    # times at rest or waiting besides the single motion need the total as well
     if len(lines) != 1 or offer.takes.waits or offer.takes.duration_s > offer.motions[0].seconds + _SAME_TIME:
         time = lasting_of(offer.takes).text(hundredths)
         lines.append(f"{time} in all" if lines else f"{time}, nothing moves")
@@ -31,7 +31,7 @@ def offer_text(offer: OfferDescribed) -> str:
 
 
 def _motion_text(one: MotionOffered) -> str:
-    """`MOVEJ  1.00 s  J5 at 82 % of its velocity  nearest of 8  143 mm clear (FOREARM, FENCE)  path within 0.004 mm`."""
+    """Return a line such as `MOVEJ  1.00 s  J5 at 82 % of its velocity  143 mm clear (FOREARM, FENCE)`."""
     words = [one.title, f"{one.seconds:.2f} s", _peak_text(one.peaks)]
     if one.branch:
         words.append(f"{one.branch} configurations")
@@ -43,17 +43,17 @@ def _motion_text(one: MotionOffered) -> str:
 
 
 def hundredths(seconds: float) -> str:
-    """Return a time as the prompt writes it."""
+    """Return a time in the form of the prompt."""
     return f"{seconds:.2f} s"
 
 
 def _peak_text(peaks: Peaks) -> str:
-    """The limit that is used most."""
+    """Return the limit that is used most."""
     used = {"its velocity": peaks.velocity, "its acceleration": peaks.acceleration}
     if peaks.jerk is not None:
         used["its jerk"] = peaks.jerk
     used["its motor's speed"] = peaks.motor_velocity
-    # of limits that are used as much as each other, the one that people think of first
+    # Of limits that are used equally, choose the most familiar one, which comes first.
     name, peak = max(used.items(), key=lambda item: round(item[1].share / _TIGHT))
     return f"{peak.name} at {percent(peak.share)} % of {name}" if peak.name else ""
 
@@ -65,7 +65,7 @@ def _clearance_text(clearance: ClearanceBound) -> str:
 
 
 def ended_text(ended: Ended | Finished, robot: Robot) -> str:
-    """How something has ended; where the robot stands, if it isn't where it was to go."""
+    """Return how an order has ended; also the robot's position if it isn't at its target."""
     if ended.well:
         return "done"
     lines = [ended.what or "it didn't come to its end"]
@@ -79,7 +79,7 @@ def ended_text(ended: Ended | Finished, robot: Robot) -> str:
 
 
 def joints_text(robot: Robot, joints: Array) -> str:
-    """`J1 10.000 deg, J2 ...` of joint positions (n,) [rad or m]."""
+    """Return a text such as `J1 10.000 deg, J2 ...` of joint positions (n,) [rad or m]."""
     values = np.round(joints / robot.axis_units, 3) + 0.0
     return ", ".join(
         f"{name} {value:.3f} {unit}"
@@ -88,5 +88,5 @@ def joints_text(robot: Robot, joints: Array) -> str:
 
 
 def where_text(moving: str, pose: Array, base: str) -> str:
-    """`{TCP} 0.000 1174.400 1176.000 mm, 0.0000 0.0000 0.0000 deg in {B}` of a pose (4, 4) [m]."""
+    """Return the pose (4, 4) [m] of a moving frame in a base frame, with both names, in mm and deg."""
     return f"{moving} {pose_text(pose)} in {base}"

@@ -1,4 +1,4 @@
-"""Completion: dot commands with what they take, and the language, as in the editor."""
+"""Completion of dot commands and their arguments, and of the language as in the editor."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ _INDEX = re.compile(r"P\d+ +")
 
 
 class Completion(Completer):
-    """What may be typed next.
+    """Completes the typed text.
 
     Args:
-        interpreter: of the session: its names and files.
+        interpreter: session with its names and files.
     """
 
     def __init__(self, interpreter: Interpreter) -> None:
         self._interpreter = interpreter
 
     def get_completions(self, document: Document, complete_event: CompleteEvent) -> Iterable[Choice]:  # noqa: ARG002
-        """The choices at the cursor, each with a line of documentation."""
+        """Yield the choices at the cursor, each with a line of documentation."""
         text = document.text_before_cursor
         if self._interpreter.asked:
             return
@@ -55,7 +55,7 @@ class Completion(Completer):
                 yield Choice(choice, -len(rest))
 
     def _spoken(self, document: Document) -> Iterable[Choice]:
-        """Words of the language behind all that the session has declared."""
+        """Yield words of the language, known after all declarations of the session."""
         interpreter = self._interpreter
         typed = interpreter.lines.behind(document.text)
         line = typed.before + document.cursor_position_row + 1
@@ -75,6 +75,6 @@ class Completion(Completer):
 
 
 def _fits(one: Candidate, begun: str) -> bool:
-    """Whether a candidate begins as what is typed; its index doesn't count."""
+    """Return True if a candidate starts with the typed text, ignoring its index."""
     already = begun[one.span.column - 1 :].upper()
     return one.label.upper().startswith(already) or one.plain.upper().startswith(already)

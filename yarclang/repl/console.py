@@ -1,4 +1,7 @@
-"""The terminal: a prompt with completion and history, the line at the bottom, and keys; or, without a terminal, lines of standard input."""
+"""The terminal: a prompt with completion and history, a line at the bottom, and keys.
+
+Without a terminal, lines are read from standard input.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +26,10 @@ if TYPE_CHECKING:
     from prompt_toolkit.output import Output
 
 _REDRAWN_EACH = 0.1
-"""How often the prompt and the line at the bottom are drawn anew [s]."""
+"""Time between two updates of the prompt and the bottom line [s]."""
 
 _LOOKED_EACH = 0.01
-"""How often lines of standard input look whether they may go on [s]."""
+"""Time between two checks if the next line of standard input may run [s]."""
 
 _NAMES = {
     "c-m": "enter",
@@ -38,23 +41,23 @@ _NAMES = {
     "left": "left",
     "right": "right",
 }
-"""Keys that a jog takes besides characters, as prompt_toolkit calls them, and as the jog does."""
+"""Keys of a jog besides characters: prompt_toolkit's names and those of the jog."""
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP)
 
 
 def history_file() -> Path:
-    """Where lines that were typed are kept (XDG base directories)."""
+    """Return the file of typed lines (XDG base directories)."""
     home = os.environ.get("XDG_STATE_HOME") or str(Path.home() / ".local" / "state")
     return Path(home) / "yarc" / "history"
 
 
 async def converse(interpreter: Interpreter, *, terminal: bool) -> None:
-    """Take what a person types until the person goes, or what stands on standard input to its end.
+    """Take what a person types until the person leaves, or standard input up to its end.
 
     Args:
-        interpreter: of the session.
-        terminal: whether there is one.
+        interpreter: the session.
+        terminal: True if there is a terminal.
     """
     toolbar = Toolbar(interpreter.robot, interpreter.picture)
     loop = asyncio.get_running_loop()
@@ -103,7 +106,7 @@ async def _prompted(interpreter: Interpreter, toolbar: Toolbar, served: asyncio.
 def prompt_session(
     interpreter: Interpreter, toolbar: Toolbar, source: Input | None = None, output: Output | None = None
 ) -> PromptSession[str]:
-    """The prompt; `source` and `output` are the terminal's, unless given."""
+    """Return the prompt on the given input and output, by default those of the terminal."""
     from prompt_toolkit import PromptSession
     from prompt_toolkit.history import FileHistory, InMemoryHistory
 
@@ -113,7 +116,7 @@ def prompt_session(
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         history: FileHistory | InMemoryHistory = FileHistory(str(path))
-    except OSError:  # a home that can't be written is no reason not to work
+    except OSError:  # a home that can't be written must not prevent work
         history = InMemoryHistory()
     session: PromptSession[str] = PromptSession(
         message=lambda: interpreter.prompt,
@@ -157,7 +160,7 @@ def _keys(interpreter: Interpreter) -> KeyBindings:
         buffer = event.current_buffer
         menu = buffer.complete_state
         if menu is not None and menu.current_completion is not None and len(menu.completions) > 1:
-            buffer.complete_state = None  # Enter takes what is chosen
+            buffer.complete_state = None  # Enter accepts the chosen completion
         elif is_whole(buffer.text):
             buffer.validate_and_handle()
         else:
@@ -177,7 +180,7 @@ def _keys(interpreter: Interpreter) -> KeyBindings:
 
 
 async def _read(interpreter: Interpreter, served: asyncio.Task[None]) -> None:
-    """Lines of standard input one after the other: each waits for what the one before began."""
+    """Read lines of standard input. Each line waits until the one before has finished."""
     loop = asyncio.get_running_loop()
     loop.add_signal_handler(signal.SIGINT, _interrupted(interpreter))
     try:

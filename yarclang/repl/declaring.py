@@ -1,4 +1,4 @@
-"""A declaration that comes from the robot: put into the session, in the place of the one that is there, and into the loaded file."""
+"""Declare a value of the robot: in the session, replacing the old declaration, and in the loaded file."""
 
 from __future__ import annotations
 
@@ -16,15 +16,18 @@ if TYPE_CHECKING:
 
 
 async def declare(session: Session, name: str, line: str, *, is_frame: bool) -> bool:
-    """Declare a name, or change what it means; whether that was done.
+    """Declare a name or change its meaning.
 
-    Where the loaded file declares it, its line is changed there as well: the person is asked first.
+    If the loaded file declares the name, its line is changed as well, after asking the person.
 
     Args:
         session: the person's session.
-        name: in upper case, a frame's without braces.
+        name: name in upper case, for a frame without braces.
         line: the whole declaration.
-        is_frame: whether it is a frame's name.
+        is_frame: True for the name of a frame.
+
+    Returns:
+        True if the name was declared.
     """
     await session.renew()
     lines = session.lines.declarations
@@ -44,7 +47,7 @@ async def declare(session: Session, name: str, line: str, *, is_frame: bool) -> 
 
 
 async def adopt(session: Session, declarations: tuple[str, ...]) -> bool:
-    """Let these declarations hold, in the place of those before; whether they do."""
+    """Replace all declarations of the session. Return True if the new ones were accepted."""
     adopted = await session.attached.ask(orders.Adopt(declarations=declarations))
     session.show(findings_of(adopted.findings))
     await session.renew()
@@ -52,7 +55,7 @@ async def adopt(session: Session, declarations: tuple[str, ...]) -> bool:
 
 
 def _in_file(session: Session, name: str, is_frame: bool, line: str) -> None:
-    """Change the line of the loaded file that declares it, if there is one."""
+    """Change the declaration in the loaded file, if the file contains it."""
     file = session.file
     if file is None:
         return
@@ -70,12 +73,12 @@ def _in_file(session: Session, name: str, is_frame: bool, line: str) -> None:
 
 
 def _declared(text: str, name: str, is_frame: bool) -> Symbol | None:
-    """The declaration of a name in a text, outside of blocks."""
+    """Return the declaration of a name in a text, outside of blocks."""
     return sketch_of(SourceFile("<declaration>", text)).names.declared(name, is_frame)
 
 
 def _kept_comment(old: str, line: str) -> str:
-    """A new line with what stood in front of the old one, and its comment."""
+    """Return a new line with the indentation and the comment of the old one."""
     indent = old[: len(old) - len(old.lstrip())]
     statements = sketch_of(SourceFile("<declaration>", old)).module.statements
     comments = [comment.text for statement in statements for comment in statement.comments]

@@ -1,4 +1,4 @@
-"""Dot commands: what is typed for the interpreter itself, and not for the robot's program. Each file of `dots/` has some."""
+"""Dot commands: orders to the interpreter itself. Each module of `dots/` defines some."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from yarclang.named import by_name
 from yarclang.repl.session import Session
 
 Run = Callable[[Session, str], Awaitable[None] | None]
-"""Carries a command out: with the session, and what stands behind the command's name."""
+"""Carries out a command, called with the session and the text after the command's name."""
 
 Complete = Callable[[Session, str], Iterable[str]]
-"""What may stand behind the command's name, for completion."""
+"""Returns completions of the text after the command's name."""
 
 
 class Misused(Exception):  # noqa: N818 - something a person did, and no failure
-    """What stands behind a dot command isn't what it takes; the message says what is wrong."""
+    """The text after a dot command isn't allowed; the message says why."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,14 +28,14 @@ class DotCommand:
     """A dot command.
 
     Attributes:
-        name: with its dot.
-        usage: what may stand behind the name.
+        name: name with its dot.
+        usage: arguments after the name.
         summary: one line.
-        group: of the list that `.help` shows.
+        group: its group in the list of `.help`.
         run: carries it out.
-        overtakes: it is carried out at once, while something moves, and before what waits.
-        complete: what may stand behind its name.
-        doc: more, for `.help NAME`.
+        overtakes: True if it is carried out at once, even during a motion and before waiting texts.
+        complete: returns completions of its arguments; None for none.
+        doc: further text for `.help NAME`.
     """
 
     name: str
@@ -49,16 +49,16 @@ class DotCommand:
 
     @property
     def line(self) -> str:
-        """As it is typed."""
+        """Return the command as it is typed."""
         return f"{self.name} {self.usage}".rstrip()
 
 
 @cache
 def dot_commands() -> Mapping[str, DotCommand]:
-    """Return all of them by name, in the order in which `.help` lists them.
+    """Return all dot commands by name, in the order of `.help`.
 
     Raises:
-        NamedTwice: two of them have one name.
+        NamedTwice: two commands have one name.
     """
     from yarclang.repl import dots
 

@@ -1,4 +1,4 @@
-"""The program that a session works with: a file, its declarations, its commands."""
+"""The program of a session: a file, its declarations and its commands."""
 
 from __future__ import annotations
 
@@ -14,12 +14,19 @@ from yarclang.robot.model import Array, Robot
 from yarclang.syntax.ast import Module
 
 _OF_FILES = ("ROBOT", "START")
-"""Declarations that a session has no use for: its robot is there, and stands where it stands."""
+"""Declarations that a session ignores: its robot is connected, and stands at its position."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LoadedFile:
-    """A program's file as it was read: its top-level `declarations` as they are written, and the indices of its `commands`."""
+    """A program's file as it was read.
+
+    Attributes:
+        path: the file.
+        module: its syntax tree.
+        declarations: its top-level declarations, as they are written.
+        commands: indices of its commands.
+    """
 
     path: Path
     module: Module
@@ -31,13 +38,13 @@ def load_file(path: Path, robot: Robot, stands: Array, cell: str | None) -> Resu
     """Read and check a program.
 
     Args:
-        path: of the file.
-        robot: that it must be for.
-        stands: (n,) where it begins unless it says START [rad or m].
-        cell: the path of the cell.toml that the session keeps to, and the program with it.
+        path: the file.
+        robot: the robot that the program must be for.
+        stands: (n,) start without a START line [rad or m].
+        cell: path of the cell.toml of session and program.
 
     Returns:
-        None where a finding forbids to work with it; what only planning tells isn't asked here.
+        None, with findings, if an error prevents its use. Motions aren't planned.
     """
     opened = open_here(Source(str(path), options=Options(robot=str(robot.folder), cell=cell)), stands)
     if opened.value is None:

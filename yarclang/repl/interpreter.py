@@ -1,4 +1,4 @@
-"""What is typed, one text after the other: YARC goes to the coordinator as an offer, dot commands to `dots/`."""
+"""Typed texts in their order: YARC goes to the coordinator as an offer, dot commands go to `dots/`."""
 
 from __future__ import annotations
 
@@ -14,13 +14,17 @@ from yarclang.subjects import suggest
 
 
 class Interpreter(Session):
-    """A session that carries out what is typed.
+    """A session that carries out typed texts.
 
-    Texts are carried out one after the other, in the order in which they were typed. Orders (`.stop`, `.hold`, ...) overtake everything.
+    Texts are carried out one after the other, in the order in which they were typed. Orders (`.stop`,
+    `.hold`, ...) overtake all others.
     """
 
     def typed(self, text: str) -> None:
-        """One text: a line, or a block with its END. Orders are carried out at once, others when all before them are done."""
+        """Take one text: a line, or a block with its END.
+
+        Orders are carried out at once, other texts when all before them are done.
+        """
         name = text.split(maxsplit=1)[0] if text.split() else ""
         command = dot_commands().get(name.lower())
         if command is not None and command.overtakes:
@@ -36,12 +40,12 @@ class Interpreter(Session):
             self._arrived.set()
 
     def _go_on(self) -> None:
-        """Enter alone: on behind a hold, or to the next step; nothing where nothing waits for it."""
+        """Continue after a hold, or with the next step, on an empty line; do nothing if nothing waits."""
         if (self.picture.under_way or self.picture.paused) and self.owns:
             self.order(orders.Resume())
 
     async def serve(self) -> None:
-        """Carry out what was typed, until the person goes."""
+        """Carry out typed texts until the person leaves."""
         await self.renew()
         while not self.ended:
             while self._waiting and not self.ended:
@@ -55,7 +59,7 @@ class Interpreter(Session):
                 await self._arrived.wait()
 
     async def take(self, text: str) -> None:
-        """Carry one text out. Whatever is wrong with it is said, and raises nothing."""
+        """Carry out one text. Errors are shown, and nothing is raised."""
         try:
             if text.lstrip().startswith("."):
                 await self._dot(text.strip())
@@ -64,7 +68,7 @@ class Interpreter(Session):
         except Trouble as trouble:
             self.refuse(trouble_text(trouble))
         except Exception as error:
-            # a bug of ours must not take the prompt, and with it the stop key, from a person at a robot
+            # After a bug of ours, a person at a robot still needs the prompt with its stop key.
             self.refuse(bug_text(error))
 
     async def _dot(self, text: str) -> None:
@@ -83,7 +87,7 @@ class Interpreter(Session):
             self.refuse(f"{misused}\n  it is written: {command.line}")
 
     def _overtake(self, command: DotCommand, text: str) -> None:
-        """Carry an order out at once: it never waits."""
+        """Carry out an order at once, without waiting."""
         try:
             done = command.run(self, text.partition(" ")[2].strip())
             if done is not None:
@@ -103,10 +107,10 @@ class Interpreter(Session):
         except Misused as misused:
             self.refuse(f"{misused}\n  it is written: {command.line}")
 
-    # what the dot commands need
+    # For the dot commands.
 
 
 def bug_text(error: Exception) -> str:
-    """What to say of a bug of ours, with the place to report."""
+    """Return the text about a bug of ours, with the address for reports."""
     place = traceback.extract_tb(error.__traceback__)[-1]
     return f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: {place.filename}:{place.lineno} in {place.name}"

@@ -1,7 +1,8 @@
-"""Jogging by keys that are held: which axis, which way, how fast. Knows no terminal, and no robot that moves.
+"""Jogging by held keys: axis, direction and speed. Independent of the terminal and of the moving robot.
 
-A terminal tells when a key is pressed and pressed again, and never when it is let go. So each press moves for `HELD`; a keyboard that
-repeats keeps the robot going. Between two presses the live motion stays open and wants rest.
+A terminal reports that a key is pressed, and pressed again, but never that it is released. Therefore each
+press moves the robot for `HELD`, and a repeating keyboard keeps it moving. Between two presses the live
+motion stays open with rest as its target.
 """
 
 from __future__ import annotations
@@ -17,45 +18,50 @@ from yarclang.runtime.actions import Trouble
 from yarclang.units import DEG, MM
 
 HELD = 0.2
-"""A press moves for so long [s]."""
+"""Duration of the motion for one press [s]."""
 
 _LEAVING = ("enter", "escape", "q", "c-d")
 _FASTER, _SLOWER = ("up", "down")
 _STEP = 1.25
 _SLOWEST = 0.01
-"""Of the fastest."""
+"""Slowest speed, as a share of the fastest."""
 
 AXES = "xyzabc"
-"""Of a tool: along x, y, z; about them a, b, c."""
+"""Axes of a tool: along x, y, z, and about them a, b, c."""
 
 _FAST_TURN = 30.0 * DEG
-"""The largest rate of a jog about an axis [rad/s]."""
+"""Largest rate of a jog about an axis [rad/s]."""
 
 _START = 0.1
-"""Of the fastest, at first."""
+"""Speed at the beginning, as a share of the fastest."""
 
 
 @dataclass(frozen=True, slots=True)
 class Axis:
-    """What a key moves: a joint of the robot, by its number from 0, or one of `AXES` of the tool, in axes of {B} or its own."""
+    """An axis that a key moves.
+
+    Attributes:
+        kind: a joint of the robot, or an axis of the tool in the directions of {B} or of the tool itself.
+        number: number of the joint, or place in `AXES`, from 0.
+    """
 
     kind: Literal["joint", "base", "tool"]
     number: int
 
 
 class Jogging:
-    """What was pressed last, and what the robot shall do now.
+    """The present jog: the last key, and the motion it asks for.
 
     Args:
-        robot: that is jogged.
-        axis: at first.
-        sign: of the way that a key without a sign moves.
-        moving: the frame that is moved, in braces.
+        robot: the robot.
+        axis: the first axis.
+        sign: direction for keys without a sign.
+        moving: the moving frame, in braces.
 
     Attributes:
-        axis: that keys move now.
-        share: of the fastest.
-        ended: whether the person wants to end it.
+        axis: the present axis.
+        share: speed as a share of the fastest.
+        ended: True if the person wants to end the jog.
     """
 
     def __init__(self, robot: Robot, axis: Axis, sign: int = 1, moving: str = "{TCP}") -> None:
@@ -68,7 +74,12 @@ class Jogging:
         self._since = -np.inf
 
     def press(self, key: str, now: float) -> None:
-        """A key, by its name, at a time [s]. Any key that means nothing here brings the robot to rest."""
+        """Handle a key. Keys without a meaning stop the robot.
+
+        Args:
+            key: name of the key.
+            now: time [s].
+        """
         self._since = -np.inf
         if key in ("+", "-", " ", "right", "left"):
             self._sign = {"+": 1, "right": 1, "-": -1, "left": -1}.get(key, self._sign)
@@ -87,11 +98,11 @@ class Jogging:
             self.axis = Axis("base" if self.axis.kind == "tool" else "tool", self.axis.number)
 
     def moves(self, now: float) -> bool:
-        """Whether a key is held."""
+        """Return True if a key is held at a time [s]."""
         return now - self._since < HELD
 
     def want(self, now: float) -> wants.MoveJoints | wants.MoveTool:
-        """Return what the robot shall do at a time [s]."""
+        """Return the wanted motion at a time [s]."""
         speed = self._sign * self.share * self._fastest if self.moves(now) else 0.0
         if self.axis.kind == "joint":
             number = self.axis.number
@@ -103,14 +114,14 @@ class Jogging:
 
     @property
     def _fastest(self) -> float:
-        """Of the axis [rad/s or m/s]."""
+        """Return the fastest speed of the axis [rad/s or m/s]."""
         if self.axis.kind == "joint":
             return float(self.robot.limits.velocity[self.axis.number])
         return self.robot.jog_speed if self.axis.number < 3 else _FAST_TURN
 
     @property
     def text(self) -> str:
-        """What is jogged, how fast, and the keys."""
+        """Return the jogged axis, the speed and the keys as text."""
         speed = self.share * self._fastest
         if self.axis.kind == "joint":
             unit = self.robot.axis_unit_names[self.axis.number]
@@ -124,10 +135,10 @@ class Jogging:
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
-    """`J3 +`, `{TCP} +x`, `{TCP} -b tool`: the axis, the sign, the moving frame.
+    """Return axis, sign and moving frame of words such as `J3 +`, `{TCP} +x` or `{TCP} -b tool`.
 
     Raises:
-        Trouble: it is none of these.
+        Trouble: the words have another form.
     """
     what = words[0].upper() if words else ""
     rest = words[1:]

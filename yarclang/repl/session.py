@@ -1,4 +1,6 @@
-"""A session of one person: what it declares, asks and orders, and what is told of the robot. Knows no terminal."""
+"""The session of one person: its declarations, questions and orders, and the robot's messages. Needs no
+terminal.
+"""
 
 from __future__ import annotations
 
@@ -45,32 +47,32 @@ from yarclang.semantics.names.scope import Scope
 PROMPT = "yarc> "
 
 _KEPT = 200
-"""Messages that `.log` can show."""
+"""Number of messages that `.log` can show."""
 
 
 class Session:
-    """A session of one person, as dot commands see it.
+    """The session of one person, as dot commands use it.
 
     Args:
-        attached: this person, as a client of the coordinator that owns the robot.
-        robot: likewise.
+        attached: this person's connection to the coordinator that owns the robot.
+        robot: the robot.
         say: shows lines to the person.
-        folder: where files are looked for and written.
-        asks: whether to ask before something moves.
-        tm: longest segment time of what is planned [ms]; None: the robot's.
+        folder: folder to read and write files in.
+        asks: True to ask before motions.
+        tm: longest segment time for planning [ms]; None for that of the robot.
 
     Attributes:
-        picture: what the robot does.
+        picture: the robot's state.
         lines: the declarations of the session.
-        planner: what plans them, for whoever only looks.
-        file: the program that was loaded.
-        touching: the calibration that goes on.
-        jogging: the jog that goes on: keys are for it.
-        has_keys: whether there are keys to hold.
-        ended_live: how the last live motion has ended, if one has since this was looked at.
-        messages: what was told of the robot, newest last.
-        failed: whether something that was typed couldn't be carried out.
-        ended: whether the person wants to go.
+        planner: plans with these declarations, without moving.
+        file: the loaded program.
+        touching: the calibration that is running.
+        jogging: the jog that is running and receives the keys.
+        has_keys: True if there are keys to hold.
+        ended_live: result of the last live motion, if it ended since this attribute was last reset.
+        messages: messages of the robot, the newest last.
+        failed: True if a typed text couldn't be carried out.
+        ended: True if the person wants to leave.
     """
 
     def __init__(
@@ -108,36 +110,39 @@ class Session:
         self._planned: Callable[[], MotionPlan | None] | None = None
         self._overtaking: set[asyncio.Future[None]] = set()
 
-    # what is asked, and what waits
+    # Questions and waiting texts.
 
     @property
     def prompt(self) -> str:
-        """What stands in front of what is typed next: a question, if one is open."""
+        """Return the prompt: the open question, if there is one."""
         if self.jogging is not None:
             return f"{self.jogging.text} "
         return self._asked if self._question is not None else PROMPT
 
     @property
     def asked(self) -> bool:
-        """Whether a question is open: what is typed next is its answer."""
+        """Return True if a question is open: the next typed text answers it."""
         return self._question is not None
 
     @property
     def idle(self) -> bool:
-        """Whether nothing is carried out, and nothing waits."""
+        """Return True if nothing is running or waiting."""
         return not (self._busy or self._waiting or self._overtaking)
 
     @property
     def owns(self) -> bool:
-        """Whether this person may move the robot."""
+        """Return True if this person may move the robot."""
         return self.picture.owner == self.attached.welcome.name
 
     def order(self, order: orders.Order[Any]) -> None:
-        """Order something at once; what is denied is said."""
+        """Send an order at once, and show the reason if it is refused."""
         self.attached.send(order, lambda trouble: self.refuse(trouble_text(trouble)))
 
     def interrupt(self) -> None:
-        """Ctrl-C: the robot comes to rest on its path, at once the second time; what waits, and an open question, are dropped."""
+        """Handle Ctrl-C: stop the robot on its path; the second time, stop each motor at once.
+
+        Waiting texts and an open question are dropped.
+        """
         self.drop()
         if not self.picture.under_way:
             return
@@ -150,7 +155,7 @@ class Session:
             self.say("stopping on the path; Ctrl-C again aborts")
 
     def leave(self) -> None:
-        """The person goes: what this person moves comes to rest on its path, and nothing more is carried out."""
+        """Leave: stop this person's motions on their path, and carry out nothing more."""
         self.drop()
         if self.picture.under_way and self.owns:
             self.order(orders.Stop())
@@ -158,13 +163,13 @@ class Session:
         self._arrived.set()
 
     def answer_nothing(self) -> None:
-        """Nobody is there to answer an open question."""
+        """Drop an open question, because nobody is there to answer."""
         question, self._question = self._question, None
         if question is not None and not question.done():
             question.set_result("")
 
     def drop(self) -> None:
-        """Forget what waits, an open question, and a jog."""
+        """Drop waiting texts, an open question and a jog."""
         if self.jogging is not None:
             self.jogging.ended = True
         if self._waiting:
@@ -173,65 +178,65 @@ class Session:
         self.answer_nothing()
 
     async def ask(self, question: str) -> str:
-        """What the person answers; empty where something else came between."""
+        """Ask the person, and return the answer; empty if it was interrupted."""
         self._question = asyncio.get_running_loop().create_future()
         self._asked = f"{question} "
         return await self._question
 
     async def agrees(self, question: str) -> bool:
-        """Whether the person says yes."""
+        """Return True if the person answers yes."""
         return (await self.ask(f"{question} [y/N]")).strip().lower() in ("y", "yes")
 
     def refuse(self, text: str) -> None:
-        """Say that something can't be carried out."""
+        """Report that something can't be carried out."""
         self.failed = True
         self.say(text)
 
     def show(self, findings: tuple[Diagnostic, ...]) -> None:
-        """Say what was found, as the editor and yarcc do."""
+        """Show findings in the form of the editor and yarcc."""
         for one in findings:
             self.failed = self.failed or one.is_error
             self.say(finding_text(one))
 
     async def stands(self) -> Array:
-        """Return (n,) where the robot is commanded to stand [rad or m], asked now.
+        """Request the commanded joint positions (n,) [rad or m].
 
         Raises:
-            Trouble: the robot is under way, or there is no connection.
+            Trouble: the robot is moving, or there is no connection.
         """
         return np.array((await self.attached.ask(orders.AskPlace())).exact)
 
     async def own(self) -> None:
-        """Own the robot, if this person doesn't yet.
+        """Become the robot's owner.
 
         Raises:
-            Trouble: somebody else does.
+            Trouble: somebody else owns it.
         """
         if not self.owns:
             await self.attached.ask(orders.Own(shared=True))
             self.picture.owner = self.attached.welcome.name
 
     async def renew(self) -> None:
-        """Ask what the session declares."""
+        """Request the declarations of the session."""
         told = await self.attached.ask(orders.AskDeclarations())
         if tuple(self.lines.declarations) != told.declarations:
             self.lines.adopt(told.declarations)
         self.lines.count = told.count
 
     async def offered(self, text: str) -> OfferDescribed | None:
-        """Plan a text, say what was found and what it would do."""
+        """Plan a text, and show its findings and its motions."""
         return self._told(await self.attached.ask(orders.Offer(text=text)))
 
     async def carry_out(self, text: str) -> bool:
-        """Plan a text, show it, ask, and do it; whether it was done."""
+        """Plan a text, show it, ask, and carry it out. Return True if it was carried out."""
         return await self.go(await self.offered(text))
 
     async def carry_out_back(self) -> bool:
-        """The last motion backwards, likewise."""
+        """Do the same as `carry_out` for the last motion backwards."""
         return await self.go(self._told(await self.attached.ask(orders.OfferBack())))
 
     async def go(self, offer: OfferDescribed | None) -> bool:
-        """Do what was offered, if the person wants it; whether it was done."""
+        """Carry out an offer if the person agrees. Return True if it was carried out."""
         if offer is None:
             return False
         if offer.moves and self.asks and not await self.agrees("go?"):
@@ -244,7 +249,7 @@ class Session:
         return self.over(ended, moved=offer.moves)
 
     def over(self, ended: Ended | Finished, *, moved: bool = True) -> bool:
-        """Say how something has ended; whether it was well."""
+        """Show how an order has ended. Return True if it ended well."""
         self._stopping = ""
         if not ended.well:
             self.failed = True
@@ -263,7 +268,10 @@ class Session:
         return offer
 
     def _plan_of(self, offer: OfferDescribed) -> Callable[[], MotionPlan | None]:
-        """What gives the plan of an offer: it is at hand in this process, else it is made again."""
+        """Return a function that returns an offer's plan.
+
+        The plan of this process is used if there is one; otherwise it is made again.
+        """
         if isinstance(self.attached, Here):
             made = self.attached.desk.offer_of(offer.number)
             return lambda: None if made is None else made.plan
@@ -276,32 +284,32 @@ class Session:
         return planned
 
     def planned_by(self, planned: Callable[[], MotionPlan | None]) -> None:
-        """Keep what gives the plan that `.plot` draws."""
+        """Store the function that returns the plan for `.plot`."""
         self._planned = planned
 
     @property
     def has_planned(self) -> bool:
-        """Whether something was planned."""
+        """Return True if anything was planned."""
         return self._planned is not None
 
     @property
     def plan(self) -> MotionPlan | None:
-        """What was planned last; None where nothing was, or where only another process knows it."""
+        """Return the last plan; None without one, or if only another process has it."""
         return None if self._planned is None else self._planned()
 
     @property
     def names(self) -> Names:
-        """What the names mean that the session knows."""
+        """Return the meanings of the names that the session declares."""
         return Names(self.lines, self.planner)
 
     def scope(self) -> Scope:
-        """The same, all of them."""
+        """Return the meanings of all names."""
         return self.names.scope()
 
-    # what is heard
+    # Events.
 
     def hear(self, event: BaseEvent) -> None:
-        """Keep what is worth knowing, and say what the person must know now."""
+        """Store an event, and show the person what is urgent."""
         self.picture.hear(event)
         if isinstance(event, Told):
             self._keep(event.text, tell=True)
@@ -327,5 +335,5 @@ class Session:
 
 
 def trouble_text(trouble: Trouble) -> str:
-    """What can't be done, and what to do instead."""
+    """Return the text of a trouble with its remedy."""
     return f"{trouble.what}\n  help: {trouble.remedy}" if trouble.remedy else trouble.what

@@ -1,4 +1,4 @@
-"""Files that are changed in place: every byte that isn't meant stays, ends of lines too."""
+"""Files that are changed in place: all other bytes stay, including line ends."""
 
 from __future__ import annotations
 
@@ -9,10 +9,10 @@ from yarclang.runtime.actions import Trouble
 
 
 def read_exactly(path: Path) -> str:
-    """The text of a file with its ends of lines as they are.
+    """Return the text of a file with its line ends unchanged.
 
     Raises:
-        Trouble: it can't be read, and why.
+        Trouble: the file can't be read; the message says why.
     """
     try:
         return path.read_bytes().decode("utf-8")
@@ -23,10 +23,10 @@ def read_exactly(path: Path) -> str:
 
 
 def write_exactly(path: Path, text: str) -> None:
-    """Write a file's text whole or not at all.
+    """Write a file's text completely or not at all.
 
     Raises:
-        Trouble: it can't be written, and why.
+        Trouble: the file can't be written; the message says why.
     """
     try:
         replace_file(path, text.encode("utf-8"))

@@ -1,4 +1,4 @@
-"""The line at the bottom of the terminal: what the robot does, and where it is."""
+"""The line at the bottom of the terminal: the robot's state and position."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """Made anew whenever it is drawn, from what was told of the robot.
+    """The bottom line, built anew whenever it is drawn.
 
     Args:
-        robot: that is shown.
-        picture: what it does.
+        robot: the robot.
+        picture: the robot's state.
     """
 
     def __init__(self, robot: Robot, picture: Picture) -> None:
@@ -25,11 +25,15 @@ class Toolbar:
         self._picture = picture
 
     def text(self, width: int) -> str:
-        """Two lines of at most `width` columns: state, progress, whether it is ready, override; and tool and joints. What doesn't fit is said more briefly."""
+        """Return two lines of at most `width` columns: state, progress, readiness and override; tool and
+        joints.
+
+        Parts that don't fit are shortened.
+        """
         return f"{_fitting(self._states(), width)}\n{_fitting(self._places(), width)}"
 
     def _states(self) -> list[list[str]]:
-        """The first line's parts, at length and ever more briefly."""
+        """Return the parts of the first line, in full and in shorter and shorter forms."""
         picture = self._picture
         state, progress = picture.state, picture.progress
         ready = "not ready" if state in _NOT_READY else "homed, enabled"
@@ -48,7 +52,7 @@ class Toolbar:
         ]
 
     def _places(self) -> list[list[str]]:
-        """The second line's parts, likewise."""
+        """Return the parts of the second line, in full and in shorter and shorter forms."""
         robot = self._robot
         if self._picture.joints is None:
             return [[]]
@@ -73,7 +77,11 @@ def _number(value: float, digits: int) -> str:
 
 
 def _fitting(choices: list[list[str]], width: int) -> str:
-    """The first choice that fits whole, else as many parts of the last as fit: half a number would be another number."""
+    """Return the first choice that fits completely.
+
+    Without one, return as many parts of the last one as fit. Numbers aren't cut, since half a number is
+    another one.
+    """
     for parts in choices:
         line = f" {' | '.join(parts)}" if parts else ""
         if len(line) <= width:

@@ -1,4 +1,4 @@
-"""When what is typed is whole: a block has its END, a list of way-points its last one."""
+"""Check that a typed text is complete: blocks with their END, lists of way-points with their last one."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from yarclang.syntax.words import BLOCK_ENDS, opens_block
 
 
 def is_whole(text: str) -> bool:
-    """Whether nothing is missing behind a text."""
+    """Return True if a text needs no continuation."""
     if text.lstrip().startswith("."):
         return True
     source = SourceFile("<line>", text)
@@ -17,5 +17,5 @@ def is_whole(text: str) -> bool:
     if lines and lines[-1].endswith(";"):
         return False
     module = parse(source).value
-    assert module is not None  # parsing always gives a tree
+    assert module is not None  # parsing always returns a tree
     return sum(opens_block(one) - (one.name.name in BLOCK_ENDS) for one in module.statements) <= 0

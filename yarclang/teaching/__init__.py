@@ -1,1 +1,1 @@
-"""A program as a list of commands that is changed by small edits of its text: teaching, touching up, forms, templates."""
+"""Small edits of a program seen as a list of commands: teaching, touching up, forms, templates."""

@@ -1,4 +1,4 @@
-"""The pose that a program has before a line, as far as no motion has to be planned for it."""
+"""The robot's pose before a line of a program, as far as it follows without planning a motion."""
 
 from __future__ import annotations
 
@@ -29,25 +29,25 @@ from yarclang.teaching.holding import Around
 from yarclang.ways import line_to
 
 _ENOUGH = 20_000
-"""Lines in loops and SUBs that are carried out at most."""
+"""Largest number of lines in loops and SUBs that are evaluated."""
 
 
 def flange_before(around: Around, after: int) -> Array:
-    """Return (4, 4) base_from_flange [m] that the program has when a line has been carried out for the first time.
+    """Return base_from_flange (4, 4) [m] after a line has been executed for the first time.
 
     Args:
         around: the program.
         after: the line; 0 is the beginning.
 
     Raises:
-        Trouble: it can't be known without planning, and why.
+        Trouble: the pose isn't known without planning; the message says why.
     """
     text = text_before(around.program, after)
     source = SourceFile(around.program.source.name, text)
     module = parse(source).value
-    assert module is not None  # parsing always gives a tree
+    assert module is not None  # parsing always returns a tree
     checked = check_program(module, replace(around.request, enough=_ENOUGH))
-    found = [one for one in checked.diagnostics if one.code != "Y0104"]  # a text without a command
+    found = [one for one in checked.diagnostics if one.code != "Y0104"]  # Y0104: a text without a command
     program = checked.value
     if has_errors(found) or program is None or program.is_cut:
         errors = [one for one in found if one.is_error]
@@ -62,7 +62,7 @@ def flange_before(around: Around, after: int) -> Array:
 
 
 def text_before(program: Program, after: int) -> str:
-    """Return a program's lines up to one, in which blocks that are open there are carried out once.
+    """Return a program's lines up to a line, such that each block open there runs once.
 
     Args:
         program: the program.
@@ -90,7 +90,7 @@ def text_before(program: Program, after: int) -> str:
 
 
 def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
-    """Yield the blocks that are open behind a line, outermost first."""
+    """Yield the blocks that are open after a line, the outermost first."""
     for node in nodes:
         if not isinstance(node, Block) or node.head.line > after:
             continue
@@ -101,7 +101,7 @@ def blocks_around(nodes: Iterable[Node], after: int) -> Iterable[Block]:
 
 
 class _Walk:
-    """Follows goals from one to the next: the flange's pose, and the joints while they are known."""
+    """Follows the goals of steps: the flange's pose, and the joints while they are known."""
 
     def __init__(self, around: Around, start: Array) -> None:
         self._chain = around.robot.chain
@@ -109,7 +109,7 @@ class _Walk:
         self._flange = flange_poses(self._chain, start[None])[0]
 
     def walked(self, steps: Iterable[Step]) -> Array:
-        """Return (4, 4) where the flange stands after some steps."""
+        """Return base_from_flange (4, 4) after some steps."""
         for step in line_to(steps):
             self._step(step)
         return np.asarray(self._flange)

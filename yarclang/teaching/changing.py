@@ -1,4 +1,4 @@
-"""Changes of the fields of one command."""
+"""Change the fields of one command."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ _ORDER: tuple[Part, ...] = ("name", "moving", "value", "time", "units", "base", 
 def change(
     program: Program, line: int, fields: Mapping[str, str], joints: tuple[str, ...] | None = None
 ) -> Edited:
-    """Change fields of a command; what isn't named stays as it is, to the byte.
+    """Change fields of a command. Every byte of the other fields stays as it is.
 
     Args:
         program: the program.
-        line: of the command.
-        fields: their new texts by their names; an empty one leaves the part out.
-        joints: names of the robot's joints; None: J1 and so on.
+        line: line of the command.
+        fields: new texts of fields by name; an empty text removes the part.
+        joints: names of the robot's joints; None for J1 and so on.
 
     Raises:
-        Trouble: a field can't be changed so, and why.
+        Trouble: a field can't be changed like this; the message says why.
     """
     statement = program.statement(line)
     reader = Reader(program.sketch, joints)
@@ -50,7 +50,7 @@ def change(
 def _add_time_unit(
     program: Program, statement: Statement, placed: Mapping[str, Placed], changed: dict[str, str]
 ) -> None:
-    """Give a new time its unit where neither the line nor DEFAULT has one."""
+    """Give a new time its unit, if neither the line nor DEFAULT gives one."""
     text = next((changed[name] for name in ("time", "speed", "ceiling") if changed.get(name)), "")
     if not text or text.upper() == "MIN" or "units" in changed or "units" not in placed:
         return
@@ -77,7 +77,10 @@ def _wanted(name: str, text: str, placed: Mapping[str, Placed]) -> str:
 def _pieces(
     statement: Statement, program: Program, placed: Mapping[str, Placed], changed: Mapping[str, str]
 ) -> dict[int, list[tuple[int, int, str]]]:
-    """Return what is replaced in each row: columns from 0, and the text; parts that aren't there go behind those before them."""
+    """Return the replacements in each row: columns from 0, and the text.
+
+    New parts are inserted after the parts that precede them in the language's order.
+    """
     found: dict[int, list[tuple[int, int, str]]] = {}
     added: dict[Part, list[str]] = {}
     timed = [name for name in changed if placed[name].part == "time"]
@@ -88,7 +91,7 @@ def _pieces(
     for name, text in changed.items():
         one = placed[name]
         if one.part == "time" and given and name not in given:
-            continue  # another one takes its place
+            continue  # the other time replaces this one
         place = one.place
         if place is None:
             if text:
@@ -106,7 +109,7 @@ def _pieces(
             put = "".join(f" {one}" for one in added[part])
             pieces = found.setdefault(row, [])
             same = next((one for one in pieces if one[0] == one[1] == column), None)
-            if same is not None:  # one more part in the same place, in the order of the language
+            if same is not None:  # a further part at this place, in the order of the language
                 pieces.remove(same)
                 put = same[2] + put
             pieces.append((column, column, put))
@@ -114,7 +117,7 @@ def _pieces(
 
 
 def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
-    """Join an insertion that stands where something is taken away: both begin in one column."""
+    """Merge insertions with the removals that contain their columns."""
     joined: list[tuple[int, int, str]] = []
     for begin, end, put in sorted(pieces):
         if joined and begin < joined[-1][1]:
@@ -126,7 +129,7 @@ def _merged(pieces: list[tuple[int, int, str]]) -> list[tuple[int, int, str]]:
 
 
 def _behind(statement: Statement, program: Program, part: Part) -> tuple[int, int]:
-    """Return row and column (from 0) behind the last part that stands in front of a part."""
+    """Return row and column (from 0) after the last part that precedes a part."""
     before = _ORDER[: _ORDER.index(part)] if part != "option" else _ORDER[:-1]
     row, column = 0, statement.name.place.end - 1
     if part == "comment":
@@ -162,7 +165,7 @@ def _read_back(
     changed: Mapping[str, str],
     joints: tuple[str, ...] | None,
 ) -> None:
-    """Check that the new line says what was wanted, and nothing else."""
+    """Check that the new line has the wanted fields, and that its other fields are unchanged."""
     from yarclang.source import SourceFile
     from yarclang.teaching.edits import applied
 

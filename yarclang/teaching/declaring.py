@@ -1,4 +1,4 @@
-"""Declarations: where they stand, what they may be called, and the lines of those that are taught."""
+"""Declarations: their place in the text, their allowed names, and the lines of taught ones."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
 
 def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
-    """Declare where the robot stands as a frame, a pose or a joint position.
+    """Declare the robot's present position as a frame, a pose or a joint position.
 
     Args:
         around: the program.
         what: "frame", "pose" or "joints".
-        name: of the declaration.
-        joints: (n,) where the robot stands [rad or m].
+        name: name of the declaration.
+        joints: (n,) present joint positions [rad or m].
 
     Raises:
         Trouble: the name can't be declared, or a frame isn't known.
@@ -40,14 +40,14 @@ def declare(around: Around, what: str, name: str, joints: Array) -> Edited:
 
 
 def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: bool = False) -> Edited:
-    """Declare a frame whose pose is known.
+    """Declare a frame with a known pose.
 
     Args:
         around: the program.
-        name: of the frame.
+        name: name of the frame.
         pose: (4, 4) parent_from_frame [m].
-        parent: the frame in which it sits.
-        again: whether a FRAME line of this name gets other values.
+        parent: the frame in which it is fixed.
+        again: True to change the values of an existing FRAME line of this name.
 
     Raises:
         Trouble: the name can't be declared.
@@ -77,18 +77,18 @@ def declare_pose(around: Around, name: str, pose: Array, parent: str, *, again: 
 
 
 def put_declaration(draft: Draft, around: Around, what: str, name: str, joints: Array, line: int) -> int:
-    """Add a declaration of where the robot stands, with the other declarations.
+    """Add a declaration of the robot's present position to the other declarations.
 
     Args:
         draft: the changes.
         around: the program.
         what: "frame", "pose" or "joints".
-        name: of the declaration.
-        joints: (n,) where the robot stands [rad or m].
-        line: the first line that uses it.
+        name: name of the declaration.
+        joints: (n,) present joint positions [rad or m].
+        line: first line that uses the declaration.
 
     Returns:
-        The line after which it stands.
+        The line after which the declaration is inserted.
 
     Raises:
         Trouble: the name can't be declared, or a frame isn't known.
@@ -111,12 +111,12 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
 
     Args:
         around: the program.
-        name: that is wanted.
-        is_frame: whether it is a frame's.
-        of_pose: whether it is a pose's, which may be P and digits.
+        name: the wanted name.
+        is_frame: True for the name of a frame.
+        of_pose: True for the name of a pose, which may be P and digits.
 
     Raises:
-        Trouble: it can't be.
+        Trouble: the name can't be declared.
     """
     name = name.strip("{} " if is_frame else " ")
     upper = name.upper()
@@ -140,11 +140,11 @@ def check_name(around: Around, name: str, *, is_frame: bool, of_pose: bool = Fal
 
 
 def place_of_declarations(program: Program, line: int) -> int:
-    """Return the line after which a new declaration stands that is used from a line on: after the others, before the first command.
+    """Return the line after which a new declaration is inserted: after the others, before the first command.
 
     Args:
         program: the program.
-        line: where it is used.
+        line: first line that uses the declaration.
     """
     after = 0
     for node in program.sketch.nodes:
@@ -157,7 +157,7 @@ def place_of_declarations(program: Program, line: int) -> int:
     comments = {number for number, _ in program.sketch.module.comment_lines}
     while after + 1 in comments and after + 1 < min(first, line):
         after += 1
-    # a comment right above the first line may be about that line
+    # A comment immediately above the first line may belong to that line.
     return after if after + 1 != first else 0
 
 
@@ -166,7 +166,14 @@ def _is_declaration(statement: Statement) -> bool:
 
 
 def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str:
-    """Return `JOINTS NAME ...` of joint positions (n,) [rad or m]; units that DEFAULT gives are left out."""
+    """Return `JOINTS NAME ...` of joint positions, without units that DEFAULT gives.
+
+    Args:
+        around: the program.
+        name: name of the declaration.
+        joints: (n,) [rad or m].
+        holds: values that the line may omit.
+    """
     kinds = joint_kinds(around.robot)
     units = {kind: holds.unit(kind) for kind in kinds}
     numbers = joint_numbers(around.robot, joints, units)
@@ -174,17 +181,17 @@ def joints_line(around: Around, name: str, joints: Array, holds: Holding) -> str
 
 
 def place_line(around: Around, head: str, joints: Array, holds: Holding, line: int) -> str:
-    """Return `FRAME {NAME} ...` or `POSE NAME ...` of where the tool stands in the base frame that holds.
+    """Return `FRAME {NAME} ...` or `POSE NAME ...` with the tool's pose in the base frame of the line.
 
     Args:
         around: the program.
         head: the word and the name.
-        joints: (n,) where the robot stands [rad or m].
-        holds: what the line need not say.
-        line: in which it stands.
+        joints: (n,) present joint positions [rad or m].
+        holds: values that the line may omit.
+        line: number of the line.
 
     Raises:
-        Trouble: a frame isn't known there.
+        Trouble: a frame isn't known in the line.
     """
     base, moving = holds.base or BASE, holds.moving or around.tool
     units: dict[Kind, str] = {kind: holds.unit(kind) for kind in ("length", "angle")}
@@ -194,6 +201,6 @@ def place_line(around: Around, head: str, joints: Array, holds: Holding, line: i
 
 
 def units_part(units: dict[Kind, str], holds: Holding) -> tuple[str, ...]:
-    """Return the units in their brackets that DEFAULT doesn't give; nothing if it gives all."""
+    """Return the units in brackets that DEFAULT doesn't give; empty if it gives all."""
     needed = [unit for kind, unit in units.items() if kind not in holds.units]
     return (f"({','.join(needed)})",) if needed else ()

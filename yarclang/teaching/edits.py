@@ -1,4 +1,4 @@
-"""A text that is changed line by line, and the small edits that do so: every other byte stays."""
+"""Changes of a text line by line, and the small edits that make them: all other bytes stay."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ class Edited:
     """A change of a text.
 
     Attributes:
-        edits: what is replaced, as of the text before, in order; they never overlap.
-        line: where the cursor goes, as of the text afterwards.
-        what: what was done, in words.
+        edits: replacements in order, at places of the old text; they never overlap.
+        line: new line of the cursor, in the new text.
+        what: description of the change, in words.
     """
 
     edits: tuple[Edit, ...]
@@ -34,7 +34,7 @@ class Edited:
 
 
 def applied(text: str, edits: Iterable[Edit]) -> str:
-    """Return a text after some edits, whose places are those of the text before."""
+    """Return a text after some edits, whose places refer to the old text."""
     lines = lines_with_ends(text)
     starts = [0]
     for line in lines:
@@ -49,7 +49,7 @@ def applied(text: str, edits: Iterable[Edit]) -> str:
 
 
 class Program:
-    """A text as its statements and lines; it may be broken.
+    """A text as statements and lines; the text may have errors.
 
     Args:
         source: the text.
@@ -62,7 +62,7 @@ class Program:
 
     @property
     def size(self) -> int:
-        """The number of lines."""
+        """Return the number of lines."""
         return len(self.ended)
 
     def content(self, line: int) -> str:
@@ -71,18 +71,18 @@ class Program:
 
     @cached_property
     def end(self) -> str:
-        """The end of most of the first lines: LF, CRLF or CR."""
+        """Return the line end of most of the first lines: LF, CRLF or CR."""
         ends = [_end(line) for line in self.ended[:100]]
         return max(_ENDS, key=ends.count) if any(ends) else "\n"
 
     @cached_property
     def faults(self) -> tuple[int, int]:
-        """The numbers of lines that can't be read, and of blocks that aren't whole."""
+        """Return the number of lines that can't be parsed, and of incomplete blocks."""
         return len(self.sketch.module.unreadable_lines), len(arrange(self.sketch.module).diagnostics)
 
     @cached_property
     def unreadable(self) -> dict[int, int]:
-        """The first lines of what can't be read, and how many rows each has."""
+        """Return the number of rows of each statement that can't be parsed, by its first line."""
         module = self.sketch.module
         known = {one.line for one in module.statements} | {line for line, _ in module.comment_lines}
         firsts = known | set(module.unreadable_lines)
@@ -100,7 +100,7 @@ class Program:
 
     @cached_property
     def lost(self) -> dict[tuple[str, bool], list[int]]:
-        """The lines that use a name that this file declares nowhere above, by name and whether it is a frame's."""
+        """Return the lines with names that aren't declared above them, by name and True for a frame."""
         found: dict[tuple[str, bool], list[int]] = {}
         for use in self.sketch.names.uses:
             if use.symbol is None and not use.module:
@@ -108,14 +108,14 @@ class Program:
         return found
 
     def check_line(self, line: int, least: int = 1) -> None:
-        """Check that there is such a line.
+        """Check that a line exists.
 
         Args:
             line: its number.
-            least: the first one that is allowed.
+            least: smallest number that is allowed.
 
         Raises:
-            Trouble: there is none.
+            Trouble: there is no such line.
         """
         if not least <= line <= self.size:
             raise Trouble(
@@ -126,7 +126,7 @@ class Program:
         """Return the statement in a line.
 
         Raises:
-            Trouble: there is none, or it can't be read.
+            Trouble: there is no statement, or it can't be parsed.
         """
         self.check_line(line)
         found = self.sketch.statement_at(line)
@@ -139,7 +139,7 @@ class Program:
         return found
 
     def last_row(self, line: int) -> int:
-        """Return the last line of the statement that a line belongs to; of no statement: the line itself."""
+        """Return the last line of the statement that contains a line; without one, the line itself."""
         found = self.sketch.statement_at(line)
         if found is not None:
             return found.line + found.rows - 1
@@ -147,21 +147,21 @@ class Program:
         return line if first is None else first + self.unreadable[first] - 1
 
     def indent(self, line: int) -> str:
-        """Return the blanks with which a line begins."""
+        """Return the indentation of a line."""
         text = self.content(line)
         return text[: len(text) - len(text.lstrip(" \t"))]
 
 
 @dataclass(slots=True)
 class Draft:
-    """Changes of a program that are being put together: lines are numbered as of the text before.
+    """Changes of a program that are being collected. Lines have the numbers of the old text.
 
     Attributes:
-        program: that is changed.
+        program: the program to change.
         changed: new contents of lines.
-        added: lines that follow a line, without their ends; 0 is the beginning.
-        gone: lines that are taken away.
-        notes: what is worth saying besides.
+        added: lines to insert after a line, without their ends; 0 is the beginning.
+        gone: lines to remove.
+        notes: remarks for the description of the change.
     """
 
     program: Program
@@ -171,7 +171,7 @@ class Draft:
     notes: list[str] = field(default_factory=list)
 
     def content(self, line: int) -> str:
-        """Return a line as it is by now."""
+        """Return the present content of a line."""
         return self.changed.get(line, self.program.content(line))
 
     def add(self, after: int, *rows: str) -> None:
@@ -179,28 +179,28 @@ class Draft:
         self.added.setdefault(after, []).extend(rows)
 
     def new_line(self, after: int) -> int:
-        """Return the number, as of the new text, of the first row that was added after a line."""
+        """Return the number in the new text of the first row that was added after a line."""
         return 1 + sum(line not in self.gone for line in range(1, after + 1)) + self._added_before(after)
 
     def moved_line(self, line: int) -> int:
-        """Return the number of a line as of the new text."""
+        """Return the number of a line in the new text."""
         return sum(one not in self.gone for one in range(1, line + 1)) + self._added_before(line)
 
     def _added_before(self, line: int) -> int:
         return sum(len(rows) for after, rows in self.added.items() if after < line)
 
     def finished(self, line: int, what: str) -> Edited:
-        """Return the edits, after a look at what they make.
+        """Return the edits, after checking their result.
 
         Args:
-            line: where the cursor goes, as of the new text.
-            what: what was done.
+            line: new line of the cursor, in the new text.
+            what: description of the change.
 
         Raises:
-            Trouble: other lines would be read otherwise; nothing is changed.
+            Trouble: the meaning of other lines would change; nothing is changed.
         """
         text, edits = self._text(), self._edits()
-        if applied(self.program.source.text, edits) != text:  # a last line without an end, among others
+        if applied(self.program.source.text, edits) != text:  # for example, if the last line has no end
             edits = changes_to(self.program.source, text)
         after = Program(SourceFile(self.program.source.name, text))
         self._check(after)
@@ -262,7 +262,7 @@ class Draft:
         return tuple(sorted(edits, key=lambda one: one.span))
 
     def _is_open_end(self) -> bool:
-        """Return True if the last line is taken away and had no end."""
+        """Return True if the last line is removed and has no line end."""
         program = self.program
         return program.size in self.gone and not _end(program.ended[-1])
 
@@ -272,7 +272,7 @@ def _end(line: str) -> str:
 
 
 def _stretches(lines: set[int]) -> Iterable[tuple[int, int]]:
-    """Yield runs of neighbouring lines as first and last."""
+    """Yield the first and last line of each run of consecutive lines."""
     ordered = sorted(lines)
     first = 0
     for number, line in enumerate(ordered):
@@ -292,7 +292,7 @@ def _inside(line: int, old: str, new: str) -> Edit | None:
 
 
 def _alike(one: str, other: str) -> int:
-    """Return how many characters at the beginnings are the same."""
+    """Return the length of the common beginning."""
     shorter = min(len(one), len(other))
     return next((at for at in range(shorter) if one[at] != other[at]), shorter)
 

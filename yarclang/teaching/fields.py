@@ -1,4 +1,4 @@
-"""The parts of a command that people change one by one, and where they stand in the text."""
+"""The parts of a command that people change one by one, and their places in the text."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ FieldKind = Literal["number", "percent", "choice", "frame", "joints", "pose", "s
 _JOINTS = tuple(f"J{number}" for number in range(1, 33))
 _DECLARED_POSES = ("FRAME", "FRAME_QUAT", "POSE")
 _COUNTED = 64
-"""Way-points whose values are fields; of longer lists only so many."""
+"""Largest number of way-points whose values are fields; the rest of a longer list has none."""
 
 
 @frozen
@@ -33,12 +33,12 @@ class Field:
     """A part of a command.
 
     Attributes:
-        name: by which it is changed.
-        label: for people.
-        kind: what it is.
-        value: as it stands in the text; empty: it is left out.
-        unit: in which it counts; empty: none.
-        choices: what it may be, as far as that is known here.
+        name: identifier of the field within its command.
+        label: name that is shown.
+        kind: kind of the value.
+        value: text of the value; empty if the part is left out.
+        unit: unit of the value; empty for none.
+        choices: possible values, if they are known here.
     """
 
     name: str
@@ -54,13 +54,13 @@ Part = Literal["name", "moving", "value", "time", "units", "base", "option", "co
 
 @frozen
 class Placed:
-    """A field and what its text replaces.
+    """A field and the text that it replaces.
 
     Attributes:
         field: the field.
-        part: of the statement that it is.
-        place: what is replaced; None if the part isn't there.
-        form: the text with `@` for the value.
+        part: kind of part in the statement.
+        place: the replaced place; None if the part is missing.
+        form: the inserted text, with `@` for the value.
     """
 
     field: Field
@@ -73,8 +73,8 @@ class Reader:
     """Reads the fields of statements.
 
     Args:
-        sketch: of the text.
-        joints: names of the robot's joints; None: J1 and so on.
+        sketch: structure of the text.
+        joints: names of the robot's joints; None for J1 and so on.
     """
 
     def __init__(self, sketch: Sketch, joints: tuple[str, ...] | None = None) -> None:
@@ -104,7 +104,7 @@ class Reader:
                 yield _frame("base", "Base frame", statement.base, "base")
         elif word == "TABLE" and statement.index is None:
             first = statement.waypoints[0].values if statement.waypoints else ()
-            # behind the name stands POSE or JOINTS, of what isn't numbers
+            # The word after the name, POSE or JOINTS, tells the kind if the values aren't numbers.
             kind = first[1].name if len(first) > 1 and isinstance(first[1], Word) else ""
             for row, point in enumerate(statement.waypoints):
                 for column, value in enumerate(point.values[1 + bool(kind) :] if row == 0 else point.values):
@@ -133,7 +133,7 @@ class Reader:
         if statement.time or statement.units or statement.base or statement.options:
             yield from self._tail(statement, spec, meant)
             return
-        # most lines of a long program leave all of that to DEFAULT
+        # Most lines of a long program leave all of these parts to DEFAULT.
         key = (spec.name, of_joints)
         if key not in self._tails:
             self._tails[key] = tuple(self._tail(statement, spec, meant))
@@ -170,7 +170,7 @@ class Reader:
                 continue
             columns = self._columns(meaning, len(values))
             if len(values) == 1 and len(columns) > 1 and isinstance(values[0], Computed):
-                # a pose or joint position of a table
+                # A pose or joint position of a table.
                 target = Field(f"{front}target", f"{front}Target", "number", values[0].text)
                 yield Placed(target, "value", values[0].place)
             elif len(columns) == len(values):
@@ -253,7 +253,7 @@ def slot_fields(slots: Sequence[Slot], values: Sequence[Value]) -> Iterator[Plac
 
 
 def fields_of(slots: Sequence[Slot]) -> tuple[Field, ...]:
-    """Return an empty field for each value of an action; where there are several of a kind, their names are numbered."""
+    """Return an empty field for each value of an action. Several fields of a kind get numbered names."""
     found: list[Field] = []
     for slot in slots:
         name, label, kind = _SLOTS[slot]
@@ -273,11 +273,14 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
     Slot.REGISTER: ("register", "Register that gets an answer (none: it just goes on)", "choice"),
     Slot.REACTION: ("reaction", "What the robot does", "choice"),
 }
-"""Name, label and kind of the field of each kind of value."""
+"""Name, label and kind of the field for each kind of value."""
 
 
 def _whole(sketch: Sketch, statement: Statement) -> Place:
-    """Return the place of the expression of a LET, FUNC, SET, IF, WHEN or WAIT: all of the code after the equals sign or the word, up to a time."""
+    """Return the place of the expression of a LET, FUNC, SET, IF, WHEN or WAIT.
+
+    This is the code after the equals sign or the first word, up to a time.
+    """
     from yarclang.syntax.lines import code_of
 
     code = code_of(sketch.source.line(statement.line)).rstrip()
@@ -310,7 +313,7 @@ def _frame(name: str, label: str, frame: FrameName | None, part: Part) -> Placed
 def _absent(
     name: str, label: str, kind: FieldKind, unit: str, part: Part, form: str, choices: tuple[str, ...] = ()
 ) -> Placed:
-    """Return a part that isn't there: of most commands most aren't."""
+    """Return the field of a missing part. Most commands lack most parts."""
     return Placed(Field(name, label, kind, "", unit, choices), part, None, form)
 
 
@@ -327,7 +330,7 @@ def _inner(statement: Statement) -> str:
 
 
 def _times(statement: Statement, *, has_speed: bool, unit: str, speed: str) -> Iterator[Placed]:
-    """Yield time, share of the limits, speed and largest speed: one of them stands in the square brackets."""
+    """Yield time, share of the limits, speed and largest speed. The square brackets contain one of them."""
     if statement.time is None:
         yield _absent("time", "Time", "number", unit, "time", "[@]", ("MIN",))
         yield _absent("percent", "Speed, share of the limits", "percent", "%", "time", "[@%]")

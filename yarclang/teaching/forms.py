@@ -1,4 +1,7 @@
-"""Forms for new commands, made from the commands' descriptions and the modules' documentation; and the lines that come of them."""
+"""Forms for new commands, and the lines made from them.
+
+The forms are built from the descriptions of the commands and the documentation of the modules.
+"""
 
 from __future__ import annotations
 
@@ -30,13 +33,13 @@ _MOST_MODULES = 200
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """What is asked for a new command.
+    """A form for a new command.
 
     Attributes:
-        command: its name; of a CALL with the SUB: `CALL PICKPLACE.PICK`; "!" for a comment.
-        label: for people.
-        summary: what it does.
-        fields: what is asked, with what is proposed.
+        command: name of the command; `CALL PICKPLACE.PICK` for a CALL of a SUB; "!" for a comment.
+        label: name that is shown.
+        summary: what the command does.
+        fields: fields to fill in, with proposed values.
     """
 
     command: str
@@ -52,12 +55,12 @@ class Known:
     Attributes:
         inputs: names of inputs.
         outputs: names of outputs.
-        frames: names of frames that stand still, without braces.
-        tools: names of frames that the robot moves, likewise.
+        frames: names of fixed frames, without braces.
+        tools: names of frames that the robot moves, without braces.
         joints: names of joint positions.
         poses: names of poses.
         registers: names of registers.
-        subs: documentation by the modules' names; "" is the program itself.
+        subs: documentation by module name; "" is the program itself.
     """
 
     inputs: tuple[str, ...] = ()
@@ -71,7 +74,7 @@ class Known:
 
 
 def known(around: Around) -> Known:
-    """Return the names that a program, its cell and its modules know."""
+    """Return the names that a program, its cell and its modules declare."""
     scope, folder = around.scope, around.program
     frames = {name: scope.frame(name) for name in scope.frame_names()}
     texts = {"": describe_module(folder.sketch.module)}
@@ -98,8 +101,8 @@ def forms(names: Known, robot: Robot | None = None) -> tuple[Form, ...]:
     """Return all forms.
 
     Args:
-        names: that may be chosen.
-        robot: whose joints are asked for; None: of six joints.
+        names: names that may be chosen.
+        robot: the robot whose joints have fields; None for six joints.
     """
     joints = robot.joint_names if robot is not None else tuple(f"J{number}" for number in range(1, 7))
     return (
@@ -191,7 +194,7 @@ def _parameters(sub: SubText, names: Known) -> Iterator[Field]:
 
 
 def _parameter(one: ParameterText, value: str, names: Known) -> Field:
-    """Return the field of a parameter: what its meaning speaks of chooses the names that are proposed."""
+    """Return the field of a parameter. The proposed names depend on the words in its meaning."""
     word, _, unit = one.name.partition(" (")
     label = f"{word}: {one.meaning}" if one.meaning else word
     if word.startswith("{"):
@@ -222,16 +225,16 @@ def _last(names: tuple[str, ...]) -> str:
 
 
 def put_in(around: Around, after: int, command: str, fields: Mapping[str, str]) -> Edited:
-    """Put a command in that a form was filled in for.
+    """Insert the command of a form that was filled in.
 
     Args:
         around: the program.
-        after: the line after which it stands.
-        command: of the form.
-        fields: what was filled in, by the fields' names.
+        after: line after which the command is inserted.
+        command: name of the form.
+        fields: texts by field name.
 
     Raises:
-        Trouble: something is missing, or can't be so.
+        Trouble: a value is missing or not allowed.
     """
     command = " ".join(command.split())
     if command.upper().startswith("CALL ") or command == COMMENT:
@@ -283,7 +286,7 @@ def _call(around: Around, after: int, form: Form, given: Mapping[str, str]) -> E
 
 
 def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> str:
-    """Return the line of a command that isn't a CALL, without its index."""
+    """Return the line of a command other than CALL, without its index."""
     word = form.command
     holds = holding(around.program, after + 1)
     if (action := actions().get(word)) is not None:
@@ -326,7 +329,10 @@ def _code(around: Around, after: int, form: Form, given: Mapping[str, str]) -> s
 
 
 def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], holds: Holding) -> str:
-    """Return the line of an action; of those with optional values, the one without them if no signal and no text is given."""
+    """Return the line of an action.
+
+    If values are optional and neither a signal nor a text is given, they are left out.
+    """
     slots = spec.fullest.slots
     names = [one.name for one in fields_of(slots)]
     told = [given[name] for slot, name in zip(slots, names, strict=True) if slot is not Slot.STATE]
@@ -337,7 +343,7 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
         if slot is Slot.STATE and _may_be_empty(spec):
             values.append(given[name] or "ON")
         elif slot is Slot.REGISTER and not given[name]:
-            slots = slots[:-1]  # it is the last one
+            slots = slots[:-1]  # the register is the last one
         else:
             _need(form, given, name)
             values.append(f'"{given[name]}"' if slot is Slot.TEXT else given[name])
@@ -351,7 +357,7 @@ def _line_of_action(spec: ActionSpec, form: Form, given: Mapping[str, str], hold
 
 
 def _waypoints(form: Form, spec: CommandSpec, given: Mapping[str, str], robot: Robot) -> tuple[str, bool]:
-    """Return the way-points as text, and whether numbers are among them."""
+    """Return the way-points as text, and True if they contain numbers."""
     count = max(spec.waypoints[0], len(spec.leading) + 1)
     points, has_numbers = [], False
     for number in range(1, count + 1):

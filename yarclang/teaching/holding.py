@@ -1,4 +1,4 @@
-"""What holds at a line: the units, frames and times that DEFAULT gives, and where frames and the robot are there."""
+"""The context of a line: units, frames and times of DEFAULT, and the poses of frames and robot."""
 
 from __future__ import annotations
 
@@ -24,20 +24,20 @@ from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM, UNITS, Kind, number_text
 
 _FINEST: Mapping[Kind, float] = {"length": 0.01 * MM, "angle": 0.001 * DEG}
-"""What the last digit of a taught number counts [m or rad]."""
+"""Resolution of the last digit of a taught number [m or rad]."""
 
 _DIGITS_OF_QUATERNION = 7
 
 
 @dataclass(frozen=True, slots=True)
 class Holding:
-    """What a line need not say.
+    """Values that a line may omit.
 
     Attributes:
-        moving: the moving frame, without braces; empty: the line has to name one.
-        base: the base frame, likewise.
-        time: the motion time in its brackets; empty likewise.
-        units: names of units by their kinds, as far as they are given.
+        moving: moving frame, without braces; empty if the line must name one.
+        base: base frame, without braces; empty if the line must name one.
+        time: motion time in its brackets; empty if the line must give one.
+        units: names of the given units by kind.
     """
 
     moving: str
@@ -51,12 +51,12 @@ class Holding:
 
 
 def holding(program: Program, line: int, *, declares: bool = False) -> Holding:
-    """Return what DEFAULT gives to a line.
+    """Return the values that DEFAULT gives to a line.
 
     Args:
         program: the program.
-        line: the line, which DEFAULT may stand below if it is a command's.
-        declares: whether it is a declaration's.
+        line: the line. For a command's line, DEFAULT may stand below.
+        declares: True for the line of a declaration.
     """
     default = program.sketch.default
     if default is None:
@@ -76,7 +76,7 @@ def holding(program: Program, line: int, *, declares: bool = False) -> Holding:
 
 
 def units_of(statement: Statement) -> dict[Kind, str]:
-    """Return the units that a statement names, by their kinds."""
+    """Return the units that a statement names, by kind."""
     items = statement.units.items if statement.units else ()
     named = [UNITS.get(one.text.lower()) for one in items if isinstance(one, Word)]
     return {unit.kind: unit.name for unit in named if unit is not None}
@@ -88,9 +88,9 @@ class Around:
 
     Attributes:
         program: the program.
-        robot: that it moves.
-        request: by which it is compiled.
-        scope: what its names mean outside of blocks.
+        robot: its robot.
+        request: the settings for compiling the program.
+        scope: meanings of the names outside of blocks.
     """
 
     program: Program
@@ -99,15 +99,15 @@ class Around:
     scope: Scope
 
     def frame(self, name: str, line: int, *, moves: bool) -> Frame:
-        """Return what a frame's name means in a line.
+        """Return the meaning of a frame's name in a line.
 
         Args:
-            name: without braces.
+            name: name without braces.
             line: the line; the number after the last one for the end.
-            moves: whether it has to be one that the robot moves; else it has to stand still.
+            moves: True if the frame must be one that the robot moves; otherwise it must be fixed.
 
         Raises:
-            Trouble: it isn't known where it is.
+            Trouble: the frame's pose isn't known.
         """
         symbol = self.program.sketch.names.meant(name, True, line)
         if symbol is not None and symbol.kind == "parameter":
@@ -133,16 +133,16 @@ class Around:
         return any(one is statement for one in self.program.sketch.nodes)
 
     def pose(self, joints: Array, moving: str, base: str, line: int) -> Array:
-        """Return (4, 4) base_from_moving [m] with the robot at joint positions (n,) [rad or m].
+        """Return base_from_moving (4, 4) [m] at joint positions.
 
         Args:
-            joints: where it stands.
+            joints: (n,) [rad or m].
             moving: the moving frame.
             base: the base frame.
-            line: in which both are named.
+            line: the line that names both frames.
 
         Raises:
-            Trouble: one of them isn't known there.
+            Trouble: one of the frames isn't known in the line.
         """
         tool, axes = self.frame(moving, line, moves=True), self.frame(base, line, moves=False)
         stands: Array = flange_poses(self.robot.chain, joints[None])[0] @ tool.transform
@@ -150,24 +150,24 @@ class Around:
 
     @property
     def tool(self) -> str:
-        """The moving frame of a line whose program names none: {TCP}, else {FLANGE}."""
+        """Return the moving frame of a line in a program that names none: {TCP}, otherwise {FLANGE}."""
         return "TCP" if "TCP" in self.robot.flange_from_frame else "FLANGE"
 
 
 def around(program: Program, folder: Path, robot: Robot) -> Around:
-    """Find a program's names; motions aren't planned, and what is wrong with them doesn't matter.
+    """Resolve a program's names. Motions aren't planned, and errors in them are ignored.
 
     Args:
         program: the program.
-        folder: that it belongs to.
-        robot: that stands there.
+        folder: the program's folder.
+        robot: the connected robot.
 
     Raises:
         Trouble: the program is for another robot, or it can't be opened.
     """
     source, module = program.source, program.sketch.module
     if not module.statements and not module.unreadable_lines:
-        source = SourceFile(source.name, "DEFAULT {FLANGE}\n")  # an empty text has the project's names
+        source = SourceFile(source.name, "DEFAULT {FLANGE}\n")  # an empty text gets the project's names
     opened = open_source(source, folder, Options())
     if opened.value is None:
         opened = open_source(source, folder, Options(robot=str(robot.folder / "robot.toml")))
@@ -183,12 +183,12 @@ def around(program: Program, folder: Path, robot: Robot) -> Around:
 
 
 def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> list[str]:
-    """Return joint positions (n,) [rad or m] as they are written, within the robot's limits.
+    """Return joint positions as they are written, within the robot's limits.
 
     Args:
-        robot: whose.
-        joints: where they stand.
-        units: in which they are written, by their kinds.
+        robot: the robot.
+        joints: (n,) [rad or m].
+        units: units of the texts, by kind.
     """
     made = []
     for at, (kind, value) in enumerate(zip(joint_kinds(robot), joints.tolist(), strict=True)):
@@ -206,12 +206,12 @@ def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> lis
 
 
 def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = False) -> list[str]:
-    """Return a pose (4, 4) [m] as it is written: x y z roll pitch yaw, or x y z qx qy qz qw.
+    """Return a pose as it is written: x y z roll pitch yaw, or x y z qx qy qz qw.
 
     Args:
-        pose: the pose.
-        units: in which it is written, by their kinds.
-        quaternion: whether the orientation is a quaternion.
+        pose: (4, 4) [m].
+        units: units of the texts, by kind.
+        quaternion: True for an orientation as a quaternion.
     """
     place = position_numbers(pose[:3, 3], units)
     if quaternion:
@@ -228,7 +228,7 @@ def position_numbers(position: Array, units: Mapping[Kind, str]) -> list[str]:
 
 
 def quaternion_of(rotation: Array) -> list[float]:
-    """Return x y z w of a rotation (3, 3); w isn't negative."""
+    """Return the quaternion x y z w of a rotation (3, 3); w isn't negative."""
     from scipy.spatial.transform import Rotation
 
     found: list[float] = Rotation.from_matrix(rotation).as_quat(canonical=True).tolist()
@@ -236,5 +236,5 @@ def quaternion_of(rotation: Array) -> list[float]:
 
 
 def _digits(kind: Kind, unit: str) -> int:
-    """Return how many digits after the point a unit needs."""
+    """Return the number of decimal places for a unit."""
     return max(0, math.ceil(-math.log10(_FINEST[kind] / UNITS[unit].factor) - 1e-9))

@@ -1,4 +1,4 @@
-"""Indices of commands that are put between others, and indentation."""
+"""Indices of inserted commands, and indentation."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _INDENT = "  "
 
 
 def index_of(line: str) -> int | None:
-    """Return the index with which a line begins, also of one that can't be read."""
+    """Return the index at the beginning of a line, even of one that can't be parsed."""
     match = _INDEX.match(line)
     return int(match[1]) if match and len(match[1]) <= LONGEST_INDEX else None
 
@@ -25,16 +25,16 @@ def shown_index(number: int) -> str:
 
 
 def free_indices(program: Program, after: int, count: int, gone: frozenset[int] = frozenset()) -> list[int]:
-    """Return indices for commands that follow a line: between those of their neighbours.
+    """Return indices for new commands after a line, between those of its neighbours.
 
     Args:
         program: the program.
         after: the line.
-        count: how many there are.
-        gone: lines that don't count.
+        count: number of new commands.
+        gone: lines to ignore.
 
     Returns:
-        None of them is taken; empty if there is no room.
+        Unused indices; empty if there is no room.
     """
     numbers = {
         one.line: int(one.index.text[1:])
@@ -51,7 +51,7 @@ def free_indices(program: Program, after: int, count: int, gone: frozenset[int] 
     below = min((line for line in numbers if line > after), default=None)
     low = 0 if above is None else numbers[above]
     high = 10**LONGEST_INDEX if below is None else numbers[below]
-    if high <= low:  # they don't ascend here: the command follows the one above
+    if high <= low:  # The indices don't ascend here: continue from the command above.
         high = 10**LONGEST_INDEX
     if below is None or high - low > _STEP * (count + 1) + _STEP:
         found, number = list[int](), low // _STEP * _STEP
@@ -74,7 +74,7 @@ def _between(low: int, high: int, count: int, taken: set[int]) -> list[int]:
 
 
 def index_for(draft: Draft, after: int) -> int:
-    """Return an index for a command that follows a line; the commands are renumbered if there is no room."""
+    """Return an index for a command after a line, renumbering the commands if there is no room."""
     found = free_indices(draft.program, after, 1)
     if found:
         return found[0]
@@ -85,12 +85,12 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
     """Give all commands ascending indices.
 
     Args:
-        draft: the changes, which take the new indices.
-        after: the line after which other commands come; -1: none do.
-        room: how many.
+        draft: receives the new indices.
+        after: line after which further commands will be inserted; -1 for none.
+        room: number of these commands.
 
     Returns:
-        The index of the first of the others.
+        The index of the first inserted command.
 
     Raises:
         Trouble: there are more commands than indices.
@@ -119,7 +119,7 @@ def renumber(draft: Draft, after: int = -1, room: int = 0) -> int:
 
 
 def indentation(program: Program, after: int) -> str:
-    """Return the blanks with which a line after another one begins: those of its neighbours."""
+    """Return the indentation of a new line after a line, that of its neighbours."""
     statements = program.sketch.module.statements
     above = [one for one in statements if one.line <= after]
     below = next((one for one in statements if one.line > after), None)

@@ -1,4 +1,4 @@
-"""Whole lines: commands that are put in, taken away, moved and numbered."""
+"""Whole lines: insert, delete, move and renumber commands."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from yarclang.teaching.indices import (
 
 
 def insert(program: Program, after: int, code: str, *, has_index: bool = True, use: str = "") -> Edited:
-    """Put a line in.
+    """Insert a line.
 
     Args:
         program: the program.
-        after: the line after which it stands; 0 is the beginning.
+        after: line after which the new line is inserted; 0 is the beginning.
         code: the line without index and indentation.
-        has_index: whether it is a command.
-        use: a module that it needs; a USE line is put in if it is missing.
+        has_index: True if the line is a command.
+        use: module that the line needs; a USE line is inserted if it is missing.
 
     Raises:
-        Trouble: it can't stand there.
+        Trouble: the line isn't allowed there.
     """
     from yarclang.teaching.declaring import place_of_declarations
     from yarclang.teaching.motions import place_of_command
@@ -52,7 +52,7 @@ def insert(program: Program, after: int, code: str, *, has_index: bool = True, u
 
 
 def delete(program: Program, first: int, last: int) -> Edited:
-    """Take lines away: whole statements, and blocks whose first line is among them.
+    """Delete lines: whole statements, and blocks whose first line is among the lines.
 
     Args:
         program: the program.
@@ -60,7 +60,7 @@ def delete(program: Program, first: int, last: int) -> Edited:
         last: the last line.
 
     Raises:
-        Trouble: there are no such lines, or an END alone would go.
+        Trouble: there are no such lines, or an END would be deleted without its block.
     """
     program.check_line(first)
     program.check_line(last, first)
@@ -124,15 +124,15 @@ def _last(node: Node) -> int:
 
 
 def move(program: Program, line: int, before: int) -> Edited:
-    """Move a statement, or a block, to another place; its indentation is that of its new neighbours.
+    """Move a statement or a block to another place, and indent it like its new neighbours.
 
     Args:
         program: the program.
-        line: of the statement, or the first of the block.
-        before: the line before which it stands then; one more than there are lines: the end.
+        line: line of the statement, or first line of the block.
+        before: line before which it is inserted; the number of lines plus one for the end.
 
     Raises:
-        Trouble: it can't stand there.
+        Trouble: it isn't allowed there.
     """
     program.check_line(line)
     if not 1 <= before <= program.size + 1:
@@ -168,7 +168,7 @@ def _called(count: int, first: int) -> str:
 
 
 def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
-    """Return the indentation behind a line as if others weren't there."""
+    """Return the indentation after a line as if some lines were missing."""
     statements = [one for one in program.sketch.module.statements if one.line not in without]
     above = max((one.line for one in statements if one.line <= after), default=0)
     head = next((one for one in statements if one.line == above), None)
@@ -183,7 +183,7 @@ def _indent_at(program: Program, after: int, without: frozenset[int]) -> str:
 
 
 def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
-    """Return lines with another indentation: all are shifted as the first is."""
+    """Return lines with another indentation. All lines are shifted by as much as the first one."""
     old, rows = program.indent(lines[0]), []
     for line in lines:
         text = program.content(line)
@@ -194,7 +194,7 @@ def _indented(program: Program, lines: list[int], wanted: str) -> list[str]:
 
 
 def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) -> list[str]:
-    """Return rows with indices that lie between their new neighbours', if theirs don't."""
+    """Return rows with indices between those of their new neighbours, unless theirs fit already."""
     with_index = [(at, number) for at, row in enumerate(rows) if (number := index_of(row)) is not None]
     if not with_index:
         return rows
@@ -228,7 +228,7 @@ def _numbered(draft: Draft, rows: list[str], after: int, moved: frozenset[int]) 
 
 
 def renumbered(program: Program) -> Edited:
-    """Give all commands the indices P0010, P0020 and so on; nothing else changes."""
+    """Give all commands the indices P0010, P0020 and so on, and change nothing else."""
     draft = Draft(program)
     renumber(draft)
     count = len(draft.changed)

@@ -1,4 +1,4 @@
-"""A text as a list of commands, however broken it is."""
+"""A text as a list of commands. The text may have errors."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ _LONGEST = 200
 
 @frozen
 class Listed:
-    """A command, a declaration, a comment line or a line that can't be read.
+    """A command, a declaration, a comment line or a line that can't be parsed.
 
     Attributes:
         line: its first line.
-        rows: how many lines it has.
-        depth: of blocks around it.
-        kind: what it is; comment lines and what can't be read are "other".
-        index: as it is written; empty: none.
-        name: the command's name in upper case; "!" of a comment, "?" of what can't be read.
-        title: what it does: its name and values.
+        rows: number of lines.
+        depth: number of blocks around it.
+        kind: kind of the line; "other" for comment lines and lines that can't be parsed.
+        index: the index as it is written; empty without one.
+        name: name of the command in upper case; "!" for a comment, "?" for a line that can't be parsed.
+        title: name and values.
         detail: time, units, base frame, options, comment.
-        target: what the end of a motion is written as; None if it has none.
-        taught: whether it can be touched up.
+        target: form of a motion's end; None if it has none.
+        taught: True if it can be touched up.
         fields: the parts that can be changed.
     """
 
@@ -58,12 +58,13 @@ class Listed:
 def listing(
     source: SourceFile, joints: tuple[str, ...] | None = None, lines: tuple[int, int] | None = None
 ) -> tuple[Listed, ...]:
-    """List a text.
+    """List the lines of a text.
 
     Args:
         source: the text.
-        joints: names of the robot's joints; None: J1 and so on.
-        lines: the first and the last line whose fields are wanted; None: all, unless there are more than `MOST_WITH_FIELDS` lines.
+        joints: names of the robot's joints; None for J1 and so on.
+        lines: first and last line with fields; None for all lines, unless there are more than
+            `MOST_WITH_FIELDS`.
     """
     program = Program(source)
     if lines is None:
@@ -72,7 +73,10 @@ def listing(
 
 
 MOST_WITH_FIELDS = 1_000
-"""Of a longer text fields are listed where they are asked for: nobody looks at all of them, and a browser would read megabytes after each edit."""
+"""Largest number of lines that have fields without a request for them.
+
+With more, a browser would load megabytes after each edit, and nobody looks at all fields.
+"""
 
 
 class _Lister:
@@ -95,7 +99,7 @@ class _Lister:
             self._note((*node.body, *(node.otherwise or ())), depth + 1)
 
     def all(self) -> Iterator[Listed]:
-        """Yield all that is listed, in the order of the text."""
+        """Yield all entries in the order of the text."""
         program = self._program
         found: list[tuple[int, Statement | str | None]] = [
             *((one.line, one) for one in program.sketch.module.statements),
@@ -105,7 +109,7 @@ class _Lister:
         depth = 0
         for line, one in sorted(found, key=lambda entry: entry[0]):
             if isinstance(one, Statement):
-                # what belongs to no block has no depth of its own
+                # A line that belongs to no block has no depth of its own.
                 depth = self._depths.get(line, depth)
                 yield self._statement(one, depth)
                 depth += opens_block(one) or one.name.name in ("ELSE", "OF")
@@ -153,7 +157,10 @@ class _Lister:
         )
 
     def _is_joints(self, one: Statement, of_joints: bool) -> bool:
-        """Return True if a motion ends at joint values: a name stands for them after any suffix, unless it is a pose's."""
+        """Return True if a motion ends at joint values.
+
+        A name as target means joint values after any suffix, unless it is the name of a pose.
+        """
         values = one.waypoints[-1].values if one.waypoints else ()
         if len(values) == 1 and isinstance(word := values[0], Word):
             symbol = self._program.sketch.names.meant(word.name, False, one.line)
@@ -161,7 +168,9 @@ class _Lister:
         return of_joints
 
     def _texts(self, one: Statement) -> tuple[str, str]:
-        """Return title and detail: the code in front of time, units, base frame and options, and the rest with the comment."""
+        """Return title and detail: the code before time, units, base frame and options; the rest with the
+        comment.
+        """
         if one.rows == 1:
             return self._text(one)
         rows = [self._program.content(one.line + row) for row in range(min(one.rows, 20))]
@@ -192,7 +201,7 @@ def _is_tool(one: Statement) -> bool:
 
 
 def kind_of(one: Statement) -> ListedKind:
-    """Return what a statement is."""
+    """Return the kind of a statement."""
     word = one.name.name
     if opens_block(one):
         return "block"

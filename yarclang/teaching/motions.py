@@ -1,4 +1,4 @@
-"""Motions that are taught: lines made of where the robot stands."""
+"""Taught motions: lines made from the robot's present position."""
 
 from __future__ import annotations
 
@@ -30,22 +30,22 @@ Motion = Literal["MOVEJ", "MOVEL", "MOVEC", "DMOVE"]
 Target = Literal["joints", "pose"]
 
 _TIME = "50%"
-"""Motion time where neither DEFAULT nor the person says one."""
+"""Motion time if neither DEFAULT nor the person gives one."""
 
 _HEADERS = ("ROBOT", "CELL", "DEFAULT", "START")
 
 
 @dataclass(frozen=True, slots=True)
 class Taught:
-    """A motion to be taught.
+    """A motion to teach.
 
     Attributes:
-        motion: what kind.
-        target: how its end is written: joint values or a pose. Of the Cartesian ones: a pose.
-        via: (n,) where the robot stood at the point that MOVEC goes through [rad or m].
-        name: under which the end is declared, by POSE or JOINTS; empty: it stands in the line.
-        axes: of DMOVE: "base" for the base frame that holds, "tool" for the moving frame.
-        time: what stands in the square brackets; empty: what DEFAULT gives, else [50%].
+        motion: kind of the motion.
+        target: form of the motion's end: joint values or a pose. Cartesian motions end at a pose.
+        via: (n,) joint positions at the point that MOVEC passes through [rad or m].
+        name: name of a POSE or JOINTS declaration for the end; empty to write the values into the line.
+        axes: for DMOVE: "base" for the base frame of the line, "tool" for the moving frame.
+        time: text in the square brackets; empty for the time of DEFAULT, otherwise [50%].
     """
 
     motion: Motion
@@ -57,16 +57,16 @@ class Taught:
 
 
 def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
-    """Add a motion to where the robot stands.
+    """Add a motion to the robot's present position.
 
     Args:
         around: the program.
-        after: the line after which it stands; 0 is the beginning.
-        taught: what is wanted.
-        joints: (n,) where the robot stands [rad or m].
+        after: line after which the motion is inserted; 0 is the beginning.
+        taught: the motion.
+        joints: (n,) present joint positions [rad or m].
 
     Raises:
-        Trouble: it can't be taught there, and why.
+        Trouble: the motion can't be taught there; the message says why.
     """
     program = around.program
     if taught.target == "joints" and taught.motion != "MOVEJ":
@@ -90,11 +90,13 @@ def teach(around: Around, after: int, taught: Taught, joints: Array) -> Edited:
 
 
 def place_of_command(draft: Draft, after: int) -> int:
-    """Return the line after which a command can stand that is to follow a line: outside of way-point lists, and below ROBOT, CELL, DEFAULT and START.
+    """Return the line after which a command is inserted that is to follow a line.
+
+    The place is outside of way-point lists, and below ROBOT, CELL, DEFAULT and START.
 
     Args:
-        draft: the changes, which take a note of another place.
-        after: the line that was named.
+        draft: the changes; receives a note if the place differs.
+        after: the wanted line.
 
     Raises:
         Trouble: there is no such line.
@@ -116,12 +118,12 @@ def place_of_command(draft: Draft, after: int) -> int:
 
 
 def _outermost(program: Program, after: int) -> int:
-    """Return the first line of the outermost block that is open behind a line, else the next line."""
+    """Return the first line of the outermost block open after a line; without one, the next line."""
     return next((one.head.line for one in blocks_around(program.sketch.nodes, after)), after + 1)
 
 
 class _Maker:
-    """Writes lines that stand after a line, as short as DEFAULT allows."""
+    """Writes lines to insert after a line, as short as DEFAULT allows."""
 
     def __init__(self, around: Around, holds: Holding, after: int) -> None:
         self._around = around
@@ -134,8 +136,8 @@ class _Maker:
         """Return the code of a motion without its index.
 
         Args:
-            taught: what is wanted.
-            joints: (n,) where the robot stands [rad or m].
+            taught: the motion.
+            joints: (n,) present joint positions [rad or m].
         """
         if taught.target == "joints":
             units: dict[Kind, str] = {}
@@ -169,7 +171,7 @@ class _Maker:
         return " ".join(filter(None, parts))
 
     def _units(self, units: dict[Kind, str], taught: Taught) -> tuple[str, ...]:
-        """Return the units that the line has to name; a time of its own needs one as well."""
+        """Return the units that the line has to name. A time in the line needs a unit as well."""
         time = taught.time.upper()
         if time and time != "MIN" and not time.endswith("%"):
             units = {**units, "time": self._holds.unit("time")}
@@ -201,7 +203,13 @@ class _Maker:
         return " ".join(position_numbers(via[:3, 3], units))
 
     def _increment(self, taught: Taught, units: dict[Kind, str], joints: Array) -> tuple[str, str]:
-        """Return the increments of DMOVE, and the base frame that the line has to name."""
+        """Return the increments of DMOVE, and the base frame that the line has to name.
+
+        Args:
+            taught: the motion.
+            units: units of the increments, by kind.
+            joints: (n,) present joint positions [rad or m].
+        """
         around, line = self._around, self._after + 1
         tool = around.frame(self._moving, line, moves=True).transform
         stood = flange_before(around, self._after) @ tool
@@ -218,5 +226,5 @@ class _Maker:
 
 
 def _is_speed(time: str) -> bool:
-    """Return True if a motion time is a speed that is kept, and none that only isn't exceeded."""
+    """Return True if a motion time is a speed to keep, rather than a largest speed."""
     return time[:1].upper() == "V" and "<=" not in time

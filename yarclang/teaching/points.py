@@ -1,4 +1,4 @@
-"""Points of motions that can be taught again where the robot stands, and how."""
+"""Points of motions that can be taught again, and how they are changed."""
 
 from __future__ import annotations
 
@@ -35,13 +35,14 @@ _DECLARED: Mapping[str, Values] = {
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """A point that can be taught again: numbers of a statement, or a declaration that is meant by its name.
+    """A point that can be taught again: numbers of a statement or of the declaration that the statement
+    names.
 
     Attributes:
-        statement: whose numbers they are.
+        statement: the statement with the numbers.
         values: the numbers.
-        meaning: what they mean.
-        symbol: the declaration, if the numbers are its.
+        meaning: meaning of the numbers.
+        symbol: the declaration, if the numbers belong to one.
     """
 
     statement: Statement
@@ -51,7 +52,10 @@ class Point:
 
 
 def meanings(statement: Statement) -> tuple[Values, ...]:
-    """Return what the values of each way-point of a statement mean; empty if it isn't a motion or a declaration with a place."""
+    """Return the meanings of the values of each way-point.
+
+    Empty if the statement is neither a motion nor a declaration with a position.
+    """
     word = statement.name.name
     if statement.index is None and word in _DECLARED:
         return (_DECLARED[word],) * min(len(statement.waypoints), 1)
@@ -72,10 +76,10 @@ def point_of(
     """Return a point of a statement that can be taught again; None if it can't be.
 
     Args:
-        sketch: of the text.
-        statement: a motion, or a declaration of a frame, a pose or of joints.
-        number: of the way-point, from 1; 0: the last.
-        meant: what its way-points mean, if that is known already.
+        sketch: structure of the text.
+        statement: a motion, or a declaration of a frame, a pose or joints.
+        number: number of the way-point, from 1; 0 for the last one.
+        meant: meanings of its way-points, if they are known already.
     """
     meant = meant or meanings(statement)
     if not meant or not -1 <= number - 1 < len(meant):
@@ -87,7 +91,7 @@ def point_of(
     if len(values) == 1 and isinstance(word := values[0], Word):
         symbol = sketch.names.meant(word.name, False, statement.line)
         point = _declared(sketch, symbol, None)
-        # a way-point that has no orientation takes only a part of a pose
+        # A way-point without an orientation uses only a part of a pose.
         return None if meaning is Values.POSITION else point
     if not all(isinstance(one, Number) for one in values) or not values:
         return None
@@ -104,7 +108,7 @@ def point_of(
 
 
 def own_values(statement: Statement, waypoint: WayPoint) -> tuple[Value, ...]:
-    """Return the values of a way-point; of JOINTS and POSE those after the name."""
+    """Return the values of a way-point; for JOINTS and POSE those after the name."""
     if statement.index is None and statement.name.name in ("JOINTS", "POSE"):
         return waypoint.values[1:]
     return waypoint.values
@@ -124,16 +128,16 @@ def _declared(sketch: Sketch, symbol: Symbol | None, wanted: Values | None) -> P
 
 
 def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edited:
-    """Write where the robot stands into a motion, or into the declaration that the motion names.
+    """Write the robot's present position into a motion, or into the declaration that the motion names.
 
     Args:
         around: the program.
-        line: of the motion or declaration.
-        joints: (n,) where the robot stands [rad or m].
-        number: of the way-point, from 1; 0: the last.
+        line: line of the motion or declaration.
+        joints: (n,) present joint positions [rad or m].
+        number: number of the way-point, from 1; 0 for the last one.
 
     Raises:
-        Trouble: it can't be touched up, and why.
+        Trouble: the point can't be touched up; the message says why.
     """
     program = around.program
     statement = program.statement(line)
@@ -161,7 +165,7 @@ def touch_up(around: Around, line: int, joints: Array, number: int = 0) -> Edite
 
 
 def _differs(one: Number, new: str) -> bool:
-    """Return True if a number says something else than another text."""
+    """Return True if a number differs in value from another text."""
     return one.value != float(new)
 
 
@@ -195,7 +199,14 @@ def _why_not(program: Program, statement: Statement, number: int) -> str:
 
 
 def _numbers(around: Around, asked: Statement, point: Point, joints: Array) -> list[str]:
-    """Return the numbers that are to stand there."""
+    """Return the new numbers of a point.
+
+    Args:
+        around: the program.
+        asked: the motion or declaration in the line to change.
+        point: the point.
+        joints: (n,) present joint positions [rad or m].
+    """
     statement, line = point.statement, point.statement.line
     is_declaration = statement.index is None and statement.name.name in _DECLARED
     holds = holding(around.program, line, declares=is_declaration)

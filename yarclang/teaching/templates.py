@@ -1,4 +1,4 @@
-"""Programs to begin with: files of the standard library that are filled in with places that a robot reaches."""
+"""Templates: files of the standard library that are filled in with places in the robot's reach."""
 
 from __future__ import annotations
 
@@ -29,12 +29,22 @@ _MARK = re.compile(r"@([A-Z]+)((?: [A-Z0-9.-]+)*)@")
 _TRIED = 3000
 _WIDEST = 75.0 * DEG
 _SHARES = (0.08, 0.05, 0.03)
-"""Distances from READY to the places, as shares of the reach: the first that is proved is taken."""
+"""Distances of the places from READY as shares of the reach. The first share that can be proved is used."""
 
 
 @dataclass(frozen=True, slots=True)
 class Asked:
-    """A value that a template asks for: a name of a signal, or a number from `least` to `most`."""
+    """A value to fill in: the name of a signal, or a number.
+
+    Attributes:
+        mark: name in the file of the template.
+        label: name that is shown.
+        kind: kind of the value.
+        value: proposed value.
+        least: smallest number.
+        most: largest number.
+        unit: unit of the number.
+    """
 
     mark: str
     label: str
@@ -87,10 +97,10 @@ class Template:
     """A program to begin with.
 
     Attributes:
-        name: of its file.
-        title: for people.
-        summary: what it does.
-        fields: what is asked, with what is proposed.
+        name: name of its file.
+        title: name that is shown.
+        summary: what the program does.
+        fields: fields to fill in, with proposed values.
     """
 
     name: str
@@ -117,13 +127,13 @@ def filled(name: str, robot: Robot, fields: Mapping[str, str], share: float = _S
     """Return the text of a template for a robot.
 
     Args:
-        name: of the template.
-        robot: that is moved.
-        fields: what was filled in, by the fields' names; what isn't named is as proposed.
-        share: how far the places are from READY, as a share of the robot's reach.
+        name: name of the template.
+        robot: the robot to move.
+        fields: texts by field name; missing fields keep their proposed values.
+        share: distance of the places from READY, as a share of the robot's reach.
 
     Raises:
-        Trouble: there is no such template, a value can't be so, or the robot can't carry it out.
+        Trouble: there is no such template, a value isn't allowed, or the robot can't perform it.
     """
     if name not in _TITLES:
         known = ", ".join(_TITLES)
@@ -167,7 +177,7 @@ _NOTHING = "!-"
 
 
 def _robot_line(robot: Robot) -> str:
-    """Return the ROBOT line of a robot of the library; another one is named by the project's yarc.toml."""
+    """Return the ROBOT line of a robot in the library. Other robots are named by the project's yarc.toml."""
     is_known = any(one.folder == robot.folder for one in list_robots())
     return f"ROBOT {robot.name}" if is_known else _NOTHING
 
@@ -232,7 +242,10 @@ def _value(asked: Asked, text: str) -> str:
 
 
 def _ready(robot: Robot) -> tuple[Array, float]:
-    """Return joint positions (n,) [rad or m] with room around them and the tool down, as far as possible, and the reach [m]."""
+    """Return a ready position (n,) [rad or m] and the reach [m].
+
+    The position has room around it and the tool pointing down, as far as possible.
+    """
     lower, upper = robot.limits.lower, robot.limits.upper
     random = np.random.default_rng(0)
     turning = ~robot.chain.is_prismatic
@@ -264,13 +277,13 @@ def new(name: str, robot: Robot, fields: Mapping[str, str], folder: Path) -> str
     """Return the text of a template that is proved for a robot in a project.
 
     Args:
-        name: of the template.
-        robot: that is moved.
-        fields: what was filled in, by the fields' names.
-        folder: where the program is to stand.
+        name: name of the template.
+        robot: the robot to move.
+        fields: texts by field name.
+        folder: folder for the program.
 
     Raises:
-        Trouble: a value can't be so, or no places were found that can be proved.
+        Trouble: a value isn't allowed, or no places were found that can be proved.
     """
     first = ""
     for share in _SHARES:

@@ -1,4 +1,4 @@
-"""What people put into fields, as it may stand in a line: nothing that would be read as something else."""
+"""Check what people type into fields, so that it can't change the meaning of a line."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ _LONGEST = 1000
 
 
 def checked(name: str, kind: FieldKind, text: str) -> str:
-    """Return a field's text as it is put into a line; empty: the part is left out.
+    """Return a field's text as it is inserted into a line; empty if the part is left out.
 
     Args:
-        name: of the field.
-        kind: of the field.
-        text: what was put in.
+        name: name of the field.
+        kind: kind of the field.
+        text: the typed text.
 
     Raises:
-        Trouble: it can't stand there.
+        Trouble: the text isn't allowed there.
     """
     text = text.strip()
     if len(text) > _LONGEST:

@@ -1,1 +1,1 @@
-"""A program or a run in three dimensions: what is shown, as plain data, and who draws it in a browser."""
+"""Programs and runs in three dimensions: the contents as plain data, and their display in a browser."""

@@ -1,4 +1,4 @@
-"""The bodies, zones and frames of a robot and its cell, to be shown."""
+"""The bodies, zones and frames of a robot and its cell as items of a picture."""
 
 from __future__ import annotations
 
@@ -16,14 +16,18 @@ from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Axes, Colour, Item
 
 MOST_AXES = 60
-"""More frames than this would cover the picture."""
+"""Largest number of frames; more would cover the picture."""
 _SHAPE_OPACITY = 0.35
 _PLANE = 2.4
-"""The edges of the piece of a half space's border that is drawn [m]."""
+"""Edge length of the drawn piece of a half space's border [m]."""
 
 
 def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """The links as they look, or, where that isn't known, their collision shapes; the mounted tools; and what couldn't be read."""
+    """Return the items of a robot, and notes about shapes that can't be read.
+
+    These are the visual shapes of the links, or their collision shapes if there are none, and the mounted
+    tools.
+    """
     visuals: dict[str, list[Item]] = {}
     spoilt: set[str] = set()
     for one in visual_shapes(robot):
@@ -61,7 +65,10 @@ def robot_items(robot: Robot) -> tuple[tuple[Item, ...], tuple[str, ...]]:
 
 
 def collision_items(robot: Robot) -> tuple[Item, ...]:
-    """Return the collision shapes of those links that have visual shapes: what judges them, where that isn't what is seen. Shapes that can't be read are left out."""
+    """Return the collision shapes of links that also have visual shapes.
+
+    The checks use these shapes, although others are shown. Shapes that can't be read are left out.
+    """
     seen = {one.link for one in visual_shapes(robot)}
     found = []
     for link in robot.shapes:
@@ -73,11 +80,11 @@ def collision_items(robot: Robot) -> tuple[Item, ...]:
 
 
 def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
-    """Return the collision shapes of those links that are shown by what they look like, to be seen through.
+    """Return the transparent collision shapes of links that are shown by their visual shapes.
 
     Args:
-        robot: whose links.
-        items: what is shown; links that aren't among it have no shape beside them.
+        robot: the robot.
+        items: the shown items; links that aren't among them are left out.
     """
     shown = {item.name for item in items if item.kind == "robot"}
     return tuple(
@@ -86,7 +93,10 @@ def shapes_beside(robot: Robot, items: Iterable[Item]) -> tuple[Item, ...]:
 
 
 def cell_items(robot: Robot, cell: Cell) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Obstacles, what the cell lets the robot carry, the borders of zones, and what has no place in space."""
+    """Return the items of a cell, and notes about parts of it that can't be shown.
+
+    These are the obstacles, the attached tools, and the borders of zones.
+    """
     items: list[Item] = []
     notes: list[str] = []
     for one in cell.obstacles:
@@ -127,12 +137,14 @@ def _border(zone: Zone) -> tuple[Array, Solid] | None:
 def axes_of(
     robot: Robot, program: Program | None, cell: Cell | None, followed: str
 ) -> tuple[tuple[Axes, ...], tuple[str, ...]]:
-    """Return {B}, the robot's frames on its flange, the cell's frames and those that the program's commands use, and how many are left out.
+    """Return the frames to show, and a note about those left out.
+
+    These are {B}, the robot's frames on its flange, the cell's frames, and the frames that commands use.
 
     Args:
-        robot: that has frames on its flange.
-        program: whose commands use frames; None if it isn't known.
-        cell: that has frames; None without one.
+        robot: robot with the frames on its flange.
+        program: program whose commands use frames; None without one.
+        cell: cell with frames; None without one.
         followed: name of the frame whose path is shown.
     """
     used = tuple(_used(robot, program)) if program is not None else ()
@@ -163,7 +175,7 @@ def axes_of(
 
 
 def _used(robot: Robot, program: Program) -> Iterable[Axes]:
-    """The frames of the chains that commands name."""
+    """Yield the frames in the chains that commands name."""
     done: set[int] = set()
     for step in program.steps:
         if isinstance(step, Gap):
@@ -181,7 +193,7 @@ def _used(robot: Robot, program: Program) -> Iterable[Axes]:
 
 
 def _rooted(link: FrameLink) -> tuple[str, Array]:
-    """The end of a frame's chain, and its pose there."""
+    """Return the root of a frame's chain, and the frame's pose there."""
     pose = link.parent_from_frame
     while link.parent is not None and link.parent.parent is not None:
         link = link.parent
@@ -196,7 +208,7 @@ def _on_flange(robot: Robot, name: str, flange_from_frame: Array, of_program: bo
 
 
 def _link_colour(joint: int) -> Colour:
-    """Two tones in turn, so that links are told apart where they meet."""
+    """Return one of two tones in turn, so that links differ in colour where they meet."""
     return colours.LINK if joint % 2 == 0 else colours.JOINT_BODY
 
 

@@ -1,4 +1,6 @@
-"""From where a stage is seen at first: near, from above, and from the side where least stands before the robot and its path."""
+"""The first view of a stage: near, from above, and from the side with the fewest obstacles in front of the
+robot.
+"""
 
 from __future__ import annotations
 
@@ -9,27 +11,32 @@ from yarclang.view.stage import Stage, moved_by
 
 _AROUND = 16
 _HEIGHT = 0.40
-"""How far up the eye is, as a share of how far away."""
+"""Height of the eye, as a share of its distance."""
 _FIRST = np.deg2rad(39.0)
-"""The direction that is taken where nothing stands in the way [rad]."""
+"""Direction that is chosen if no side has an obstacle [rad]."""
 _MOST_POINTS, _MOST_TRIANGLES = 150, 4_000
 
 
 def shown_box(stage: Stage, *, whole: bool) -> tuple[Array, Array]:
-    """The least and the largest coordinates (3,) of the robot at its start and its path, with `whole` of what stands around it too."""
+    """Return the smallest and largest coordinates (3,) [m] of the robot at its start and its path.
+
+    Args:
+        stage: the stage.
+        whole: True to include the surroundings.
+    """
     points = np.concatenate([stage.way.points, np.zeros((1, 3)), *_corners(stage, around=whole)])
     return points.min(axis=0), points.max(axis=0)
 
 
 def first_view(stage: Stage) -> tuple[Array, Array]:
-    """Where the eye is, and at what it looks, (3,) each."""
+    """Return the position of the eye, and the point at which it looks, (3,) each [m]."""
     low, high = shown_box(stage, whole=False)
     middle = (low + high) / 2.0
     away = 0.3 + 1.05 * float(np.linalg.norm(high - low))
     points = np.concatenate([stage.way.points, *_corners(stage, around=False)])
     points = points[:: -(-len(points) // _MOST_POINTS)]
     angles = _FIRST + np.arange(_AROUND) * (2.0 * np.pi / _AROUND)
-    # from the usual side outwards, so that of equally good ones the nearest to it is taken
+    # From the usual side outwards: of equally good sides, the nearest to the usual one is chosen.
     order = np.argsort(
         np.abs(np.arange(_AROUND) - _AROUND * (np.arange(_AROUND) > _AROUND // 2)), kind="stable"
     )
@@ -41,7 +48,13 @@ def first_view(stage: Stage) -> tuple[Array, Array]:
 
 
 def hidden(eye: Array, points: Array, triangles: Array) -> int:
-    """How many points (P, 3) lie behind triangles (T, 3, 3), seen from an eye (Moeller and Trumbore, 1997)."""
+    """Return the number of points that triangles hide from an eye (Moeller and Trumbore, 1997).
+
+    Args:
+        eye: (3,) [m].
+        points: (P, 3) [m].
+        triangles: (T, 3, 3) [m].
+    """
     rays = points - eye
     a, b = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     normal = np.cross(rays[:, None], b[None])
@@ -57,7 +70,7 @@ def hidden(eye: Array, points: Array, triangles: Array) -> int:
 
 
 def _corners(stage: Stage, *, around: bool) -> list[Array]:
-    """The corners of the robot's bodies at the start; with `around` those of obstacles too."""
+    """Return the corners of the robot's bodies at the start, with `around` also those of obstacles."""
     moved = moved_by(stage.robot.chain, stage.track.at(np.zeros(1))[0][0])
     found = []
     for item in stage.items:
@@ -68,7 +81,7 @@ def _corners(stage: Stage, *, around: bool) -> list[Array]:
 
 
 def _obstacles(stage: Stage) -> Array:
-    """The triangles (T, 3, 3) of what stands around."""
+    """Return the triangles (T, 3, 3) of the obstacles [m]."""
     found = [np.zeros((0, 3, 3))]
     for item in stage.items:
         if item.kind == "obstacle":

@@ -1,4 +1,4 @@
-"""How near bodies are at joint positions, to be shown: samples, not a proof; what is proved stands in the certificate."""
+"""Distances of bodies at joint positions, for display: samples, no proof. The certificate has the proofs."""
 
 from __future__ import annotations
 
@@ -12,14 +12,19 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows, Stage
 
 SEEN = 0.2
-"""Farther apart than this [m], bodies aren't looked at more closely."""
+"""Largest distance that is computed exactly [m]."""
 _BLOCK = 256
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Near:
-    """At P joint positions: what the bodies are apart at least [m], at most `SEEN`, and which pair that is, -1 for none (P,). `closest` is how far above
-    its own margin the worst pair is (P,), and `worst` which that is.
+    """Distances of bodies at P joint positions.
+
+    Attributes:
+        apart: (P,) smallest distance of two bodies, at most `SEEN` [m].
+        pair: (P,) the pair with this distance, -1 for none.
+        closest: (P,) smallest difference of a pair's distance and its margin, at most `SEEN` [m].
+        worst: (P,) the pair with this difference, -1 for none.
     """
 
     apart: Array
@@ -29,7 +34,7 @@ class Near:
 
 
 def near(scene: Scene, q: Array) -> Near:
-    """The nearest pairs at joint positions `q` (P, n)."""
+    """Return the nearest pairs at joint positions `q` (P, n)."""
     blocks = [_near(scene, q[at : at + _BLOCK]) for at in range(0, len(q), _BLOCK)]
     return Near(
         *(
@@ -40,7 +45,7 @@ def near(scene: Scene, q: Array) -> Near:
 
 
 def apart_over(stage: Stage, times: Array) -> Array:
-    """Return how far apart the bodies of a stage are at least at times (N,) [s]: at most `SEEN` [m], (N,)."""
+    """Return the smallest distance (N,) of the bodies of a stage at times (N,) [s], at most `SEEN` [m]."""
     found = np.full(len(times), SEEN)
     q = stage.track.at(times)[0]
     for scene, rows in stage.scenes_over(times):
@@ -56,7 +61,7 @@ def _near(scene: Scene, q: Array) -> Near:
     seen = relative(placed, at, pair)
     bound = box_gaps(scene, pair, seen).reshape(count, size)
     if size:
-        # the most promising pair of each position first: what it tells spares most of the others
+        # The most promising pair of each position comes first: its distance rules out most of the others.
         first = np.arange(count) * size + bound.argmin(axis=1)
         rows = first[bound.ravel()[first] < SEEN]
         gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
@@ -77,7 +82,7 @@ def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
 
 
 def touching(scene: Scene, q: Array) -> frozenset[str]:
-    """The bodies that are too near to another one at the joint position `q` (n,): nearer than the margin, or touching."""
+    """Return the bodies that are nearer to another one than their margin at the joint position `q` (n,)."""
     size = len(scene.pairs.first)
     if not size:
         return frozenset()

@@ -1,4 +1,4 @@
-"""Colours for values, and of what is shown."""
+"""Colours for values and for the contents of a picture."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ ZONES: dict[str, Colour] = {
 }
 SEVERITIES: dict[str, Colour] = {"error": (214, 40, 40), "warning": (236, 146, 16), "note": (30, 120, 220)}
 
-# anchors of viridis and of a ramp from red by yellow to green-blue that people with any colour vision tell apart by its lightness
+# Anchors of viridis, and of a ramp from red by yellow to blue. Its lightness makes it readable with any
+# colour vision.
 _SPEED = ((68, 1, 84), (59, 82, 139), (33, 145, 140), (94, 201, 98), (253, 231, 37))
 _CLEARANCE = ((165, 0, 38), (244, 109, 67), (254, 224, 144), (116, 173, 209), (49, 54, 149))
 RAMPS: dict[str, tuple[Colour, ...]] = {
@@ -36,7 +37,13 @@ RAMPS: dict[str, tuple[Colour, ...]] = {
 
 
 def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
-    """The colours (N, 3) of values (N,) from 0 to `most`; those beyond have that of the end."""
+    """Return the colours (N, 3) of values.
+
+    Args:
+        values: (N,) from 0 to `most`; larger values have the last colour.
+        most: value at the end of the colour scale.
+        ramp: name of the colour ramp.
+    """
     anchors = np.array(RAMPS[ramp], dtype=np.float64)
     share = np.clip(values / most if most > 0.0 else np.zeros_like(values), 0.0, 1.0) * (len(anchors) - 1)
     places = np.arange(len(anchors))
@@ -44,7 +51,10 @@ def coloured(values: Array, most: float, ramp: str) -> NDArray[np.uint8]:
 
 
 def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Colours as the light that they give: viser takes the colours of points as such, and those of whole things as they are in pictures (IEC 61966-2-1)."""
+    """Return colours as intensities of light, by IEC 61966-2-1.
+
+    viser expects the colours of points like this, but those of whole nodes as in pictures.
+    """
     share = shades / 255.0
     light = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     result: NDArray[np.uint8] = np.round(255.0 * light).astype(np.uint8)
@@ -52,7 +62,7 @@ def linear(shades: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def round_up(value: float) -> float:
-    """The next round number: 1, 2 or 5 times a power of ten."""
+    """Return the next round number: 1, 2 or 5 times a power of ten."""
     if value <= 0.0:
         return 1.0
     power = 10.0 ** np.floor(np.log10(value))

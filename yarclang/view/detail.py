@@ -1,4 +1,4 @@
-"""Levels of detail of a path: which of its points are drawn, so that neither its shape nor its colours are seen to differ."""
+"""Levels of detail of a path: draw fewer of its points, without visible change of its shape or colours."""
 
 from __future__ import annotations
 
@@ -11,20 +11,29 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Rows, Way
 
 FINEST = 5e-5
-"""Drawn lines may leave the path by this much [m], unless there are too many."""
+"""Largest distance of drawn lines from the path [m], unless there are too many lines."""
 _FINEST_SHADE, _COARSEST_SHADE = 0.02, 0.2
-"""Colours may differ by this share of their scale, and by that where there are too many lines: a short slow place stays seen."""
+"""Largest difference in colour as a share of the scale, without and with too many lines.
+
+The second value keeps short slow places visible.
+"""
 MOST_LINES = 20_000
-"""Lines of a path that a browser draws without effort, also without a graphics card."""
+"""Largest number of lines that a browser draws easily, even without a graphics card."""
 _TOGETHER = 1e-9
-"""Points that are nearer to each other are one place [m]."""
+"""Largest distance of points that count as one place [m]."""
 _BLOCK = 512
-"""Points that are thinned out by themselves."""
+"""Number of points that are thinned out together."""
 
 
 @frozen(eq=False)
 class Drawn:
-    """The lines that are drawn of a path: from its points `first` (L,) to its points `second`. They leave it by at most `off` [m]."""
+    """The drawn lines of a path.
+
+    Attributes:
+        first: (L,) points at which the lines begin.
+        second: (L,) points at which the lines end.
+        off: largest distance of the lines from the path [m].
+    """
 
     first: Rows
     second: Rows
@@ -32,13 +41,13 @@ class Drawn:
 
 
 def drawn_lines(way: Way, values: Array | None = None, most: float = 1.0, lines: int = MOST_LINES) -> Drawn:
-    """Choose the lines that are drawn of a path.
+    """Choose the drawn lines of a path.
 
     Args:
         way: the path.
-        values: (N,), by which its points are coloured; None: by nothing.
-        most: the value at the end of the scale of colours.
-        lines: how many there may be; where the path consists of more pieces than this that don't hang together, there are as many as these.
+        values: (N,) values that colour its points; None for a single colour.
+        most: value at the end of the colour scale.
+        lines: largest number of lines. A path of more separate stretches has one line for each stretch.
 
     Returns:
         Lines in the order of the path.
@@ -60,14 +69,17 @@ _COARSEST = 4_096.0
 
 
 def exact_lines(way: Way) -> Rows:
-    """Return which points (L,) begin a line that leads to the next one."""
+    """Return the points (L,) that have a line to the next one."""
     first = np.arange(max(len(way.points) - 1, 0))
     kept: Rows = first[~np.isin(first + 1, way.breaks)]
     return kept
 
 
 def _runs(way: Way) -> tuple[Rows, Rows]:
-    """Return the first and the last points of what is drawn in one go: stretches that begin where the one before ends."""
+    """Return the first and last points of the connected stretches of a path.
+
+    A stretch that begins where the one before ends continues it.
+    """
     inner = way.breaks[1:-1]
     apart = np.abs(way.points[inner] - way.points[inner - 1]).max(axis=1, initial=0.0) > _TOGETHER
     cuts = inner[apart]
@@ -77,7 +89,16 @@ def _runs(way: Way) -> tuple[Rows, Rows]:
 def _kept(
     points: Array, shades: Array, begins: Rows, ends: Rows, off: float, shade: float
 ) -> NDArray[np.bool_]:
-    """Return which points are kept (N,), so that straight lines between them differ by no more than `off` [m], and by no more than `shade` in colour."""
+    """Return (N,) True for the points to keep.
+
+    Args:
+        points: (N, 3) [m].
+        shades: (N,) colours, from 0 to 1.
+        begins: first points of the stretches.
+        ends: last points of the stretches.
+        off: largest distance of straight lines between kept points from the path [m].
+        shade: largest difference in colour.
+    """
     kept = np.zeros(len(points), dtype=np.bool_)
     kept[begins] = kept[ends] = True
     kept[::_BLOCK] = True
@@ -111,7 +132,17 @@ def _kept(
 def _wrong(
     points: Array, shades: Array, first: Rows, second: Rows, inside: Rows, off: float, shade: float
 ) -> Array:
-    """Return how far points (M,) are from lines, in place or colour, as multiples of what is allowed."""
+    """Return the deviations (M,) of points from lines, in place or colour, as multiples of the tolerances.
+
+    Args:
+        points: (N, 3) points of the path [m].
+        shades: (N,) their colours, from 0 to 1.
+        first: (M,) points at which the lines begin.
+        second: (M,) points at which the lines end.
+        inside: (M,) points to compare with the lines.
+        off: tolerance of the distance [m].
+        shade: tolerance of the colour.
+    """
     chord, arm = points[second] - points[first], points[inside] - points[first]
     square = np.einsum("ni,ni->n", chord, chord)
     share = np.einsum("ni,ni->n", chord, arm) / np.where(square > 0.0, square, 1.0)

@@ -1,4 +1,4 @@
-"""Where a picture is served: the address, and the server that listens there."""
+"""The address at which a picture is served, and the server that listens there."""
 
 from __future__ import annotations
 
@@ -18,28 +18,33 @@ _ALL = {"0.0.0.0", "::"}
 
 @dataclass(frozen=True, slots=True)
 class Door:
-    """Where the picture is served."""
+    """The address at which a picture is served.
+
+    Attributes:
+        host: address to listen on, or its name.
+        port: port to listen on.
+    """
 
     host: str
     port: int
 
     @property
     def url(self) -> str:
-        """What to type into a browser."""
+        """Return the address for a browser."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}"
 
 
 class PortTakenError(Exception):
-    """The door can't be opened; the message says why."""
+    """The server can't listen at the address; the message says why."""
 
 
 @contextlib.contextmanager
 def opened(door: Door) -> Iterator[viser.ViserServer]:
-    """Yield a server that listens as long as the context lasts; port 0 takes a free one.
+    """Yield a server that listens as long as the context lasts. Port 0 takes a free port.
 
     Raises:
-        PortTakenError: something else listens there, or the address isn't one of this machine.
+        PortTakenError: the port is in use, or the address doesn't belong to this machine.
     """
     server = _open(door)
     try:
@@ -50,7 +55,7 @@ def opened(door: Door) -> Iterator[viser.ViserServer]:
 
 
 def _open(door: Door) -> viser.ViserServer:
-    # viser would take the next free port in silence, and wait for ever for an address that isn't ours
+    # viser would silently take the next free port, and wait for ever for an address of another machine.
     try:
         family = socket.getaddrinfo(door.host, door.port, type=socket.SOCK_STREAM)[0]
         with socket.socket(family[0], socket.SOCK_STREAM) as probe:
@@ -61,12 +66,12 @@ def _open(door: Door) -> viser.ViserServer:
         raise PortTakenError((getattr(error, "strerror", None) or str(error)).lower()) from None
     from yarclang.view.server import GuardedServer
 
-    with contextlib.redirect_stdout(io.StringIO()):  # it prints a table of its own
+    with contextlib.redirect_stdout(io.StringIO()):  # viser prints a table of its own
         return GuardedServer(door.host, port, _names(door))
 
 
 def _names(door: Door) -> frozenset[str]:
-    """Return the names of this machine by which others in the network call it, if they are let in by all its addresses."""
+    """Return the names of this machine in the network, if the server listens on all addresses."""
     if door.host not in _ALL:
         return frozenset()
     name = socket.gethostname()

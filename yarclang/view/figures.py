@@ -1,4 +1,6 @@
-"""What is written beside the picture: figures of an instant, of a command and of a finding, and the legend, as HTML."""
+"""The texts beside the picture, as HTML: figures of an instant, of a command and of a finding, and the
+legend.
+"""
 
 from __future__ import annotations
 
@@ -26,11 +28,17 @@ STYLE = """<style>
 .mantine-Button-label { white-space: normal; overflow: visible; overflow-wrap: anywhere; text-align: left; line-height: 1.3; height: auto; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
 </style>"""
-"""Buttons whose texts are whole: viser cuts off what doesn't fit in a line."""
+"""Style of buttons that show their whole text. viser cuts off what doesn't fit in a line."""
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
-    """Where the robot is at a time: its joints, the followed frame's pose in {B}, its speed, and what bodies are `nearest`."""
+    """Return the robot's state at a time: its joints, the followed frame's pose in {B} and speed.
+
+    Args:
+        stage: the stage.
+        time: [s].
+        nearest: text about the nearest bodies; None for none.
+    """
     times = np.array([time])
     q, v = stage.track.at(times)
     robot = stage.robot
@@ -50,7 +58,7 @@ def instant_html(stage: Stage, time: float, nearest: str | None) -> str:
 
 
 def stand_rows(stage: Stage, q: Array) -> list[tuple[str, str]]:
-    """Return where the robot is at joint positions (n,) [rad or m]: its joints, and the followed frame's pose in {B}."""
+    """Return the joints at joint positions (n,) [rad or m], and the followed frame's pose in {B}."""
     robot = stage.robot
     joints = _values(
         zip(robot.joint_names, (q / robot.axis_units).tolist(), robot.axis_unit_names, strict=True)
@@ -74,7 +82,7 @@ def _values(named: Iterable[tuple[str, float, str]]) -> str:
 
 
 def near_text(scene: Scene | None, found: Near) -> str:
-    """How far the nearest two bodies are apart at one position."""
+    """Return the distance of the nearest two bodies at one position."""
     pair = int(found.pair[0])
     if scene is None or pair < 0:
         return f"over {SEEN / MM:.0f} mm"
@@ -83,7 +91,7 @@ def near_text(scene: Scene | None, found: Near) -> str:
 
 
 def piece_html(piece: Piece) -> str:
-    """All that is said of a command."""
+    """Return the facts of a command."""
     when = (
         f"{piece.begins:.3f} to {piece.ends:.3f} s" if piece.ends > piece.begins else f"{piece.begins:.3f} s"
     )
@@ -93,7 +101,7 @@ def piece_html(piece: Piece) -> str:
 
 
 def plain_html(text: str) -> str:
-    """Return a line; of an empty text nothing."""
+    """Return a line; nothing for an empty text."""
     return _BLOCK.format(escape(text)) if text else ""
 
 
@@ -103,7 +111,7 @@ def word_html(text: str, severity: Severity) -> str:
 
 
 def mark_html(mark: Mark) -> str:
-    """A finding with its remedy."""
+    """Return a finding with its remedy."""
     colour = _css(colours.SEVERITIES[mark.severity])
     code = f"{escape(mark.severity)} {escape(mark.code)}" if mark.code else escape(mark.severity)
     text = f'<b style="color:{colour}" data-mark="{escape(mark.code)}">{code}</b>: {escape(mark.text)}'
@@ -112,7 +120,7 @@ def mark_html(mark: Mark) -> str:
 
 
 def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool = False) -> str:
-    """A ramp with its ends: `is_capped` says that there may be more."""
+    """Return a colour ramp with the values of its ends. With `is_capped`, values may exceed the upper end."""
     anchors = colours.RAMPS[ramp]
     stops = ", ".join(f"{_css(one)} {100.0 * at / (len(anchors) - 1):.0f}%" for at, one in enumerate(anchors))
     bar = f'<div style="height:12px;border-radius:3px;background:linear-gradient(90deg, {stops})"></div>'
@@ -124,13 +132,13 @@ def legend_html(ramp: str, most: float, unit: str, what: str, *, is_capped: bool
 
 
 def notes_html(stage: Stage) -> str:
-    """What the picture is of, and what it doesn't show."""
+    """Return what the picture shows and what it leaves out."""
     notes = "".join(f"<br>{escape(note)}" for note in stage.notes)
     return _BLOCK.format(f"<b>{escape(stage.title)}</b><br>{escape(stage.subtitle)}{notes}")
 
 
 def robots_html(stage: Stage) -> str:
-    """Return which of the two robots of a run is which; of another stage nothing."""
+    """Return which of the two robots of a run is which; nothing for other stages."""
     if stage.ghost is None:
         return ""
     planned = "planned robot (seen through) and planned path (thin)"
@@ -139,7 +147,7 @@ def robots_html(stage: Stage) -> str:
 
 
 def key_html(stage: Stage) -> str:
-    """What the other colours mean."""
+    """Return the meaning of the other colours."""
     kinds = {item.kind for item in stage.items}
     entries: list[tuple[Colour, str]] = []
     if stage.ghost is not None:

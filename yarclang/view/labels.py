@@ -1,5 +1,7 @@
-"""Which labels are written and where, so that none lies on another: what is near together has one, of findings those of the command at hand and its
-neighbours have one, and labels that would lie on others in the first view are raised.
+"""Labels and their places, chosen so that none covers another.
+
+Places that are close together share a label. Of the findings, those of the current command and its neighbours
+have labels. Labels that would cover others in the first view are raised.
 """
 
 from __future__ import annotations
@@ -14,23 +16,32 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Mark
 
 _MOST = 24
-"""So many findings have labels at once."""
+"""Largest number of findings with labels at a time."""
 SHARE = 0.1
-"""What is nearer together than this share of half the picture's size is at one spot: about the height of three labels in the first view."""
+"""Places nearer than this share of half the picture's size are one spot: the height of three labels at first.
+"""
 
 _FOCUS = 400.0 / np.tan(np.deg2rad(37.5))
-"""Pixels of a metre a metre away: half of a usual window's height, and of the angle that a camera sees at first."""
+"""Pixels of a metre at a distance of a metre: half of a usual window's height, by the camera's first angle.
+"""
 _WIDE, _HIGH = 9.0, 20.0
-"""How wide a character is, and how high a line [pixels], at scale 1, with what is round them."""
+"""Width of a character and height of a line with their surroundings [pixels], at scale 1."""
 _MOST_LINES = 40
-"""Labels aren't raised by more lines."""
+"""Largest number of lines by which a label is raised."""
 
 Anchor = Literal["bottom-center", "bottom-left", "top-left"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Label:
-    """What is written at a place (3,) that doesn't move; the anchor is which of its corners, or the middle of which side, is there."""
+    """A text at a fixed place.
+
+    Attributes:
+        text: the text.
+        place: (3,) [m].
+        scale: size relative to the usual one.
+        anchor: the point of the label that is at the place.
+    """
 
     text: str
     place: Array
@@ -39,7 +50,13 @@ class Label:
 
 
 def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
-    """By how much [m] each label is to be raised so that, seen from an eye that looks at the middle (3,), it lies on none of those before it."""
+    """Return the heights [m] by which labels are raised so that each is clear of those before it.
+
+    Args:
+        labels: the labels.
+        eye: (3,) the point from which they are seen [m].
+        middle: (3,) the point at which the eye looks [m].
+    """
     ahead = (middle - eye) / np.linalg.norm(middle - eye)
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
@@ -50,10 +67,10 @@ def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
         ray = label.place - eye
         aside, above, depth = (float(ray @ axis) for axis in (right, up, ahead))
         height = 0.0
-        if depth > 0.0:  # else it is behind the eye
+        if depth > 0.0:  # otherwise it is behind the eye
             for lines in range(_MOST_LINES):
                 y = _FOCUS * above / depth + lines * _HIGH * label.scale
-                # what is raised comes nearer, or goes away
+                # Raising a label also changes its distance from the eye.
                 height = (y * depth / _FOCUS - above) / float(up[2] - y * ahead[2] / _FOCUS)
                 box = _box(label, _FOCUS * aside / (depth + height * float(ahead[2])), y)
                 if not _meets(box, taken):
@@ -64,7 +81,7 @@ def raised(labels: Sequence[Label], eye: Array, middle: Array) -> list[float]:
 
 
 def _box(label: Label, x: float, y: float) -> Array:
-    """What a label covers on the screen: its least and its largest coordinates (4,) [pixels]."""
+    """Return the box of a label on the screen: smallest and largest coordinates (4,) [pixels]."""
     wide, high = _WIDE * label.scale * (len(label.text) + 1), _HIGH * label.scale
     left = x - wide / 2.0 if label.anchor == "bottom-center" else x
     low = y - high if label.anchor == "top-left" else y
@@ -77,7 +94,11 @@ def _meets(box: Array, taken: Array) -> bool:
 
 
 def spots(places: Array, apart: float) -> list[list[int]]:
-    """Places (N, 3) in groups: each belongs to the first one whose first place is nearer than `apart` [m], else it begins one."""
+    """Group places (N, 3) that are close to each other.
+
+    A place belongs to the first group whose first place is nearer than `apart` [m]; otherwise it begins a
+    group.
+    """
     found: list[list[int]] = []
     for number, place in enumerate(places):
         firsts = np.array([places[one[0]] for one in found]).reshape(-1, 3)
@@ -90,14 +111,16 @@ def spots(places: Array, apart: float) -> list[list[int]]:
 
 
 def labelled(marks: Sequence[Mark], piece: int) -> frozenset[int]:
-    """The findings that have a label while a command is carried out: those of it and of the two beside it; with -1, of all commands. Those
-    that are about no command always have one.
+    """Return the findings that have labels during a command.
+
+    These are the findings of the command and its two neighbours, or with -1 of all commands, and those that
+    belong to no command.
     """
     near = [
         number
         for number, one in enumerate(marks)
         if piece < 0 or one.piece < 0 or abs(one.piece - piece) <= 1
     ]
-    # the command at hand comes first
+    # The current command comes first.
     near.sort(key=lambda number: abs(marks[number].piece - piece))
     return frozenset(near[:_MOST])

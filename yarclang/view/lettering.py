@@ -1,4 +1,4 @@
-"""The labels of a picture that don't move, as viser writes them: names of bodies and frames, and findings of the command at hand."""
+"""The fixed labels of a picture in viser: names of bodies and frames, and findings of the current command."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from yarclang.view.stage import Mark
 from yarclang.view.switches import Switches
 
 _TITLE = 60
-"""Characters of a finding's label."""
+"""Largest number of characters in a finding's label."""
 
 
 class Lettering:
-    """Labels are given one after the other, and then written all at once, so that none lies on another."""
+    """Labels that are collected first and then written together, so that none covers another."""
 
     def __init__(self, scene: Any, marks: Sequence[Mark], switches: Switches) -> None:
         self._scene, self._marks, self._switches = scene, marks, switches
@@ -27,16 +27,16 @@ class Lettering:
         self._piece = -1
 
     def give(self, label: Label, *groups: str) -> None:
-        """Add a label that is visible if none of some groups is switched off."""
+        """Add a label that is visible if none of its groups is switched off."""
         self._given.append((label, groups))
 
     def give_marks(self, numbers: list[int], place: Array) -> None:
-        """The label of the findings at one spot."""
+        """Add the label of the findings at one spot."""
         self._findings.append((Label(self._said(numbers), place, 0.8, "bottom-left"), numbers))
 
     def write(self, eye: Array, middle: Array) -> None:
-        """Write all that was given, as it is seen from an eye that looks at the middle (3,)."""
-        # findings stay where they are; the others make room
+        """Write all labels for an eye (3,) that looks at the middle (3,) [m]."""
+        # Findings keep their places; the other labels make room.
         labels = [*(label for label, _ in self._findings), *(label for label, _ in self._given)]
         nodes = []
         for number, (label, height) in enumerate(zip(labels, raised(labels, eye, middle), strict=True)):
@@ -64,7 +64,7 @@ class Lettering:
             self._label()
 
     def look(self) -> None:
-        """Show what the switches let be seen now."""
+        """Show the labels that the switches allow."""
         self._label()
 
     def _label(self) -> None:
@@ -77,13 +77,13 @@ class Lettering:
             node.visible = is_shown and bool(text)
 
     def _said(self, numbers: Iterable[int]) -> str:
-        """What a label says of findings."""
+        """Return the text of a label for findings."""
         return ", ".join(
             dict.fromkeys(self._marks[number].code or short(self._marks[number]) for number in numbers)
         )
 
 
 def short(mark: Mark) -> str:
-    """A finding in a few words."""
+    """Return a finding in a few words."""
     text = mark.text if len(mark.text) <= _TITLE else f"{mark.text[: _TITLE - 1]}…"
     return f"{mark.code} {text}".strip()

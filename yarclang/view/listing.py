@@ -1,4 +1,4 @@
-"""A long list of which a few rows are shown: those that have a word, page by page."""
+"""A long list that is shown page by page, filtered by a word."""
 
 from __future__ import annotations
 
@@ -9,7 +9,15 @@ from dataclasses import dataclass, field
 
 @dataclass(slots=True)
 class Listing:
-    """`rows` of which `size` are shown at a time; `word` chooses those that have it, in any case."""
+    """A list of which a page is shown.
+
+    Attributes:
+        rows: all rows.
+        size: number of rows on a page.
+        word: only rows that contain it are shown, regardless of case.
+        page: number of the shown page, from 0.
+        chosen: numbers of the rows that contain the word.
+    """
 
     rows: Sequence[str]
     size: int
@@ -22,27 +30,27 @@ class Listing:
 
     @property
     def pages(self) -> int:
-        """How many pages there are; at least one."""
+        """Return the number of pages, at least one."""
         return max(-(-len(self.chosen) // self.size), 1)
 
     @property
     def shown(self) -> list[int]:
-        """The numbers of the rows on the page."""
+        """Return the numbers of the rows on the page."""
         first = self.page * self.size
         return self.chosen[first : first + self.size]
 
     def choose(self, word: str) -> None:
-        """Show the rows that have a word, from the first page."""
+        """Show the rows that contain a word, beginning with the first page."""
         self.word, self.page = word.strip(), 0
         lower = self.word.lower()
         self.chosen = [number for number, row in enumerate(self.rows) if lower in row.lower()]
 
     def turn(self, pages: int) -> None:
-        """Turn pages, not beyond the ends."""
+        """Turn pages, but not beyond the ends."""
         self.page = min(max(self.page + pages, 0), self.pages - 1)
 
     def follow(self, row: int) -> None:
-        """Turn to the page that has a row; where no row of that number was chosen, stay."""
+        """Turn to the page with a row. If the row isn't among the chosen ones, stay."""
         at = bisect_left(self.chosen, row)
         if at < len(self.chosen) and self.chosen[at] == row:
             self.page = at // self.size

@@ -1,4 +1,8 @@
-"""A running robot in a browser: what its coordinator tells is drawn 20 times a second, and inputs are set; it is waited for while it is away."""
+"""Show a running robot in a browser.
+
+Its coordinator's messages are drawn 20 times a second, and inputs can be set. While the robot is away, wait
+for it.
+"""
 
 from __future__ import annotations
 
@@ -22,40 +26,40 @@ from yarclang.view.reaching import Place, Whose, read_place
 _RATE = 20.0
 """Pictures in a second while the robot moves."""
 _LOOKS_EACH, _LOOKS_EACH_REAL = 0.2, 1.0
-"""Time between two questions for inputs and outputs [s], of a simulated and of a real controller."""
+"""Time between two requests for inputs and outputs [s], for a simulated and for a real controller."""
 _SILENT = 2.0
-"""After so long without a word the robot may be anywhere [s]."""
+"""Silence after which the robot's position counts as unknown [s]."""
 _AGAIN_EACH = 1.0
-"""How often a robot that is away is looked for [s]."""
+"""Time between two attempts to find a robot that is away [s]."""
 
 
 def show_live(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:
     """Serve the picture of a running robot until it is interrupted (KeyboardInterrupt).
 
     Args:
-        whose: which robot.
-        door: where to serve the picture; port 0 takes a free one.
-        ready: called with the real door and the name of the run once both are there.
+        whose: the robot.
+        door: address to serve the picture at; port 0 takes a free one.
+        ready: called with the real address and the name of the run once both exist.
 
     Raises:
         Trouble: the robot isn't there, or its files can't be read.
-        PortTakenError: something else listens there, or the address isn't one of this machine.
+        PortTakenError: the port is in use, or the address doesn't belong to this machine.
     """
     asyncio.run(_show(whose, door, ready))
 
 
 class _Link:
-    """A connection to a coordinator: a client that watches, and what it was told at first."""
+    """A connection to a coordinator: a watching client, and the first messages it received."""
 
     def __init__(self, run: Run, there: There, around: Surroundings, place: Place) -> None:
         self.run, self.there, self.around, self.place = run, there, around, place
 
     @classmethod
     async def attach(cls, run: Run) -> _Link:
-        """Become a client that watches.
+        """Connect as a client that watches.
 
         Raises:
-            Trouble: it isn't there, is of another version, or its files can't be read.
+            Trouble: the coordinator isn't there or is of another version, or its files can't be read.
         """
         there = await There.attach(run.path, "view")
         try:
@@ -80,7 +84,7 @@ class _Link:
 
     @property
     def subtitle(self) -> str:
-        """Who tells of the robot."""
+        """Return the source of the robot's messages, for people."""
         welcome = self.there.welcome
         what = "simulated" if welcome.simulated else f"at {welcome.status.controller}"
         return f"{what}, told by {self.run.name}"
@@ -91,8 +95,8 @@ async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) ->
     loop = asyncio.get_running_loop()
     given: asyncio.Queue[Order] = asyncio.Queue()
 
-    def give(order: Order) -> None:  # in a thread of the server
-        with contextlib.suppress(RuntimeError):  # the loop has ended
+    def give(order: Order) -> None:  # runs in a thread of the server
+        with contextlib.suppress(RuntimeError):  # raised if the loop has ended
             loop.call_soon_threadsafe(given.put_nowait, order)
 
     try:
@@ -133,10 +137,10 @@ class _Watch:
         self._live = Live(link.place.robot, self._there.welcome.status)
 
     async def watch(self) -> None:
-        """Draw what happens until the connection ends.
+        """Draw all events until the connection ends.
 
         Raises:
-            Trouble: it has ended, and why.
+            Trouble: the connection has ended; the message says why.
         """
         self._page.attach(self._live, self._link.place, self._link.subtitle)
         self._page.show_around(self._link.around)
@@ -160,7 +164,7 @@ class _Watch:
                 looking.cancel()
 
     async def _look(self) -> None:
-        """Ask for inputs, outputs and the cell again and again."""
+        """Request inputs, outputs and the cell repeatedly."""
         each = _LOOKS_EACH if self._there.welcome.simulated else _LOOKS_EACH_REAL
         while True:
             if self._missed:
@@ -176,7 +180,10 @@ class _Watch:
             await asyncio.sleep(each)
 
     async def _look_for_parts(self, around: Surroundings) -> None:
-        """Ask where the parts are as soon as nothing is under way: before, the coordinator doesn't know of what is carried out."""
+        """Request the places of the parts once nothing is running.
+
+        Earlier, the coordinator doesn't know about the parts that the running program moves.
+        """
         parts, is_busy = self._live.parts, self._live.is_under_way
         if parts is None or (is_busy and parts is self._parts) or around.cell is None:
             return

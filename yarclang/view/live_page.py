@@ -1,4 +1,4 @@
-"""The page of a running robot: picture and panel, which hear only of what is another one now. It knows no clock."""
+"""The page of a running robot: picture and panel, which receive only changes. It has no clock."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
     import viser
 
 _STILL = 1e-5
-"""A joint that moves less than this isn't moved in the picture [rad or m]."""
+"""Joints that move by less than this aren't moved in the picture [rad or m]."""
 _TEXT_EACH = 5
-"""Of so many pictures one has new figures."""
+"""Number of pictures for one update of the figures."""
 
 
 class LivePage:
-    """What is shown of a running robot.
+    """The page of a running robot.
 
     Args:
-        server: of the page.
-        give: takes what people want.
+        server: server of the page.
+        give: receives the orders of people.
     """
 
     _stage: Stage
@@ -55,7 +55,7 @@ class LivePage:
         self._changed = ""
 
     def attach(self, live: Live, place: Place, subtitle: str) -> None:
-        """Show a robot, anew if it or its cell isn't the one of before."""
+        """Show a robot; build the picture anew if the robot or its cell has changed."""
         before, self._live = self._place, live
         if place.cell is not None and place.cell.parts:
             live.parts = LiveParts(place.robot, place.cell)
@@ -91,13 +91,13 @@ class LivePage:
         self._panel.show_around(around)
 
     def draw(self, lost: str = "") -> None:
-        """Draw what has changed since the last time.
+        """Draw the changes since the last call.
 
         Args:
-            lost: why what is known isn't of now; empty: it is.
+            lost: reason why the present state isn't known; empty if it is known.
         """
         live = self._live
-        assert live is not None  # a robot is attached before it is drawn
+        assert live is not None  # a robot is attached before anything is drawn
         self._show_lost(lost or live.stale)
         q = live.joints
         moved = q is not None and (self._drawn is None or bool(np.abs(q - self._drawn).max() > _STILL))
@@ -117,18 +117,18 @@ class LivePage:
             self._picture.colour_bodies(touching(self._stage.scene, stands))
 
     def lose(self, why: str) -> None:
-        """Say that the robot is away, and make it grey."""
+        """Report that the robot is away, and draw it grey."""
         self._show_lost(why)
 
     def take(self, order: Order) -> None:
-        """Do what somebody wants of the picture; an input of a robot that is away stays as it is."""
+        """Carry out an order about the picture. Inputs of a robot that is away stay unchanged."""
         if order.kind == "group":
             self._picture.show_group(order.value, order.more)
         elif order.kind == "input" and self._around is not None:
             self._panel.show_around(self._around)
 
     def refuse(self, name: str, trouble: Trouble) -> None:
-        """Say why an input wasn't set."""
+        """Show the reason why an input wasn't set."""
         code = f" ({trouble.code})" if trouble.code else ""
         if self._live is not None:
             self._live.said = f"{name} isn't set: {trouble.what}{code}"

@@ -1,4 +1,6 @@
-"""The controls beside a running robot: how it is going, its inputs to be set, its outputs. What people do becomes an order; nothing is drawn here."""
+"""The controls beside a running robot: state, inputs to set, outputs. Clicks become orders; nothing is drawn
+here.
+"""
 
 from __future__ import annotations
 
@@ -17,14 +19,14 @@ if TYPE_CHECKING:
 
 
 class Text:
-    """A piece of HTML that is sent only if it is another one."""
+    """A piece of HTML that is sent only when it changes."""
 
     def __init__(self, gui: viser.GuiApi) -> None:
         self._node = gui.add_html("", visible=False)
         self._shown = ""
 
     def show(self, html: str) -> None:
-        """Show it; empty: nothing."""
+        """Show a text; nothing if it is empty."""
         if html != self._shown:
             self._node.content, self._node.visible = html, bool(html)
             self._shown = html
@@ -34,10 +36,10 @@ class LivePanel:
     """The controls of a running robot.
 
     Args:
-        gui: of the page.
-        stage: that is shown.
-        switches: what can be hidden.
-        give: takes orders: `input` with a name and a value, `group` with a name and if it is shown.
+        gui: user interface of the page.
+        stage: the shown stage.
+        switches: groups that can be hidden.
+        give: receives orders: `input` with a name and a value, `group` with a name and True to show it.
     """
 
     def __init__(self, gui: viser.GuiApi, stage: Stage, switches: Switches, give: Give) -> None:
@@ -63,26 +65,26 @@ class LivePanel:
         self._stale = False
 
     def show_head(self, stage: Stage) -> None:
-        """Show what is shown, who tells of it, and what can't be shown."""
+        """Show the title, the source of the messages, and notes about what can't be shown."""
         self._head.show(figures.STYLE + figures.notes_html(stage))
 
     def show_now(self, html: str) -> None:
-        """Show the figures of now."""
+        """Show the present figures."""
         self._now.show(html)
 
     def show_said(self, text: str) -> None:
-        """Show a warning; empty: none."""
+        """Show a warning; none if it is empty."""
         self._said.show(figures.word_html(text, "warning") if text else "")
 
     def show_lost(self, text: str, severity: Severity = "error") -> None:
-        """Show why nothing is known of now; empty: it is."""
+        """Show the reason why the present state isn't known; nothing if it is empty."""
         self._stale = bool(text)
         self._lost.show(figures.word_html(text, severity) if text else "")
         for box in self._boxes.values():
             box.disabled = box.disabled or self._stale
 
     def show_around(self, around: Surroundings) -> None:
-        """Show inputs and outputs as they are."""
+        """Show the present inputs and outputs."""
         if [*self._boxes] != [one.name for one in around.inputs]:
             self._make_boxes(around)
         for one in around.inputs:
@@ -108,7 +110,7 @@ class LivePanel:
                 self._boxes[one.name] = box
 
     def _ticked(self, name: str, event: Any) -> None:
-        if event.client_id is not None:  # else it follows the robot
+        if event.client_id is not None:  # otherwise the box follows the robot
             self._give(Order("input", name, bool(event.target.value)))
 
 

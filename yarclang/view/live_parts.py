@@ -1,4 +1,8 @@
-"""The parts of a cell while its robot runs: as its coordinator told, and as grippers have moved them since. It knows no clock."""
+"""The parts of a cell while its robot runs: as the coordinator reported, and as grippers have moved them
+since.
+
+It has no clock.
+"""
 
 from __future__ import annotations
 
@@ -13,20 +17,20 @@ from yarclang.handling.walk import flange_pose
 from yarclang.robot.model import Array, Robot
 
 _LEFT = 0.05
-"""A gripper that is farther than this from where it took a part has left the place [m], and the next part may come."""
+"""Distance from the place of gripping at which the next part may come [m]."""
 
 
 class LiveParts:
-    """Where the parts of a cell are now.
+    """The present places of a cell's parts.
 
     Args:
-        robot: that carries them.
-        cell: whose parts they are.
+        robot: the robot that carries the parts.
+        cell: cell with the parts.
 
     Attributes:
-        parts: where they are, as far as it is known.
-        doubt: why nobody knows where they are; empty: it is known.
-        is_late: True if they are where they were before what is under way began.
+        parts: the parts, as far as they are known.
+        doubt: reason why their places aren't known; empty if they are.
+        is_late: True if the places are those before the running program began.
     """
 
     def __init__(self, robot: Robot, cell: Cell) -> None:
@@ -38,7 +42,7 @@ class LiveParts:
 
     @property
     def rows(self) -> list[tuple[str, str]]:
-        """What is to be said of the parts: name and value."""
+        """Return texts about the parts: name and value."""
         rows = [("holds", ", ".join(names))] if (names := [one.name for one in self.parts.held()]) else []
         if self.doubt:
             rows.append(("parts", f"nobody knows where they are: {self.doubt}"))
@@ -47,11 +51,11 @@ class LiveParts:
         return rows
 
     def told(self, told: replies.Parts, *, is_late: bool = False) -> None:
-        """Take over where a coordinator says that the parts are; names that the cell doesn't have are left out.
+        """Take over the places of parts from a coordinator. Names that the cell lacks are left out.
 
         Args:
-            told: by the coordinator.
-            is_late: True if something has been under way, which the coordinator takes note of at its end.
+            told: the coordinator's message.
+            is_late: True if something is running, which the coordinator takes into account only at its end.
         """
         self.doubt = told.doubt or ""
         self.is_late = is_late
@@ -77,7 +81,13 @@ class LiveParts:
             yield Item(part, count, pose.tobytes(), held, one.sure)
 
     def output_set(self, variable: str, value: float, q: Array) -> None:
-        """Hear that an output was set while the joints are at `q` (n,) [rad or m]: a gripper closes or opens, or a machine takes parts away."""
+        """Follow an output that was set: a gripper closes or opens, or a machine removes parts.
+
+        Args:
+            variable: variable of the output.
+            value: its new value.
+            q: (n,) joint positions at this moment [rad or m].
+        """
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
         if grip is not None:
             flange = flange_pose(self._robot, q)
@@ -90,7 +100,9 @@ class LiveParts:
             self.parts = remove(self.parts, removal)
 
     def stands(self, q: Array) -> None:
-        """Hear where the joints are (n,) [rad or m]: the next part comes as soon as the gripper has left its place."""
+        """Follow the joint positions (n,) [rad or m]: the next part comes once the gripper has left its
+        place.
+        """
         if self._took is None or not self.parts.expected:
             return
         away = flange_pose(self._robot, q)[:3, 3] - self._took

@@ -1,4 +1,6 @@
-"""A robot that is running as it is to be seen: the messages of its coordinator become a stage, and figures beside it. It knows no clock."""
+"""A running robot as a stage with figures beside it, made from the messages of its coordinator. It has no
+clock.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +24,7 @@ from yarclang.view.surroundings import followed_frame, surroundings_of
 from yarclang.view.track import way_of_track
 
 _UNDER_WAY = (State.INIT, State.MOVE, State.HOLD)
-"""In these states a status tells of what is carried out; else of what the process is for."""
+"""States in which a status describes the running program; in others, the purpose of the process."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +34,7 @@ class _Still:
     q: Array
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """As `Track` says."""
+        """Return positions and velocities; see `Track.at`."""
         q = np.tile(self.q, (len(times), 1))
         return q, np.zeros_like(q)
 
@@ -40,14 +42,14 @@ class _Still:
 def stage_of_live(
     robot: Robot, cell: Cell | None, q: Array, *, subtitle: str = "", parts: Parts | None = None
 ) -> Stage:
-    """Show a robot where it is now.
+    """Show a robot at its present position.
 
     Args:
-        robot: that runs.
-        cell: what is around it; None if no cell is known.
-        q: where it is (n,) [rad or m].
-        subtitle: who tells of it.
-        parts: where the parts of the cell are; None: where its file says.
+        robot: the running robot.
+        cell: its cell; None if none is known.
+        q: (n,) present joint positions [rad or m].
+        subtitle: source of the messages.
+        parts: places of the cell's parts; None for the places in the cell's file.
     """
     frame = followed_frame(robot, None)
     around = surroundings_of(robot, None, frame.name, given=cell)
@@ -75,16 +77,16 @@ def stage_of_live(
 
 
 class Live:
-    """What a robot does, as of the last message.
+    """The state of a robot after the last message.
 
     Args:
-        robot: whose messages they are.
-        status: what was told at first.
+        robot: the robot.
+        status: its first status.
 
     Attributes:
-        robot: likewise.
-        said: the last warning, or how the last program ended badly; empty: nothing is to be said.
-        parts: where the parts of the cell are; None: no cell is known, or it has none.
+        robot: the robot.
+        said: the last warning, or the error of the last program; empty without one.
+        parts: places of the cell's parts; None if no cell is known or it has no parts.
     """
 
     def __init__(self, robot: Robot, status: Status) -> None:
@@ -94,7 +96,7 @@ class Live:
         self.look(status)
 
     def look(self, status: Status) -> None:
-        """Begin anew with what was told of everything: after events were missed, too."""
+        """Start again from a complete status, for example after events were missed."""
         self._known = Picture(status)
         self._why = status.why
         if status.state in _UNDER_WAY:
@@ -109,7 +111,7 @@ class Live:
             self._known.under_way, self._known.progress = status.program, began
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take note of an event."""
+        """Update the state from an event."""
         self._known.hear(event)
         match event:
             case events.StateChanged(why=why):
@@ -129,7 +131,10 @@ class Live:
 
     @property
     def joints(self) -> Array | None:
-        """Actual positions (n,) [rad or m]; None: not known yet, or of other joints than the robot's."""
+        """Return the actual positions (n,) [rad or m].
+
+        None if they aren't known yet, or if the joints aren't those of the robot.
+        """
         told = self._known.joints
         if told is None or told.keys() != set(self.robot.joint_names):
             return None
@@ -137,16 +142,24 @@ class Live:
 
     @property
     def is_under_way(self) -> bool:
-        """True while something is carried out; parts that it moves are known here, and to the coordinator afterwards."""
+        """Return True while something is running.
+
+        Parts that it moves are followed here; the coordinator knows about them only afterwards.
+        """
         return bool(self._known.under_way)
 
     @property
     def stale(self) -> str:
-        """Why the positions aren't those of now; empty: they are."""
+        """Return the reason why the positions are outdated; empty if they aren't."""
         return self._why if self._known.state is State.DISCONNECTED else ""
 
     def html(self, stage: Stage, q: Array) -> str:
-        """Return the figures of now: state, command, times, pace, and where the robot is (n,) [rad or m]."""
+        """Return the present figures: state, command, times, pace, and the robot's position.
+
+        Args:
+            stage: the stage.
+            q: (n,) joint positions [rad or m].
+        """
         known, progress = self._known, self._known.progress
         state = known.state.value
         rows = [("state", f"{state}: {self._why}" if self._why else state)]

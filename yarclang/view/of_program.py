@@ -1,4 +1,4 @@
-"""A program as it is to be seen: as it is planned, or, with errors, as far as it can be."""
+"""A program as a stage: planned completely or, with errors, as far as possible."""
 
 from __future__ import annotations
 
@@ -53,9 +53,11 @@ from yarclang.view.track import Curves, way_of_curves
 _RANKS = {"error": 0, "warning": 1, "note": 2}
 """Severities in the order in which findings are listed."""
 _SHORT = 40
-"""A program of up to so many commands has no list of its worst places: all of them are seen at once."""
+"""Largest number of commands of a program without a list of its worst places: all of them are visible at
+once.
+"""
 _LOOKS = 200
-"""Places of a motion at which a collision that was found is looked for."""
+"""Number of samples of a motion at which a reported collision is searched."""
 
 
 def stage_of_program(
@@ -64,13 +66,13 @@ def stage_of_program(
     certificate: Certificate | None,
     findings: Sequence[Diagnostic],
 ) -> Stage:
-    """What is shown of a program.
+    """Return the stage of a program.
 
     Args:
-        name: its file, for people.
-        plan: the whole plan, or as much of it as could be made.
-        certificate: what was proved; None of a program with errors.
-        findings: all that was said of it.
+        name: name of its file, for people.
+        plan: the plan, perhaps incomplete.
+        certificate: what was proved; None for a program with errors.
+        findings: all findings.
     """
     robot, program = plan.robot, plan.program
     frame = drawn_frame(plan)
@@ -120,7 +122,7 @@ def stage_of_program(
 def _worst(
     certificate: Certificate | None, robot: Robot, cell: Cell | None, number_of: Mapping[int, int]
 ) -> tuple[Worst, ...]:
-    """The places of a long program that come nearest to what they are held to."""
+    """Return the places of a long program that come nearest to their limits."""
     if certificate is None or len(certificate.commands) <= _SHORT:
         return ()
     return tuple(
@@ -135,7 +137,7 @@ def _worst(
 def _pieces(
     plan: MotionPlan, proved: Mapping[int, CommandCertificate], carried: Carried | None
 ) -> tuple[tuple[Piece, ...], dict[int, int]]:
-    """All commands in order, and which of them each step of the program is."""
+    """Return all commands in order, and the command of each step."""
     at = {motion.step: number for number, motion in enumerate(plan.motions)}
     pieces: list[Piece] = []
     number_of: dict[int, int] = {}
@@ -184,7 +186,7 @@ def _facts(
 def motion_facts(
     robot: Robot, motion: PlannedMotion, step: Step, proved: CommandCertificate | None
 ) -> tuple[tuple[str, str], ...]:
-    """What is said of a motion: its time, how hard it is for the joints, how fast the frame goes, and how near bodies come."""
+    """Return the facts of a motion: time, use of joint limits, speed of the frame, distances of bodies."""
     curve = motion.curve
     facts = [("duration", f"{curve.duration:.3f} s"), ("profile", motion.profile)]
     if isinstance(step, TimedMove):
@@ -199,7 +201,8 @@ def motion_facts(
         facts.append(("asked for", "a speed" if step.timing.speed is not None else share))
     limits, points, h = robot.limits, curve.points, curve.segment
     for name, order, limit in (("speed", 1, limits.velocity), ("acceleration", 2, limits.acceleration)):
-        # the differences of control points bound the derivatives everywhere, and are the figures that limits are held to
+        # Differences of control points bound the derivatives everywhere. The limits are checked by these
+        # figures.
         shares = np.abs(np.diff(points, n=order, axis=0)).max(axis=0) / h**order / limit
         joint = int(np.argmax(shares))
         facts.append((f"largest joint {name}", f"{100.0 * shares[joint]:.0f} % ({robot.joint_names[joint]})"))
@@ -255,7 +258,7 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
 
 @dataclass(frozen=True, eq=False)
 class _Stands:
-    """Finds where on the path findings belong."""
+    """Finds the places of findings on the path."""
 
     plan: MotionPlan
     flange_from_frame: Array
@@ -264,7 +267,7 @@ class _Stands:
     scenes: Scenes
 
     def mark(self, finding: Diagnostic) -> Mark:
-        """A finding with its command, its time and its place, as far as it has them."""
+        """Return a finding with its command, time and place, as far as these are known."""
         step = self._step(finding)
         piece = self.number_of.get(step, -1) if step is not None else -1
         time = self._time(finding, step, self.pieces[piece]) if step is not None and piece >= 0 else None
@@ -281,7 +284,7 @@ class _Stands:
 
     @cached_property
     def _at_line(self) -> Mapping[tuple[str, int], Sequence[int]]:
-        """The steps that come from each line of each file."""
+        """Return the steps that come from each line of each file."""
         found: dict[tuple[str, int], list[int]] = {}
         for number, step in enumerate(self.plan.program.steps):
             if not isinstance(step, Gap):
@@ -296,7 +299,11 @@ class _Stands:
         return step.origin
 
     def _time(self, finding: Diagnostic, step: int | None, piece: Piece) -> float:
-        """Of bodies that meet the worst moment, of a motion else its middle; of what couldn't be planned where the robot would begin it."""
+        """Return the time of a finding [s].
+
+        For bodies that collide, it is the worst moment; for other findings of a motion, its middle; for a
+        motion without a plan, the time at which it would begin.
+        """
         if not piece.moves:
             return piece.begins
         middle = (piece.begins + piece.ends) / 2.0
@@ -318,6 +325,6 @@ class _Stands:
         count = len(motions) if step is None else bisect_left(motions, step, key=lambda one: one.step)
         if step is not None and count < len(motions) and motions[count].step == step:
             return motions[count].curve.sample(times - self.plan.begins[count])[0]
-        # in front of a motion that couldn't be planned the robot stands where the one before it ends
+        # Before a motion without a plan, the robot stands at the end of the preceding one.
         q = motions[count - 1].curve.points[-1] if count else self.plan.program.start
         return np.tile(q, (len(times), 1))

@@ -1,4 +1,4 @@
-"""The log of a run as it is to be seen: where the robot was, beside where it was planned to be."""
+"""The log of a run as a stage: the actual motion beside the planned one."""
 
 from __future__ import annotations
 
@@ -30,19 +30,20 @@ from yarclang.view.track import Recorded, Shifted, way_of_track
 _MOST_POINTS = 20_000
 
 _SEEN = 0.2
-"""Of a motion that takes longer, there is a sample [s]."""
+"""Largest time between two samples of a motion [s]."""
 
 
 def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> Result[Stage]:
-    """What a log shows.
+    """Return the stage of a log.
 
     Args:
         file: the log.
-        robot_name: the robot, if the command line names it; else the one that the log names, of the folder's yarc.toml or of the library.
-        cell: the path of a cell.toml, if the command line names one; else the yarc.toml of the log's folder may.
+        robot_name: robot named on the command line. By default the log names it, from the folder's yarc.toml
+            or from the library.
+        cell: path of a cell.toml named on the command line; by default that of the folder's yarc.toml.
 
     Returns:
-        None, with findings, where the file is no log, has no positions, or is of a robot that isn't there.
+        None, with findings, if the file is no log, has no positions, or its robot isn't found.
     """
     read = read_run(file)
     if read.value is None:
@@ -126,7 +127,7 @@ def _stage(run: RecordedRun, planned: Planned, robot: Robot, origins: Origins, c
 def _carries(
     run: RecordedRun, does: Executed | None, parts: RecordedParts | None
 ) -> tuple[tuple[tuple[str, str], ...], ...]:
-    """Return what is said of the parts that each command of the run carries."""
+    """Return the facts about the parts that each command of the run carries."""
     if does is None or parts is None:
         return ((),) * len(run.commands)
     steps = [act.step for act in does.acts if act.curve is not None]
@@ -140,12 +141,15 @@ class _AsPlanned:
         self._planned = planned
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """As `Track` says."""
+        """Return positions and velocities; see `Track.at`."""
         return self._planned.at(times)
 
 
 def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
-    """Times of the run, and those of the program then (K,) each; before the program begins it is at its start. A second pass begins again."""
+    """Return times of the run and the corresponding times of the program, (K,) each [s].
+
+    Before the program begins, its time is that of its start. A second pass begins again.
+    """
     if not len(tracking.rows):
         return np.array([0.0]), np.array([0.0])
     return run.times[tracking.rows], tracking.times
@@ -154,7 +158,10 @@ def _plan_times(run: RecordedRun, tracking: Tracking) -> tuple[Array, Array]:
 def _pieces(
     run: RecordedRun, tracking: Tracking, carries: Sequence[tuple[tuple[str, str], ...]]
 ) -> tuple[Piece, ...]:
-    """The commands, when they were carried out; of several passes in the last one. What wasn't reached has no time and stays out."""
+    """Return the commands at the times at which they ran; with several passes, at those of the last one.
+
+    Commands that weren't reached have no time and are left out.
+    """
     if not len(tracking.rows):
         return ()
     passes = run.passes[tracking.rows]
@@ -168,7 +175,7 @@ def _pieces(
         begins, ends = (float(np.interp(time, program, real)) for time in (one.begins, one.ends))
         here = (program >= one.begins) & (program <= one.ends)
         if not here.any() and one.ends - one.begins > _SEEN:
-            continue  # the way of a WHEN that wasn't taken
+            continue  # belongs to the branch of a WHEN that wasn't taken
         planned_ends = one.clock + one.ends - one.begins
         facts = [("planned", f"{one.clock:.3f} to {planned_ends:.3f} s of the program")]
         if here.any():
@@ -191,7 +198,7 @@ def _pieces(
 def _marks(
     run: RecordedRun, tracking: Tracking, track: Recorded, robot: Robot, flange_from_frame: Array
 ) -> tuple[Mark, ...]:
-    """What was remarked on the way, and how it ended, where the robot was then."""
+    """Return the remarks of the run and its end, at the robot's positions at these times."""
     told: list[tuple[float, str, Severity]] = [
         (one.time, one.text, "note") for one in marks_of(run, tracking)
     ]

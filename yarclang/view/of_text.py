@@ -1,4 +1,4 @@
-"""A controller text as it is to be seen: what it makes the robot do, with the frames and the cell of its program where that is found."""
+"""A controller text as a stage, with the frames and the cell of its program if these are found."""
 
 from __future__ import annotations
 
@@ -23,16 +23,16 @@ from yarclang.view.track import Curves, way_of_curves
 
 
 def stage_of_text(source: SourceFile, folder: Path, robot: Robot, cell: str | None = None) -> Result[Stage]:
-    """Show what a controller text does.
+    """Show the motions of a controller text.
 
     Args:
         source: the text.
-        folder: where it is, and where its program and its cell are looked for.
-        robot: whom it is for.
-        cell: the path of a cell.toml, if the command line names one.
+        folder: its folder, in which its program and its cell are searched.
+        robot: its robot.
+        cell: path of a cell.toml named on the command line.
 
     Returns:
-        None, with a finding, if the text isn't as yarcc wrote it, or its cell can't be used.
+        None, with a finding, if yarcc hasn't written the text like this, or its cell can't be used.
     """
     read = executed(source.text, robot, source.name)
     if read.value is None:

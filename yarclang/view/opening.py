@@ -1,4 +1,4 @@
-"""A file to its stage: a program, a controller text, or the log of a run."""
+"""Open a program, a controller text or the log of a run as a stage."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ _COMPILED = "; yarcc "
 
 
 RobotOf = Callable[[SourceFile, str | None], Result[Robot]]
-"""Finds the robot that a controller text was made for, by its header and the name that the command line gives."""
+"""Finds the robot of a controller text by its header and the name on the command line."""
 
 
 def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
-    """What a file shows: a program, what yarcc made of one, or the log of a run; `-` is standard input.
+    """Return the stage of a file: a program, a controller text, or the log of a run; `-` is standard input.
 
     Returns:
-        None, with findings, where there is nothing to show.
+        None, with findings, if there is nothing to show.
     """
     if file != STANDARD_INPUT and is_log(file):
         from yarclang.view.of_run import stage_of_run
@@ -50,7 +50,7 @@ def opened(file: str, options: Options, robot_of: RobotOf) -> Result[Stage]:
 
 
 def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[Stage]:
-    """What a program that belongs to a folder shows; None, with findings, where it isn't known for which robot."""
+    """Return the stage of a program in a folder; None, with findings, if its robot isn't known."""
     checked = check_text(source, folder, options)
     found = checked.diagnostics
     if checked.program is None:
@@ -58,7 +58,7 @@ def program_stage(source: SourceFile, folder: Path, options: Options) -> Result[
     plan = checked.plan
     if plan is None:
         again = open_source(source, folder, options).value
-        assert again is not None  # it was opened to be checked
+        assert again is not None  # it was opened before it was checked
         plan = shown_plan(checked.program, again.request)
         if plan is None:
             return Result(None, found)

@@ -1,4 +1,7 @@
-"""The controls beside the picture: time, lists of commands and findings, figures. What people do becomes an order; nothing is drawn here."""
+"""The controls beside the picture: time, lists of commands and findings, figures.
+
+Clicks become orders; nothing is drawn here.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +28,13 @@ _CURRENT: _Shade = "blue"
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """Something that somebody wants: what, and which or how much."""
+    """An order of a person.
+
+    Attributes:
+        kind: kind of the order.
+        value: its object or amount.
+        more: a further value.
+    """
 
     kind: Literal[
         "play", "time", "factor", "piece", "mark", "worst", "ramp", "group", "ray", "find", "turn", "input"
@@ -38,7 +47,7 @@ Give = Callable[[Order], None]
 
 
 class Rows:
-    """A listing as buttons, with a field to search and two buttons to turn pages."""
+    """A listing as buttons, with a search field and two buttons that turn pages."""
 
     def __init__(
         self, gui: viser.GuiApi, rows: list[str], kind: Literal["piece", "mark", "worst"], give: Give
@@ -74,7 +83,7 @@ class Rows:
             give(Order(self._kind, shown[place]))
 
     def choose(self, number: int) -> None:
-        """Turn to a row and make it stand out."""
+        """Turn to a row and highlight it."""
         if number == self._current:
             return
         self._current = number
@@ -83,7 +92,7 @@ class Rows:
         self.draw()
 
     def draw(self) -> None:
-        """Write what has changed."""
+        """Write all changes."""
         shown = self.listing.shown
         for place, button in enumerate(self._buttons):
             number = shown[place] if place < len(shown) else -1
@@ -154,7 +163,7 @@ class Panel:
                 box.on_update(lambda _, name=name, box=box: give(Order("group", name, bool(box.value))))
 
     def _slid(self, give: Give, event: Any) -> None:
-        if event.client_id is not None:  # else it follows the time that is played
+        if event.client_id is not None:  # otherwise the slider follows the time that is played
             give(Order("time", float(self._slider.value)))
 
     def _whose(self, piece: int) -> str:
@@ -163,32 +172,32 @@ class Panel:
         )
 
     def show_time(self, time: float) -> None:
-        """Put the slider to a time."""
+        """Move the slider to a time [s]."""
         if time != self._shown_time:
             self._shown_time = time
             self._slider.value = round(time, 3)
 
     def show_playing(self, plays: bool) -> None:
-        """Say what the button does next."""
+        """Label the button with its next action."""
         label = "Pause" if plays else "Play"
         if self._play.label != label:
             self._play.label = label
 
     def show_now(self, html: str) -> None:
-        """The figures of the instant."""
+        """Show the figures of the present instant."""
         self._now.content = html
 
     def show_legend(self, html: str) -> None:
-        """What the colours of the path mean."""
+        """Show the meaning of the path's colours."""
         self._legend.content = html
 
     def show_piece(self, number: int) -> None:
-        """The figures of a command; of none with -1."""
+        """Show the figures of a command; of none for -1."""
         self.pieces.choose(number)
         self._piece.content = figures.piece_html(self._stage.pieces[number]) if number >= 0 else ""
 
     def show_mark(self, number: int) -> None:
-        """The text of a finding."""
+        """Show the text of a finding."""
         self.marks.choose(number)
         self._mark.content = figures.mark_html(self._stage.marks[number])
 
@@ -200,5 +209,5 @@ _NONE = '<div style="font-size:12px;padding:2px 10px">There are no findings.</di
 
 
 def _step(duration: float) -> float:
-    """A step of the slider that is fine enough to stop anywhere."""
+    """Return a step of the slider [s] that is fine enough to stop anywhere."""
     return 0.001 if duration < 600.0 else 0.01

@@ -1,4 +1,7 @@
-"""What meets what in the motions of a program that can't be planned whole: its text isn't made, so there is no certificate that would say it."""
+"""Collisions in the motions of a program that can't be planned completely.
+
+Its controller text isn't made, so that no certificate reports them.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +20,11 @@ from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.robot.model import Array
 
 _TOGETHER = 1e-9
-"""A motion begins where the one before it has ended if no joint is farther from there [rad or m]."""
+"""Largest distance of a motion's beginning from the end of the one before [rad or m], if they connect."""
 
 
 def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
-    """The collisions and broken zones of the motions that are planned, by the very proofs that a whole program gets."""
+    """Return the collisions and broken zones of the planned motions, by the proofs of a complete program."""
     found: list[Diagnostic] = []
     if not plan.motions:
         return ()
@@ -34,7 +37,7 @@ def met(plan: MotionPlan) -> tuple[Diagnostic, ...]:
 
 
 def _without_gaps(motions: Sequence[PlannedMotion]) -> Iterator[list[PlannedMotion]]:
-    """Motions in stretches without a jump: in front of each a motion is missing."""
+    """Yield the longest sequences of motions that connect. A motion is missing between two of them."""
     stretch: list[PlannedMotion] = []
     for motion in motions:
         if stretch and np.abs(_ends(motion)[0] - _ends(stretch[-1])[1]).max() > _TOGETHER:
@@ -52,7 +55,7 @@ def _ends(motion: PlannedMotion) -> tuple[Array, Array]:
 
 
 def _layout(plan: MotionPlan, motions: Sequence[PlannedMotion]) -> Layout:
-    """Planned motions as the segments of a text."""
+    """Return planned motions as the segments of a text."""
     places: list[Place] = []
     at: list[NDArray[np.int64]] = []
     first = points = 0

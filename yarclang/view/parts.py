@@ -1,4 +1,4 @@
-"""The parts of a cell as they are to be seen: where each one lies or hangs, from when to when, and the bodies of the collision check then."""
+"""The parts of a cell as items: places over time, and the bodies of the collision check at these times."""
 
 from __future__ import annotations
 
@@ -18,14 +18,21 @@ from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Item, Scenes, Stage
 
 SURE, UNSURE = 1.0, 0.45
-"""How opaque a part is, and one that may be elsewhere."""
+"""Opacity of a part whose place is known, and of one that may be elsewhere."""
 _NAMED = 8
-"""If there are more parts of a kind, those that were put down have no names in the picture: they stand too close together."""
+"""Largest number of parts of a kind that all show their names.
+
+Of more parts, only the first and held ones do, because the others stand close together."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Moment:
-    """From `begins` on [s], the parts are as in a state."""
+    """The state of the parts from a time on.
+
+    Attributes:
+        begins: the time [s].
+        state: the state.
+    """
 
     begins: float
     state: State
@@ -33,7 +40,13 @@ class Moment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShownParts:
-    """The bodies of the parts, the bodies of the collision check over time, and notes about what can't be shown."""
+    """The parts of a picture.
+
+    Attributes:
+        items: bodies of the parts.
+        scenes: bodies of the collision check over time.
+        notes: what can't be shown.
+    """
 
     items: tuple[Item, ...]
     scenes: Scenes
@@ -41,23 +54,23 @@ class ShownParts:
 
 
 def moments_of(carried: Carried, begins: Sequence[float] | Mapping[int, float]) -> tuple[Moment, ...]:
-    """Give each state its time.
+    """Return the states of parts with their times.
 
     Args:
-        carried: the parts through a program.
-        begins: when each step begins [s].
+        carried: the parts during a program.
+        begins: time at which each step begins [s].
     """
     first, *rest = carried.states
     return (Moment(-np.inf, first), *(Moment(begins[one.step], one) for one in rest))
 
 
 def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> ShownParts:
-    """Show the parts.
+    """Return the items of parts that move.
 
     Args:
-        robot: whose flange carries them.
-        moments: in the order of time; of several at one time the last one counts.
-        carried: the parts through the program.
+        robot: the robot that carries them.
+        moments: states in order of time; of several at one time the last one counts.
+        carried: the parts during the program.
     """
     moments = [
         one
@@ -94,11 +107,11 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
 
 
 def standing_parts(robot: Robot, parts: Parts) -> tuple[tuple[Item, ...], tuple[str, ...]]:
-    """Show parts that stay where they are, and say which can't be shown.
+    """Return the items of parts that stay in place, and notes about those that can't be shown.
 
     Args:
-        robot: whose flange carries what a gripper holds.
-        parts: where they are.
+        robot: the robot whose flange carries held parts.
+        parts: places of the parts.
     """
     items: list[Item] = []
     notes: list[str] = []
@@ -147,14 +160,14 @@ def with_parts(stage: Stage, shown: ShownParts | None) -> Stage:
 
 
 def parts_of_plan(plan: MotionPlan, carried: Carried | None) -> ShownParts | None:
-    """Show the parts of a program as it is planned; None if its cell has none."""
+    """Return the parts of a planned program; None if its cell has none."""
     if carried is None:
         return None
     return shown_parts(plan.robot, moments_of(carried, plan.schedule.places), carried)
 
 
 def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
-    """Show the parts of a controller text; None if it isn't known where they are."""
+    """Return the parts of a controller text; None if their places aren't known."""
     if carried is None:
         return None
     begins = begins_in_text(does, len(carried.handling.steps))
@@ -162,19 +175,19 @@ def parts_of_text(does: Executed, carried: Carried | None) -> ShownParts | None:
 
 
 def unfollowed(cell: Cell | None, carried: Carried | None) -> tuple[str, ...]:
-    """Return a note if a cell has parts and it isn't known where they are."""
+    """Return a note if a cell has parts with unknown places."""
     if carried is not None or cell is None or not cell.parts:
         return ()
     return ("the cell's parts aren't shown: only the program says where they are taken",)
 
 
 def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return what is said of the parts that a SET moves."""
+    """Return the facts about the parts that a SET moves."""
     deeds = carried.deeds(step) if carried is not None else ()
     return tuple((verb, ", ".join(names)) for verb, names in deeds)
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return what is said of the parts that a motion carries."""
+    """Return the facts about the parts that a motion carries."""
     names = carried.names.get(step) if carried is not None else None
     return (("carries", ", ".join(names)),) if names else ()

@@ -1,4 +1,4 @@
-"""What was meant by a click: the ray from the eye through the mouse, and what is next to it."""
+"""Find the target of a click: the point nearest to the ray from the eye through the mouse."""
 
 from __future__ import annotations
 
@@ -8,11 +8,19 @@ from yarclang.robot.model import Array
 from yarclang.view.stage import Way
 
 ANGLE = 0.02
-"""How far beside the mouse something may be to be meant [rad]: some 12 pixels."""
+"""Largest angle between the ray and the target of a click [rad], about 12 pixels."""
 
 
 def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
-    """The point (of N, 3) whose angle to the ray is the smallest, and that angle [rad]; -1 and infinity where none is in front of the eye."""
+    """Return the point with the smallest angle to the ray, and this angle [rad].
+
+    -1 and infinity if no point is in front of the eye.
+
+    Args:
+        points: (N, 3) [m].
+        eye: (3,) [m].
+        direction: (3,) of the ray.
+    """
     if not len(points):
         return -1, np.inf
     arms = points - eye
@@ -24,18 +32,18 @@ def beside(points: Array, eye: Array, direction: Array) -> tuple[int, float]:
 
 
 def picked_time(way: Way, eye: Array, direction: Array) -> float | None:
-    """When the frame is at the place of its path that was clicked at; None where that was beside the path.
+    """Return the time [s] at which the frame is at the clicked place of its path; None for clicks elsewhere.
 
-    Long straight pieces have points far apart, so that the nearest point is looked for on the lines between them.
+    Long straight pieces have points far apart, therefore the lines between points are searched.
     """
     if len(way.points) < 2:
         return None
     inside = np.ones(len(way.points) - 1, dtype=np.bool_)
-    inside[way.breaks[1:-1] - 1] = False  # no line leads from one stretch to the next
+    inside[way.breaks[1:-1] - 1] = False  # no line connects two stretches
     first = np.flatnonzero(inside)
     a, b = way.points[first], way.points[first + 1]
     ray = direction / np.linalg.norm(direction)
-    # the place on each line that is nearest to the ray
+    # The point of each line nearest to the ray.
     line, arm = b - a, a - eye
     flat_line, flat_arm = line - (line @ ray)[:, None] * ray, arm - (arm @ ray)[:, None] * ray
     square = np.einsum("ni,ni->n", flat_line, flat_line)

@@ -1,4 +1,6 @@
-"""The stage in three dimensions, drawn by viser: bodies and axes are drawn once, then only what joints move is moved."""
+"""The stage in three dimensions, drawn by viser. Bodies and axes are drawn once, then only moved with the
+joints.
+"""
 
 from __future__ import annotations
 
@@ -25,22 +27,24 @@ if TYPE_CHECKING:
 
 _AXES_LENGTH = 0.12
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
-"""Widths of lines [pixels]: of the path, of the planned path beside it, of the chosen command."""
+"""Widths of lines [pixels]: path, planned path beside it, chosen command."""
 
 
 _AROUND = 200
-"""Commands before and behind the chosen one of which the path is drawn as it is, where the whole is drawn coarsely."""
+"""Number of commands before and after the chosen one whose path is drawn exactly, if the whole is drawn
+coarsely.
+"""
 _MOST_MARKS = 200
-"""Findings that are drawn on the path; the list has all of them, the most severe first, as the picture."""
+"""Largest number of findings drawn on the path, the most severe first. The list contains all of them."""
 
 
 class Picture:
     """All nodes of a stage in viser's scene.
 
     Args:
-        server: of the page.
-        stage: that is drawn.
-        hidden: the groups that are switched off.
+        server: server of the page.
+        stage: the stage.
+        hidden: groups that are switched off.
     """
 
     def __init__(self, server: viser.ViserServer, stage: Stage, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
@@ -91,7 +95,7 @@ class Picture:
             self._lettering.look()
 
     def move_to(self, time: float) -> None:
-        """Move what the joints move to where it is at a time."""
+        """Move the bodies to their places at a time [s]."""
         times, chain = np.array([time]), self._stage.robot.chain
         with self._server.atomic():
             move_nodes(self._joints, moved_by(chain, self._stage.track.at(times)[0][0]))
@@ -100,12 +104,12 @@ class Picture:
             self._parts.move_to(time)
 
     def stand_at(self, q: Array) -> None:
-        """Move what the joints move to where it is at joint positions (n,) [rad or m]."""
+        """Move the bodies to their places at joint positions (n,) [rad or m]."""
         with self._server.atomic():
             move_nodes(self._joints, moved_by(self._stage.robot.chain, q))
 
     def show_parts(self, items: Iterable[Item]) -> None:
-        """Show these parts instead of those before."""
+        """Replace the parts."""
         with self._server.atomic():
             self._parts.clear()
             self._bodies = {
@@ -119,7 +123,7 @@ class Picture:
             self._parts.move_to(0.0)
 
     def fade(self, text: str) -> None:
-        """Make all bodies grey and write above the robot why they aren't where they are drawn; empty: give them their colours again."""
+        """Draw all bodies grey and write the reason above the robot. An empty text restores the colours."""
         self._touching = frozenset()
         for nodes in self._bodies.values():
             for node, item in nodes:
@@ -127,7 +131,7 @@ class Picture:
         self.write(text)
 
     def write(self, text: str) -> None:
-        """Write a text above the robot; empty: nothing."""
+        """Write a text above the robot; remove it if it is empty."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -137,14 +141,20 @@ class Picture:
             )
 
     def colour_bodies(self, touching: frozenset[str]) -> None:
-        """Give the bodies that are too near to others their colour, and all others theirs."""
+        """Colour the bodies that are too near to others, and restore the colours of all others."""
         for name in touching ^ self._touching:
             for node, item in self._bodies.get(name, []):
                 node.color = colours.TOUCHING if name in touching else item.colour
         self._touching = touching
 
     def colour_way(self, values: Array, most: float, ramp: str) -> None:
-        """Colour the path by values (N,), one for each of its points, from 0 to `most`."""
+        """Colour the path by values.
+
+        Args:
+            values: (N,) value of each point.
+            most: value at the end of the colour scale.
+            ramp: name of the colour ramp.
+        """
         if self._way is not None:
             self._shades = shades = colours.linear(colours.coloured(values, most, ramp))
             self._drawn = drawn = drawn_lines(self._stage.way, values, most)
@@ -154,7 +164,7 @@ class Picture:
             self.choose_piece(self._piece)
 
     def choose_piece(self, number: int) -> None:
-        """Make the piece of the path stand out that belongs to a command; -1 for none."""
+        """Highlight the path of a command; -1 for none."""
         self._piece = number
         self._lettering.follow(number)
         for node in self._chosen:
@@ -164,11 +174,17 @@ class Picture:
             return
         self._draw_exactly("/chosen", self._owners == number, _THICK)
         if self._drawn.off > FINEST:
-            # what is about it is seen from nearer than the whole path
+            # The neighbourhood is viewed from nearer than the whole path.
             self._draw_exactly("/around", np.abs(self._owners - number) <= _AROUND, _WIDTH)
 
     def _draw_exactly(self, name: str, wanted: NDArray[np.bool_], width: float) -> None:
-        """Draw some lines of the path as they are."""
+        """Draw some lines of the path exactly.
+
+        Args:
+            name: name of the node.
+            wanted: True for the lines to draw.
+            width: width of the lines [pixels].
+        """
         first = self._first[wanted]
         if len(first):
             self._chosen.append(
@@ -182,7 +198,7 @@ class Picture:
             )
 
     def choose_mark(self, number: int) -> None:
-        """Write at a finding's place what it is; -1 for none."""
+        """Write a finding at its place; -1 for none."""
         if self._written is not None:
             self._written.remove()
             self._written = None
@@ -257,7 +273,7 @@ class Picture:
         )
 
     def _draw_ghosts(self) -> list[Any]:
-        """The robot a second time, to be seen through."""
+        """Draw the planned robot, transparent, and return its nodes."""
         nodes = [
             self._scene.add_frame(f"/planned_{number}", show_axes=False)
             for number in range(self._stage.robot.size + 1)
@@ -291,7 +307,7 @@ class Picture:
                 name.text,
                 position=name.place,
                 font_screen_scale=0.7,
-                # a frame that the robot brings to another one has its name on the other side
+                # a frame that the robot brings to another one is labelled on the other side
                 anchor="top-right" if name.matters else "bottom-right",
             )
             self.switches.add(label, *groups)

@@ -1,4 +1,4 @@
-"""Nodes of viser's scene at poses (4, 4)."""
+"""Move nodes of viser's scene to poses (4, 4)."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from yarclang.robot.model import Array
 
 
 def move_nodes(nodes: list[Any], poses: Array) -> None:
-    """Move nodes (K) to poses (K, 4, 4); the first one, which no joint moves, stays."""
+    """Move nodes (K) to poses (K, 4, 4). The first node, which no joint moves, stays."""
     for node, pose, turn in zip(nodes[1:], poses[1:], _quaternions(poses[1:]), strict=True):
         node.position, node.wxyz = pose[:3, 3], turn
 
 
 def position_and_turn(transform: Array) -> tuple[Array, Array]:
-    """Position, and rotation as a quaternion w x y z."""
+    """Return position, and rotation as a quaternion w x y z."""
     return transform[:3, 3], _quaternions(transform[None])[0]
 
 
 def _quaternions(poses: Array) -> Array:
-    """The rotations of poses (K, 4, 4) as quaternions w x y z (K, 4)."""
+    """Return the rotations of poses (K, 4, 4) as quaternions w x y z (K, 4)."""
     from scipy.spatial.transform import Rotation
 
     quaternions: Array = np.roll(Rotation.from_matrix(np.array(poses[:, :3, :3])).as_quat(), 1, axis=1)

@@ -1,4 +1,4 @@
-"""The time that is shown: it stands, or runs at some speed from its beginning to its end. It knows no clock."""
+"""The shown time, which stands or runs at some speed from beginning to end. It has no clock."""
 
 from __future__ import annotations
 
@@ -7,7 +7,14 @@ from dataclasses import dataclass
 
 @dataclass(slots=True)
 class Player:
-    """`time` [s] of `duration`; while `plays`, `factor` seconds of it pass in a second."""
+    """The shown time.
+
+    Attributes:
+        duration: the end [s].
+        time: the shown time [s].
+        factor: speed of the shown time relative to real time.
+        plays: True while the time runs.
+    """
 
     duration: float
     time: float = 0.0
@@ -15,10 +22,13 @@ class Player:
     plays: bool = False
 
     def pass_by(self, seconds: float) -> bool:
-        """Let time pass.
+        """Advance the time while it runs, and stop at the end.
+
+        Args:
+            seconds: real time that has passed [s].
 
         Returns:
-            Whether the time that is shown is another one now. At the end it stops.
+            True if the shown time has changed.
         """
         if not self.plays or seconds <= 0.0:
             return False
@@ -28,11 +38,11 @@ class Player:
         return True
 
     def press(self) -> None:
-        """Begin or stop to play; from the end it begins anew."""
+        """Start or stop. At the end, start again from the beginning."""
         self.plays = not self.plays and self.duration > 0.0
         if self.plays and self.time >= self.duration:
             self.time = 0.0
 
     def jump(self, time: float) -> None:
-        """Go to a time, or to the end that is nearest to it."""
+        """Go to a time [s], limited to the range."""
         self.time = min(max(time, 0.0), self.duration)

@@ -1,4 +1,4 @@
-"""Which running robot is shown: found at first, and found again when it was away."""
+"""Find the running robot to show, at first and again after it was away."""
 
 from __future__ import annotations
 
@@ -19,7 +19,13 @@ _SERVE = "serve one: `yarc serve --robot NAME`, or run a program: `yarc run`"
 
 @dataclass(frozen=True, slots=True)
 class Whose:
-    """The robot that is wanted: by the `name` of its run, or by the `host` and `port` of its controller; without both it is the only one."""
+    """The wanted robot. Without a name and a host, it is the only one that runs.
+
+    Attributes:
+        name: name of its run; None for any.
+        host: host of its controller; None for any.
+        port: port of its controller.
+    """
 
     name: str | None = None
     host: str | None = None
@@ -44,7 +50,7 @@ class Whose:
         return the_run(self.name)
 
     def again(self, before: Run) -> Run:
-        """Return the run that came in the place of another one: of the same controller, else of the same robot.
+        """Return the run that replaces another one: with its controller or, without one, its robot.
 
         Raises:
             ControlError: there is none, or there are several.
@@ -62,14 +68,20 @@ class Whose:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Place:
-    """A robot and the cell around it, as their files are; `notes` say what of the cell can't be read."""
+    """A robot and its cell, as read from their files.
+
+    Attributes:
+        robot: the robot.
+        cell: the cell; None without one.
+        notes: parts of the cell that can't be read.
+    """
 
     robot: Robot
     cell: Cell | None
     notes: tuple[str, ...] = ()
 
     def is_as(self, other: Place) -> bool:
-        """Return True if another place looks the same."""
+        """Return True if another place looks equal."""
         texts = [None if one.cell is None else one.cell.source for one in (self, other)]
         return (
             self.robot.fingerprint == other.robot.fingerprint
@@ -82,7 +94,7 @@ def read_place(welcome: Welcome, around: Surroundings) -> Place:
     """Read the files of a robot and its cell that a coordinator has named.
 
     Raises:
-        Trouble: the robot's can't be read, or have changed since it is served.
+        Trouble: the robot's files can't be read, or have changed since it is served.
     """
     loaded = load_robot(around.robot)
     robot = loaded.value

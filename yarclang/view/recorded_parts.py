@@ -1,4 +1,4 @@
-"""The parts of a cell during a recorded run: at the times at which the robot got to the SETs that move them."""
+"""The parts of a cell during a recorded run, from the times at which the robot reached the SETs."""
 
 from __future__ import annotations
 
@@ -33,16 +33,21 @@ from yarclang.view.parts import Moment, ShownParts, shown_parts
 from yarclang.ways import Turn
 
 _BESIDE = 0.02
-"""A sample's time in the program may be off by this while the robot stands [s]."""
+"""Tolerance of a sample's time in the program while the robot stands [s]."""
 _STANDS = 0.1
-"""If the robot is at a time of the program for longer than this [s], it stands there."""
+"""Least time at one time of the program that counts as standing [s]."""
 _BESIDE_WAY = 0.12
-"""A time in the program that is nearer to the end of a way may be outside [s]."""
+"""Times in the program nearer than this to the end of a branch may be outside [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedParts:
-    """The parts of a run: as they are shown, and as they were followed through the last pass."""
+    """The parts of a run.
+
+    Attributes:
+        shown: the parts in the picture.
+        carried: the parts during the last pass.
+    """
 
     shown: ShownParts
     carried: Carried
@@ -50,24 +55,32 @@ class RecordedParts:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Pass:
-    """Samples of one pass: at `real` (N,) [s of the run] the robot was at `told` (N,) [s of the program], which never falls; `is_whole` says that it came to its end."""
+    """Samples of one pass.
+
+    Attributes:
+        real: (N,) times in the run [s].
+        told: (N,) times in the program [s], never falling.
+        is_whole: True if the pass was completed.
+    """
 
     real: Array
     told: Array
     is_whole: bool
 
     def when(self, time: float, *, leaves: bool) -> float | None:
-        """Return when the robot was at a time of the program [s of the run]; None if it never got there.
+        """Return the time in the run at which the robot was at a time of the program [s]; None if it never
+        was.
 
         Args:
-            time: in the program [s].
-            leaves: if the robot stands there for a while, return when it goes on, not when it has come.
+            time: time in the program [s].
+            leaves: if the robot stands there for a while, return the end of this stay rather than its
+                beginning.
         """
         if time > self.told[-1] + _BESIDE:
             return float(self.real[-1]) if self.is_whole else None
         first = int(np.searchsorted(self.told, time - _BESIDE, side="left"))
         last = int(np.searchsorted(self.told, time + _BESIDE, side="right")) - 1
-        if last < 0:  # it began later in the program
+        if last < 0:  # the pass began later in the program
             return float(self.real[0])
         begins, ends = float(self.real[first]), float(self.real[last])
         if ends - begins > _STANDS:
@@ -78,13 +91,13 @@ class _Pass:
 def recorded_parts(
     run: RecordedRun, tracking: Tracking, does: Executed, program: Program | None
 ) -> RecordedParts | None:
-    """Show the parts of a run.
+    """Return the parts of a run.
 
     Args:
         run: the log.
-        tracking: when in the program each sample was taken.
-        does: what the text of the run does.
-        program: the program that the text was made from; None if that isn't known.
+        tracking: time in the program of each sample.
+        does: motions of the run's controller text.
+        program: the program of the text; None if it isn't known.
 
     Returns:
         None if the program isn't known, or its cell has no parts.
@@ -97,7 +110,7 @@ def recorded_parts(
     for number, one in enumerate(_passes(run, tracking)):
         left_out = frozenset(_left_out(program.steps, begins, one))
         followed = carried_in_text(does, program, left_out)
-        assert followed is not None  # as before
+        assert followed is not None  # known, as in the first call
         carried = followed
         if number:
             moments.append(Moment(float(one.real[0]), carried.states[0]))
@@ -120,7 +133,7 @@ def _passes(run: RecordedRun, tracking: Tracking) -> Iterator[_Pass]:
 
 
 def _follows_wait(steps: Sequence[Step], number: int) -> bool:
-    """Return True if the robot waits for something between the motion before a step and the step."""
+    """Return True if the robot waits for something between a step and the motion before it."""
     for step in reversed(steps[:number]):
         if isinstance(step, Motion):
             return False
@@ -130,7 +143,12 @@ def _follows_wait(steps: Sequence[Step], number: int) -> bool:
 
 
 def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Iterator[int]:
-    """Yield the steps of the ways that a pass didn't take, and their WHEN, ELSE and END; also what a pass of a loop left out, and where loops begin and end. Of a WHEN whose ways both take no time none is known."""
+    """Yield the steps that a pass left out, and those that only mark branches and loops.
+
+    These are the branches of WHEN that weren't taken with their WHEN, ELSE and END; the skipped rests of
+    loops; and the steps at which loops begin and end. If both branches of a WHEN take no time, neither is
+    yielded.
+    """
     open_: list[tuple[int, int | None]] = []
     loops: list[list[int]] = []
     for number, step in enumerate(steps):
@@ -149,7 +167,7 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
                 if first is None and second is None:
                     continue
                 yield from {when, middle, number}
-                # a way that takes no time was taken if the other one wasn't
+                # A branch without duration was taken if the other one wasn't.
                 takes_first = first if first is not None else not second
                 yield from range(middle, number) if takes_first else range(when, middle)
             case Loop():
@@ -168,7 +186,7 @@ def _left_out(steps: Sequence[Step], begins: Sequence[float], one: _Pass) -> Ite
 
 
 def _was_in(one: _Pass, begins: float, ends: float) -> bool | None:
-    """Return True if a pass was within two times of the program [s]; None if they are the same time."""
+    """Return True if a pass was between two times of the program [s]; None if they are equal."""
     if ends <= begins:
         return None
     margin = min(_BESIDE_WAY, 0.4 * (ends - begins))

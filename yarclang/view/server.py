@@ -1,4 +1,4 @@
-"""viser's server, which talks only to the pages that it has served itself (`yarclang.hosts`)."""
+"""viser's server, restricted to pages that it has served itself (`yarclang.hosts`)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from websockets.asyncio import server as websocket_server
 from yarclang.hosts import HERE, is_called, is_own
 
 Request = Callable[[Any, Any], Any]
-"""Callback of websockets for a connection and its request: it returns a response, or None to go on."""
+"""Callback of websockets for a connection and its request: returns a response, or None to continue."""
 
 
 class GuardedServer(viser.ViserServer):
-    """A viser server that opens no tunnel to the outside, and refuses requests by other names than its own and pages of other sites.
+    """A viser server without tunnels that refuses other host names and pages of other sites.
 
     Args:
         host: address to listen on, or its name.
-        port: to listen on.
-        names: by which the server may be called, besides localhost, `host` and the address that a connection reaches.
+        port: port to listen on.
+        names: allowed names of the server besides localhost, `host` and the address of the connection.
     """
 
     def __init__(self, host: str, port: int, names: frozenset[str] = frozenset()) -> None:
@@ -34,15 +34,15 @@ class GuardedServer(viser.ViserServer):
             raise RuntimeError("this version of viser can't be guarded")
 
     def request_share_url(self, verbose: bool = True) -> str | None:  # noqa: ARG002  (viser's signature)
-        """Never: a client could ask for it, and the picture would be public."""
+        """Return None: a tunnel, which any client could request, would make the picture public."""
         return None
 
 
 class _Guard:
-    """Decides on each request before anything is answered, be it for a file or for a connection.
+    """Decides on each request for a file or a connection before it is answered.
 
     Attributes:
-        is_asked: true once the server asks it.
+        is_asked: True once the server has called it.
     """
 
     def __init__(self, names: frozenset[str]) -> None:
@@ -50,7 +50,7 @@ class _Guard:
         self._names = names
 
     def before(self, answer: Request | None) -> Request:
-        """Return what asks this guard first, and then goes on as before."""
+        """Return a callback that asks this guard first, and then the given one."""
         self.is_asked = True
 
         def process(connection: Any, request: Any) -> Any:
@@ -62,7 +62,7 @@ class _Guard:
         return process
 
     def _objection(self, here: tuple[Any, ...], headers: Any) -> str:
-        """Return why a request is refused; empty: it isn't."""
+        """Return the reason to refuse a request; empty if it is allowed."""
         hosts, origins = headers.get_all("Host"), headers.get_all("Origin")
         address, port = str(here[0]), int(here[1])
         if len(hosts) != 1 or not is_called(hosts[0], port, self._names | {address}):
@@ -74,7 +74,7 @@ class _Guard:
 
 @contextlib.contextmanager
 def _guarded(guard: _Guard) -> Iterator[None]:
-    """Let the servers that are made meanwhile ask a guard first: viser hands no such question on to websockets."""
+    """Let new servers ask a guard first. viser has no option to pass such a callback to websockets."""
     serve = websocket_server.serve
 
     def guarded(*arguments: Any, process_request: Request | None = None, **options: Any) -> Any:

@@ -1,4 +1,4 @@
-"""A stage in a browser: orders are taken, time passes, and the picture follows."""
+"""Show a stage in a browser: take orders, advance the time, and update the picture."""
 
 from __future__ import annotations
 
@@ -25,25 +25,25 @@ if TYPE_CHECKING:
     import viser
 
 _RATE = 30.0
-"""Pictures in a second while time passes."""
+"""Pictures in a second while time runs."""
 _TEXT_RATE = 8.0
-"""How often figures and the slider follow [1/s]."""
+"""Updates of figures and slider in a second."""
 _MOST_CLEARANCES = 3_000
-"""Places at which clearances are looked at; in between colours run into each other."""
+"""Largest number of places at which clearances are computed; the colours between are interpolated."""
 _PASSES = 20.0
-"""How long a wait for an order may be [s]: only so that an interrupt is seen."""
+"""Longest wait for an order [s], so that an interrupt is noticed."""
 
 
 def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
     """Serve a stage until it is interrupted (KeyboardInterrupt).
 
     Args:
-        stage: what is to be seen.
-        door: where to serve it; port 0 takes a free one.
-        ready: called with the real door once it is open.
+        stage: the stage.
+        door: address to serve it at; port 0 takes a free one.
+        ready: called with the real address once it is open.
 
     Raises:
-        PortTakenError: something else listens there, or the address isn't one of this machine.
+        PortTakenError: the port is in use, or the address doesn't belong to this machine.
     """
     with opened(door) as server:
         showing = _Showing(server, stage)
@@ -52,7 +52,7 @@ def show(stage: Stage, door: Door, ready: Callable[[Door], None]) -> None:
 
 
 class _Showing:
-    """What is shown at this moment. Only its own thread draws: viser's hand in orders."""
+    """The present picture. Only its own thread draws; the threads of viser add orders."""
 
     def __init__(self, server: viser.ViserServer, stage: Stage) -> None:
         self._stage = stage
@@ -74,7 +74,7 @@ class _Showing:
         self._follow(figures_too=True)
 
     def run(self) -> None:
-        """Take orders and let time pass, for ever."""
+        """Take orders and advance the time, for ever."""
         last = written = time.monotonic()
         while True:
             due = last + 1.0 / _RATE - time.monotonic() if self._player.plays else _PASSES
@@ -180,7 +180,7 @@ class _Showing:
 
 
 def ramps_of(stage: Stage) -> dict[str, str]:
-    """By what the path can be coloured, and how that is called."""
+    """Return the values that can colour the path, with their names for people."""
     if len(stage.way.points) < 2:
         return {}
     ramps = {"speed": "speed"}
@@ -192,10 +192,10 @@ def ramps_of(stage: Stage) -> dict[str, str]:
 
 
 def values_of(stage: Stage, ramp: str) -> Array:
-    """What the path is coloured by [mm], (N,), one for each of its points."""
+    """Return the values [mm] that colour the path (N,), one for each of its points."""
     times = stage.way.times
     if ramp == "deviation":
-        assert stage.ghost is not None  # else it isn't offered
+        assert stage.ghost is not None  # offered only with a ghost
         from yarclang.view.track import followed
 
         q, v = stage.ghost.at(times)

@@ -15,19 +15,26 @@ AROUND = 32
 _RINGS = 8
 """Rings of a half sphere."""
 _MOST_TRIANGLES = 40_000
-"""Of one mesh; a picture needs no more, and a browser takes no more of them at 30 pictures a second."""
+"""Largest number of triangles of a mesh. A picture needs no more, and browsers manage no more at 30 pictures
+a second.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solid:
-    """Triangles: corners `vertices` (V, 3) [m] in the shape's frame, and which three make one, `faces` (F, 3), seen from outside against the clock."""
+    """A surface of triangles.
+
+    Attributes:
+        vertices: (V, 3) corners in the shape's frame [m].
+        faces: (F, 3) three corners for each triangle, counterclockwise seen from outside.
+    """
 
     vertices: Array
     faces: NDArray[np.int64]
 
 
 def solid_of(shape: Shape) -> Solid | None:
-    """The surface of a shape; None of a mesh that can't be read."""
+    """Return the surface of a shape; None for a mesh that can't be read."""
     match shape:
         case Box(size=size):
             return _box(size)
@@ -35,7 +42,7 @@ def solid_of(shape: Shape) -> Solid | None:
             return _turned(*_arc(radius, 0.0))
         case Cylinder(radius=radius, length=length):
             half = length / 2.0
-            # each edge twice, so that the light breaks there
+            # each edge twice, for a crease in the shading
             profile = np.array([[0.0, -half], [radius, -half], [radius, -half], [radius, half]])
             return _turned(*np.vstack([profile, [[radius, half], [0.0, half]]]).T)
         case Capsule(radius=radius, length=length):
@@ -59,14 +66,24 @@ def _box(size: Array) -> Solid:
 
 
 def _arc(radius: float, half: float) -> tuple[Array, Array]:
-    """Radii and heights from the lower pole to the upper one of two half spheres that are 2 `half` apart."""
+    """Return radii and heights of two half spheres, from the lower pole to the upper one.
+
+    Args:
+        radius: radius of the half spheres [m].
+        half: half the distance of their centres [m].
+    """
     angle = np.linspace(0.0, np.pi / 2.0, _RINGS + 1)
     out, up = radius * np.sin(angle), radius * np.cos(angle)
     return np.concatenate([out, out[::-1]]), np.concatenate([-half - up, half + up[::-1]])
 
 
 def _turned(radius: Array, height: Array) -> Solid:
-    """A profile from the lower end of the axis to the upper, turned about z."""
+    """Return the solid of a profile that is turned about z.
+
+    Args:
+        radius: (K,) radii of the profile, from its lower end to its upper one [m].
+        height: (K,) heights [m].
+    """
     angle = np.arange(AROUND) * (2.0 * np.pi / AROUND)
     x, y = radius[:, None] * np.cos(angle), radius[:, None] * np.sin(angle)
     z = np.broadcast_to(height[:, None], x.shape)
@@ -90,7 +107,7 @@ def _mesh(shape: Mesh) -> Solid | None:
     if not 0 < count <= _MOST_TRIANGLES or not np.isfinite(vertices).all():
         return None
     faces = np.array([[face[side] for side in range(3)] for face in map(model.tri_indices, range(count))])
-    # a scale below zero turns the triangles inside out
+    # A negative scale turns the triangles inside out.
     if np.prod(shape.scale) < 0.0:
         faces = faces[:, ::-1]
     return Solid(vertices, faces.astype(np.int64))

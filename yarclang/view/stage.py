@@ -1,6 +1,7 @@
-"""What is to be seen, as plain data: bodies, frames, paths, commands, findings, and where the joints are over time.
+"""The contents of a picture as plain data: bodies, frames, paths, commands, findings, and the joints over
+time.
 
-Nothing here knows a browser. Lengths are in m, times in s, everything in {B}.
+Nothing here depends on a browser. Lengths are in m, times in s, all coordinates in {B}.
 """
 
 from __future__ import annotations
@@ -22,15 +23,25 @@ from yarclang.view.solids import Solid
 
 Colour = tuple[int, int, int]
 Kind = Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
-"""A `shape` is a collision shape of a link that is shown by what it looks like; it stands in no stage."""
+"""Kinds of items. A `shape` is the collision shape of a link with a visual shape; no stage contains it."""
 Rows = NDArray[np.int64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Item:
-    """A body, or the border of a zone: `base_from_item` (4, 4) with all joints at zero, `joint` how many of them move it.
+    """A body, or the border of a zone.
 
-    Bodies of one `name` are one body of the collision check. It is shown from `begins` up to, but not at, `ends` [s]; `is_named` says that its name is written at it.
+    Attributes:
+        name: name of the body. Items with one name are one body of the collision check.
+        kind: kind of the item.
+        joint: number of joints that move the item.
+        base_from_item: (4, 4) with all joints at zero.
+        solid: its surface.
+        colour: its colour.
+        opacity: from 0 to 1.
+        begins: time from which it is shown [s].
+        ends: time from which it isn't shown any more [s].
+        is_named: True if its name is written beside it.
     """
 
     name: str
@@ -47,9 +58,15 @@ class Item:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """A frame: `base_from_frame` (4, 4) with all joints at zero, `joint` how many of them move it; `of_program` says that the program has declared it.
+    """A frame.
 
-    `matters` is True for {B}, the followed frame and, at its first place, each frame that the program uses; without a program for each frame of the cell.
+    Attributes:
+        name: name without braces.
+        joint: number of joints that move the frame.
+        base_from_frame: (4, 4) with all joints at zero.
+        of_program: True if the program declares the frame.
+        matters: True for {B}, the followed frame and the first place of each frame that the program uses;
+            without a program, for each frame of the cell.
     """
 
     name: str
@@ -60,19 +77,27 @@ class Axes:
 
 
 class Track(Protocol):
-    """Where the joints are over time."""
+    """The joints over time."""
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Positions [rad or m] and velocities, (N, n) each, at times (N,) [s]; before and behind its ends it stands still."""
+        """Return positions [rad or m] and velocities, (N, n) each, at times (N,) [s].
+
+        Outside of its range, the track stands still.
+        """
         ...
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """A path of the followed frame: at `times` (N,) [s] its origin is at `points` (N, 3), and goes with `speed` (N,) [m/s].
+    """A path of the followed frame.
 
-    Points `breaks[k]` up to `breaks[k + 1]` (M + 1,) hang together; between two of these stretches nothing is drawn. `piece` (M,) is which command each
-    stretch belongs to, -1 for none.
+    Attributes:
+        times: (N,) [s].
+        points: (N, 3) the frame's origin [m].
+        speed: (N,) [m/s].
+        breaks: (M + 1,) points `breaks[k]` up to `breaks[k + 1]` are connected; nothing is drawn between two
+            such stretches.
+        piece: (M,) the command of each stretch, -1 for none.
     """
 
     times: Array
@@ -83,10 +108,10 @@ class Way:
 
 
 class Later:
-    """Names and values that are worked out each time when somebody looks: of very many commands only a few are ever shown.
+    """Names and values that are computed at each use. Of very many commands, only few are ever shown.
 
     Args:
-        make: gives them.
+        make: returns them.
     """
 
     __slots__ = ("_make",)
@@ -100,7 +125,12 @@ class Later:
 
 @dataclass(frozen=True, slots=True)
 class Worst:
-    """A place that comes near to a limit: which command it is, and what in words."""
+    """A place that comes near to a limit.
+
+    Attributes:
+        piece: its command.
+        text: description of the place and the limit.
+    """
 
     piece: int
     text: str
@@ -108,11 +138,17 @@ class Worst:
 
 @dataclass(frozen=True, slots=True)
 class Piece:
-    """A command: how it is called, where it stands in the source (0: not known), from when to when it is carried out [s], and what is to be said of it,
-    name and value.
+    """A command.
 
-    `moves` is False for one that only waits or sets, and for a motion that couldn't be planned (`planned` says which). A long program has `facts` that are
-    worked out when somebody asks for them (`Later`).
+    Attributes:
+        label: label of the command, such as `P0010`.
+        name: name of the command.
+        line: line in the source; 0 if it isn't known.
+        begins: time at which it begins [s].
+        ends: time at which it ends [s].
+        moves: False if it only waits or sets, or is a motion without a plan.
+        planned: False for a motion without a plan.
+        facts: names and values to show; in a long program computed when needed (`Later`).
     """
 
     label: str
@@ -126,13 +162,23 @@ class Piece:
 
     @property
     def title(self) -> str:
-        """`P0010 MOVEL`."""
+        """Return a title such as `P0010 MOVEL`."""
         return f"{self.label} {self.name}".strip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mark:
-    """A finding, or something that has happened: at `place` (3,) and `time`, where these are known; `piece` is the command it is about, -1 for none."""
+    """A finding, or an event of a run.
+
+    Attributes:
+        code: code of the finding.
+        severity: severity.
+        text: message.
+        remedy: the finding's help.
+        time: time [s]; None if it isn't known.
+        place: (3,) [m]; None if it isn't known.
+        piece: its command, -1 for none.
+    """
 
     code: str
     severity: Severity
@@ -145,38 +191,52 @@ class Mark:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scenes:
-    """The bodies of the collision check over time: from `begins[k]` on [s] (K,), never falling, those of `cells[k]`. The first one holds before as well."""
+    """The bodies of the collision check over time.
+
+    Attributes:
+        robot: the robot.
+        begins: (K,) times from which each cell applies [s], never falling.
+        cells: (K,) the cells. The first one applies before its time as well.
+    """
 
     robot: Robot
     begins: Array
     cells: tuple[Cell | None, ...]
 
     def numbers(self, times: Array) -> Rows:
-        """Return which of the cells hold at times (N,)."""
+        """Return the numbers of the cells that apply at times (N,) [s]."""
         return np.maximum(np.searchsorted(self.begins, times, side="right") - 1, 0)
 
     def scene(self, number: int) -> Scene | None:
-        """Return the bodies of a cell; None if there is nothing to be near to."""
+        """Return the bodies with a cell; None if there is nothing to collide with."""
         found = scene_of(self.robot, self.cells[number]).value
         return found if found is not None and len(found.pairs.first) else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stage:
-    """All that is shown.
+    """The contents of a picture.
 
     Attributes:
         title: the file.
-        subtitle: what it is, in a line.
-        notes: what can't be shown, and why.
-        robot: whose joints `track` has; `ghost` is where they were planned to be, beside where they were.
-        frame: the followed frame's name, and `flange_from_frame` (4, 4), where it sits.
-        way: of the robot that is shown, and `ghost_way`, as it was planned.
-        scene: the bodies of the collision check at the beginning; None where there is nothing to be near to.
+        subtitle: description of the file, in a line.
+        notes: contents that can't be shown, with reasons.
+        robot: the robot whose joints `track` contains.
+        items: bodies and borders of zones.
+        axes: frames.
+        frame: name of the followed frame.
+        flange_from_frame: (4, 4) of the followed frame.
+        track: the joints over time.
+        ghost: the planned joints beside the actual ones; None without both.
+        way: path of the followed frame.
+        ghost_way: planned path of the followed frame; None without a ghost.
+        pieces: commands in order of time.
+        marks: findings and events.
+        scene: bodies of the collision check at the beginning; None if there is nothing to collide with.
         duration: the last time that is shown [s].
-        cell: what is around the robot; None if no cell is known.
-        scenes: the bodies of the collision check over time; None if they stay those of `scene`.
-        worst: the places that come nearest to what they are held to, the nearest first; none of a short program.
+        cell: the robot's cell; None if none is known.
+        scenes: bodies of the collision check over time; None if they stay those of `scene`.
+        worst: places nearest to their limits, the nearest first; empty for a short program.
     """
 
     title: str
@@ -206,7 +266,7 @@ class Stage:
         return self.scenes.scene(int(self.scenes.numbers(np.array([time]))[0]))
 
     def scenes_over(self, times: Array) -> Iterator[tuple[Scene, Rows]]:
-        """Yield the bodies of the collision check at times (N,) [s]: each with the rows of the times at which they hold."""
+        """Yield the bodies of the collision check at times (N,) [s], each with the rows of its times."""
         if self.scene is None:
             return
         if self.scenes is None:
@@ -219,7 +279,10 @@ class Stage:
                 yield scene, np.flatnonzero(numbers == number)
 
     def piece_at(self, time: float) -> int:
-        """The command that is carried out at a time: of several at once the moving one, else the first; -1 before the first one."""
+        """Return the command that runs at a time [s].
+
+        Of several at once, return the moving one or, without one, the first. -1 before the first command.
+        """
         count = bisect_right(self.pieces, time + 1e-9, key=lambda piece: piece.begins)
         first = count
         while first > 0 and not self.pieces[first - 1].moves:
@@ -227,13 +290,13 @@ class Stage:
         found = -1
         for number, piece in enumerate(self.pieces[max(first - 1, 0) : count], max(first - 1, 0)):
             if time <= piece.ends + 1e-9 or piece.moves:
-                # where one ends and the next one begins, it is the next
+                # At the end of one command and the beginning of the next, the next one counts.
                 found = number if piece.moves or found < 0 or self.pieces[found].ends < time else found
         return found
 
 
 def moved_by(chain: Chain, q: Array) -> Array:
-    """What the first joints do to what they move: (n + 1, 4, 4) from where it is with all joints at zero to where it is at `q` (n,)."""
+    """Return the displacements (n + 1, 4, 4) by the first 0 to n joints, from zero to `q` (n,)."""
     moved = np.tile(np.eye(4), (chain.size + 1, 1, 1))
     for joint in range(chain.size):
         turn, shift = joint_transform(chain.screws[joint], q[joint : joint + 1])

@@ -1,4 +1,4 @@
-"""What every picture begins with: the robot, its cell, the frames of its program, and what of them can't be shown."""
+"""Surroundings that all pictures show: the robot, its cell, the program's frames, and notes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,15 @@ from yarclang.view.stage import Axes, Item
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """As of `Stage`: its bodies, its frames, the bodies of the collision check, notes about what isn't shown, and the cell."""
+    """The surroundings in a stage; see `Stage`.
+
+    Attributes:
+        items: bodies and borders of zones.
+        axes: frames.
+        scene: bodies of the collision check; None if there is nothing to collide with.
+        notes: contents that can't be shown.
+        cell: the cell; None without one.
+    """
 
     items: tuple[Item, ...]
     axes: tuple[Axes, ...]
@@ -29,14 +37,14 @@ class Surroundings:
 def surroundings_of(
     robot: Robot, program: Program | None, followed: str, missing: str = "", given: Cell | None = None
 ) -> Surroundings:
-    """What is around.
+    """Return the surroundings.
 
     Args:
-        robot: that is shown.
-        program: whose frames and cell are shown; None where there is none.
+        robot: the robot.
+        program: program with frames and a cell; None without one.
         followed: name of the frame whose path is shown.
-        missing: why there is none; empty: none is wanted.
-        given: the cell that is shown without a program.
+        missing: reason why there is no program; empty if none is needed.
+        given: cell for pictures without a program.
     """
     cell = program.cell if program is not None else given
     links, unread = robot_items(robot)
@@ -55,7 +63,9 @@ def surroundings_of(
 
 
 def followed_frame(robot: Robot, program: Program | None) -> DrawnFrame:
-    """The frame that the first motion of a program leads somewhere, else {TCP}, else the flange."""
+    """Return the frame that the first Cartesian motion of a program moves; without one {TCP}, else the
+    flange.
+    """
     for step in program.steps if program is not None else ():
         if (led := led_by(step)) is not None:
             return led

@@ -1,4 +1,4 @@
-"""What can be hidden in a picture: each node belongs to groups, and is visible if none of them is switched off."""
+"""Switches of a picture: each node belongs to groups, and is visible if none of them is switched off."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ GROUPS = {
     "names": "names",
     "grid": "floor",
 }
-"""What can be hidden, and what people call it."""
+"""Groups that can be hidden, with their names for people."""
 OFF_AT_FIRST = frozenset({"other_axes", "shape"})
 _OF_RUN = {"robot": "actual robot", "way": "actual path"}
-"""Names of groups in a picture that has a planned robot, too."""
+"""Names of groups in a picture that also contains a planned robot."""
 
 
 class Switches:
     """The groups of a picture's nodes.
 
     Args:
-        hidden: the groups that are switched off.
+        hidden: groups that are switched off.
     """
 
     def __init__(self, hidden: Iterable[str] = OFF_AT_FIRST) -> None:
@@ -44,13 +44,13 @@ class Switches:
 
     @property
     def groups(self) -> dict[str, str]:
-        """The groups that have nodes, and what people call them."""
+        """Return the groups that have nodes, with their names for people."""
         found = {name: text for name, text in GROUPS.items() if self._nodes[name]}
         return found | {name: text for name, text in _OF_RUN.items() if "planned" in found and name in found}
 
     @property
     def hidden(self) -> frozenset[str]:
-        """The groups that are switched off."""
+        """Return the groups that are switched off."""
         return frozenset(self._hidden)
 
     def is_shown(self, *groups: str) -> bool:
@@ -65,23 +65,23 @@ class Switches:
             node.visible = False
 
     def switch(self, name: str, is_shown: bool) -> None:
-        """Switch a group on or off; its nodes follow, except those of parts, which `Parts` shows."""
+        """Switch a group on or off with its nodes, except those of parts, which `Parts` shows."""
         (self._hidden.discard if is_shown else self._hidden.add)(name)
         for node, groups in self._nodes[name]:
             if "part" not in groups:
                 node.visible = self.is_shown(*groups)
 
     def forget(self, name: str) -> None:
-        """Take the nodes of a group out of all groups: they are removed from the picture. The group keeps its switch."""
+        """Forget the nodes of a group, which are removed from the picture. The group keeps its switch."""
         for each, nodes in self._nodes.items():
             self._nodes[each] = [(node, groups) for node, groups in nodes if name not in groups]
 
 
 class Parts:
-    """The nodes of the parts, of which those are visible that are there at a time. A node hears only of changes.
+    """The nodes of parts, each visible while its part is there. Only changes are sent.
 
     Args:
-        switches: of the picture.
+        switches: switches of the picture.
     """
 
     def __init__(self, switches: Switches) -> None:
@@ -110,14 +110,14 @@ class Parts:
         self._visible = wanted
 
     def look(self) -> None:
-        """Show what the switches let be seen now."""
+        """Show the parts that the switches allow."""
         shown = [self._switches.is_shown(*groups) for _, groups in self._nodes]
         self._switched = np.array(shown, dtype=np.bool_)
         self.move_to(self._time)
 
     def clear(self) -> None:
         """Remove all parts."""
-        for node, _ in reversed(self._nodes):  # a name hangs on its part
+        for node, _ in reversed(self._nodes):  # names are children of their parts, and must be removed first
             node.remove()
         self._switches.forget("part")
         self._nodes, self._begins, self._ends = [], [], []

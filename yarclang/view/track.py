@@ -1,4 +1,4 @@
-"""Where joints are over time, and the paths that a frame takes with them."""
+"""Joint positions over time, and the paths of a frame."""
 
 from __future__ import annotations
 
@@ -16,23 +16,29 @@ from yarclang.robot.model import Array, Chain
 from yarclang.view.stage import Track, Way
 
 MOST_POINTS = 20_000
-"""The points of a path."""
+"""Number of points of a path."""
 _MOST_EACH, _FEWEST_EACH = 400, 8
-"""The points of one motion, where there are few motions."""
+"""Largest and smallest number of points of one motion, if there are few motions."""
 _AT_ONCE = 4_096
-"""The points that are worked out at once."""
+"""Number of points that are computed together."""
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """Motions: the curve `curves[k]` begins at `begins[k]` (m,) [s]; between them the robot stands; before the first it stands at `start` (n,)."""
+    """Planned motions over time. Between the motions, the robot stands.
+
+    Attributes:
+        start: (n,) joint positions before the first motion [rad or m].
+        curves: (m,) the motions.
+        begins: (m,) times at which they begin [s].
+    """
 
     start: Array
     curves: tuple[Curve, ...]
     begins: Array
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """As `Track` says."""
+        """Return positions and velocities; see `Track.at`."""
         q = np.tile(self.start, (len(times), 1))
         v = np.zeros_like(q)
         number = np.searchsorted(self.begins, times, side="right") - 1
@@ -42,7 +48,12 @@ class Curves:
         return q, v
 
     def of(self, number: NDArray[np.intp], times: Array) -> tuple[Array, Array]:
-        """Positions [rad or m] and velocities, (N, n) each, of curves `number` (N,) at times (N,) [s] from the start of each."""
+        """Return positions [rad or m] and velocities, (N, n) each, of curves.
+
+        Args:
+            number: (N,) numbers of the curves.
+            times: (N,) times after the start of each curve [s].
+        """
         q, v, _ = self._sampler.sample(number, times)
         return q, v
 
@@ -53,13 +64,18 @@ class Curves:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recorded:
-    """Samples `q` (N, n) at `times` (N,) [s], which never fall; in straight lines from one to the next."""
+    """Recorded samples, connected by straight lines.
+
+    Attributes:
+        times: (N,) [s], never falling.
+        q: (N, n) [rad or m].
+    """
 
     times: Array
     q: Array
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """As `Track` says."""
+        """Return positions and velocities; see `Track.at`."""
         columns = range(self.q.shape[1])
         q = np.column_stack([np.interp(times, self.times, self.q[:, column]) for column in columns])
         if len(self.times) < 2:
@@ -74,21 +90,34 @@ class Recorded:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shifted:
-    """Another track, whose time is `inner` (N,) [s] when it is `outer` (N,) here; neither falls. Velocities are per s of the inner one."""
+    """A track with another time. Velocities are per second of the inner time.
+
+    Attributes:
+        track: the track.
+        outer: (N,) times here [s], never falling.
+        inner: (N,) corresponding times in the track [s], never falling.
+    """
 
     track: Track
     outer: Array
     inner: Array
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """As `Track` says."""
+        """Return positions and velocities; see `Track.at`."""
         return self.track.at(np.interp(times, self.outer, self.inner))
 
 
 def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces: Sequence[int]) -> Way:
-    """The path of a frame through motions, each of which belongs to one of `pieces`; the points are dealt out by how far the joints move.
+    """Return the path of a frame during motions.
 
-    The more motions there are, the fewer points a short one has: of very many only its start and its end.
+    Points are distributed by how far the joints move. The more motions there are, the fewer points a short
+    one has; of very many, only start and end.
+
+    Args:
+        curves: the motions.
+        chain: the robot's joints.
+        flange_from_frame: (4, 4) of the frame.
+        pieces: the command of each motion.
     """
     if not curves.curves:
         still = tool_poses(chain, curves.start[None], flange_from_frame)[:, :3, 3]
@@ -111,14 +140,28 @@ def way_of_curves(curves: Curves, chain: Chain, flange_from_frame: Array, pieces
 
 
 def way_of_track(track: Track, times: Array, chain: Chain, flange_from_frame: Array) -> Way:
-    """The path of a frame at some times (N,) [s], in one stretch."""
+    """Return the path of a frame in one stretch.
+
+    Args:
+        track: the joints over time.
+        times: (N,) [s].
+        chain: the robot's joints.
+        flange_from_frame: (4, 4) of the frame.
+    """
     q, v = track.at(times)
     points, speed = followed(chain, q, v, flange_from_frame)
     return Way(times, points, speed, np.array([0, len(times)]), np.array([-1]))
 
 
 def followed(chain: Chain, q: Array, v: Array, flange_from_frame: Array) -> tuple[Array, Array]:
-    """Where the origin of a frame is (N, 3) [m], and how fast it goes (N,) [m/s]."""
+    """Return positions (N, 3) [m] and speeds (N,) [m/s] of a frame's origin.
+
+    Args:
+        chain: the robot's joints.
+        q: (N, n) joint positions [rad or m].
+        v: (N, n) joint velocities.
+        flange_from_frame: (4, 4) of the frame.
+    """
     poses, jacobians = poses_and_jacobians(chain, q, flange_from_frame)
     speed: Array = np.linalg.norm(np.einsum("nij,nj->ni", jacobians[:, :3], v), axis=1)
     return poses[:, :3, 3], speed

@@ -1,4 +1,4 @@
-"""Which frames are drawn: each place has one triad, and each name is written once."""
+"""The drawn frames: one triad for each place, and each name once."""
 
 from __future__ import annotations
 
@@ -13,14 +13,17 @@ from yarclang.view.labels import spots
 from yarclang.view.stage import Axes
 
 _SAME = 1e-6
-"""Frames whose poses differ by less coincide [m, and entries of rotation matrices]."""
+"""Largest difference of poses that coincide [m, and entries of rotation matrices]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Triad:
-    """Axes at `base_from_frame` (4, 4) with all joints at zero, which `joint` joints move.
+    """Axes at a place.
 
-    `matters` says that one of the frames there does.
+    Attributes:
+        joint: number of joints that move them.
+        base_from_frame: (4, 4) with all joints at zero.
+        matters: True if one of the frames there matters.
     """
 
     joint: int
@@ -30,7 +33,14 @@ class Triad:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Name:
-    """A text at a place (3,) with all joints at zero, which `joint` joints move."""
+    """A text at a place.
+
+    Attributes:
+        joint: number of joints that move the place.
+        place: (3,) with all joints at zero [m].
+        matters: True if one of the frames there matters.
+        text: the text.
+    """
 
     joint: int
     place: Array
@@ -39,7 +49,9 @@ class Name:
 
 
 def triads_of(axes: Sequence[Axes]) -> list[Triad]:
-    """Return one triad for all frames that coincide. Those that matter come first, so that none of the others hides them."""
+    """Return one triad for all frames that coincide. Frames that matter come first, so that others don't hide
+    them.
+    """
     found: list[Triad] = []
     for one in sorted(axes, key=lambda one: not one.matters):
         if not any(_coincide(triad, one) for triad in found):
@@ -54,9 +66,9 @@ def _coincide(triad: Triad, one: Axes) -> bool:
 
 
 def names_of(axes: Sequence[Axes], apart: float) -> list[Name]:
-    """Return what is written at frames: each name once, where it is first, and joined where places are nearer than `apart` [m].
+    """Return the names of frames: each once, at its first place, joined if nearer than `apart` [m].
 
-    A frame that has several places says at how many, "{CELL} 1 of 24".
+    The name of a frame with several places tells their number, such as "{CELL} 1 of 24".
     """
     counts = Counter(one.name for one in axes)
     firsts: dict[str, Axes] = {}

@@ -1,1 +1,1 @@
-"""The features, one a file: each translates one thing that yarclang.assist or the pipeline knows."""
+"""The features, one in each file. Each translates one kind of result of yarclang.assist or the pipeline."""

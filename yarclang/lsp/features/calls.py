@@ -1,4 +1,4 @@
-"""The hierarchy of calls: who calls a SUB, and which SUBs it calls."""
+"""Call hierarchy: the callers of a SUB, and the SUBs that it calls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Quick fixes of findings, and what is done to a whole text: renumber, apply all safe fixes."""
+"""Quick fixes of findings, and actions on a whole text: renumber, apply all safe fixes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
             made += _renumber(server, document)
         if _wanted(FIX_ALL, only) and _fixable(document, analysis.checked):
             made.append(_fix_all(uri))
-            # nobody who only looks what there is waits for motions to be planned
+            # A general request must not wait for planning.
             if only is not None or (not _resolves(server) and analysis.is_whole):
                 await _resolve(server, made[-1])
             elif not _resolves(server):
@@ -51,19 +51,19 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
 
 
 def _wanted(kind: str, only: Any) -> bool:
-    """Whether a kind is asked for: itself, or one that it belongs to."""
+    """Return True if a kind, or one of its parents, is requested."""
     names = [getattr(one, "value", one) for one in only or ()]
     return only is None or any(kind == one or kind.startswith(f"{one}.") or one == "" for one in names)
 
 
 def _resolves(server: Server) -> bool:
-    """Whether the client asks for an edit when it needs it."""
+    """Return True if the client requests the edit of an action later, when it is needed."""
     text = server.client_capabilities.text_document
     support = text.code_action.resolve_support if text and text.code_action else None
     return support is not None and "edit" in support.properties
 
 
-# findings
+# Findings.
 
 
 def _quick_fixes(
@@ -87,7 +87,7 @@ def _is_own(document: Document, finding: Diagnostic) -> bool:
 
 
 def _touches(span: Span | None, asked: Span) -> bool:
-    """Whether a finding is in the lines that are asked for: whoever stands in a line means its findings."""
+    """Return True if a finding is in the lines of the request, anywhere in them."""
     line, end_line = (span.line, span.end_line) if span else (1, 1)
     return line <= asked.end_line and asked.line <= end_line
 
@@ -103,7 +103,7 @@ def _quick_fix(server: Server, document: Document, repair: Repair) -> types.Code
     )
 
 
-# the whole text
+# The whole text.
 
 
 def _renumber(server: Server, document: Document) -> Iterator[types.CodeAction]:
@@ -123,7 +123,7 @@ def _fixable(document: Document, checked: Checked) -> bool:
 
 
 def _fix_all(uri: str) -> types.CodeAction:
-    """The edit comes when somebody wants it: each fix is tried."""
+    """Return the action without its edit, which is computed on request because each fix is tried."""
     return types.CodeAction(title="apply all fixes that change no motion", kind=FIX_ALL, data={"uri": uri})
 
 
@@ -140,7 +140,7 @@ async def _resolve(server: Server, action: types.CodeAction) -> types.CodeAction
 
 
 def _fixed(server: Server, document: Document, checked: Checked) -> str:
-    """The text with the fixes that `yarc check --fix` applies."""
+    """Return the text with the fixes that `yarc check --fix` applies."""
     if checked.source is None:
         return document.source.text
 

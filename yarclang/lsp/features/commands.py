@@ -1,7 +1,8 @@
-"""Code lenses, and what the client can have carried out: a command's inspection, and the picture of a program.
+"""Code lenses, and the commands of the server: inspection of a command, and picture of a program.
 
-`yarc.inspect` takes a text's URI and a line from 1, and gives `{"text": ..., "path": ...}`: the words of `yarc inspect` and a file that has
-them. `yarc.plot` takes the URI, and gives `{"path": ...}`, the picture of `yarc plot` as SVG. A client that can show a file is asked to.
+`yarc.inspect` takes a text's URI and a line from 1, and returns `{"text": ..., "path": ...}`: the output of
+`yarc inspect` and a file with it. `yarc.plot` takes the URI, and returns `{"path": ...}`, the picture of
+`yarc plot` as SVG. Clients that can show a file are asked to show it.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ INSPECT = "yarc.inspect"
 PLOT = "yarc.plot"
 
 
-# lenses
+# Lenses.
 
 
 def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens]:
@@ -47,7 +48,7 @@ def _lenses(server: Server, params: types.CodeLensParams) -> list[types.CodeLens
 
 
 def _heads(view: View) -> list[int]:
-    """The lines of the first motion of each paragraph: a lens above each line would hide the program."""
+    """Return the lines of the first motion of each paragraph: lenses above all lines hide the program."""
     found, has_lens = [], False
     for one in view.sketch.module.statements:
         above = view.sketch.source.line(one.line - 1).strip()
@@ -66,7 +67,7 @@ def _lens(
     return types.CodeLens(range_, types.Command(title=title, command=command, arguments=arguments))
 
 
-# commands
+# Commands.
 
 
 async def _inspect(server: Server, *arguments: Any) -> dict[str, str] | None:
@@ -87,7 +88,7 @@ async def _inspect(server: Server, *arguments: Any) -> dict[str, str] | None:
 
 
 def _inspection(view: View, line: int) -> str:
-    """The words of `yarc inspect`."""
+    """Return the output of `yarc inspect`."""
     from yarclang.report.inspection.inspected import Studied, inspect_step
     from yarclang.report.inspection.text import sections_of
 
@@ -121,26 +122,26 @@ def _draw(plan: MotionPlan, path: Path) -> None:
 
 
 def _arguments(arguments: tuple[Any, ...]) -> tuple[str, int]:
-    """The URI and the line, whatever a client sends."""
+    """Return URI and line from the arguments of a client, which may be anything."""
     uri = arguments[0] if arguments and isinstance(arguments[0], str) else ""
     line = arguments[1] if len(arguments) > 1 and isinstance(arguments[1], int | float) else 1
     return uri, int(line)
 
 
 def _told(server: Server, message: str) -> None:
-    """Tell the person why nothing comes."""
+    """Show the person the reason why there is no result."""
     server.window_show_message(types.ShowMessageParams(types.MessageType.Warning, message))
 
 
 def _show(server: Server, path: Path) -> None:
-    """Ask a client that can show a file to do so."""
+    """Ask the client to show a file, if it can."""
     window = server.client_capabilities.window
     if window and window.show_document and window.show_document.support and server.shows_documents:
         server.window_show_document(types.ShowDocumentParams(path.as_uri(), take_focus=False))
 
 
 def _arrived(server: Server, analysis: Analysis) -> None:
-    """Motions were planned: a client that asked for lenses before that gets them now."""
+    """Ask a client to request its lenses again, since motions are planned now."""
     workspace = server.client_capabilities.workspace
     refresh = workspace.code_lens if workspace else None
     if analysis.is_whole and refresh and refresh.refresh_support:

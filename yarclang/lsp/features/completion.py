@@ -1,4 +1,4 @@
-"""Completion: what may stand where somebody types."""
+"""Completion: the candidates at the place where somebody types."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def _completion(server: Server, params: types.CompletionParams) -> types.Complet
         return None
     source = view.sketch.source
     found = candidates_at(view, *place_of(source, params.position, server.encoding))
-    # suffixes come once a command is written: what is typed further is asked for anew
+    # Commands get their suffixes only once they are typed, therefore the list is incomplete.
     return types.CompletionList(
         is_incomplete=any(one.kind == "command" for one in found),
         items=[_item(server, view.sketch.source, one) for one in found],
@@ -64,7 +64,7 @@ def _item(server: Server, source: SourceFile, one: Candidate) -> types.Completio
         detail=one.detail or None,
         documentation=documentation if one.documentation else None,
         sort_text=f"{one.rank:02d}{one.label}",
-        filter_text=one.label.rstrip("]}"),  # a closing bracket that is typed ends the choice
+        filter_text=one.label.rstrip("]}"),  # typing a closing bracket ends the choice
         insert_text_format=types.InsertTextFormat.Snippet if fills and "$" in one.text else None,
         text_edit=types.TextEdit(
             range_of(source, one.span, server.encoding), one.text if fills else one.plain

@@ -1,4 +1,4 @@
-"""Findings: asked for by the client, or sent to clients that don't ask; never both."""
+"""Findings: pulled by the client, or pushed to clients that don't pull; never both."""
 
 from __future__ import annotations
 
@@ -16,11 +16,14 @@ if TYPE_CHECKING:
     from yarclang.lsp.server import Server
 
 PATIENCE = 0.3
-"""How long a client that asks waits for planned motions [s], before it gets what is known without; it is told to ask again."""
+"""Longest time that a client's request waits for planned motions [s].
+
+After that, the client gets the results without planning, and is asked to request again.
+"""
 
 
 def _asks(server: Server) -> bool:
-    """Whether the client asks for findings."""
+    """Return True if the client pulls findings."""
     text = server.client_capabilities.text_document
     return text is not None and text.diagnostic is not None
 
@@ -42,14 +45,14 @@ def _items(server: Server, analysis: Analysis) -> list[types.Diagnostic]:
 
 
 def _shows_pages(server: Server) -> bool:
-    """Whether the client shows a link from a code to its page."""
+    """Return True if the client shows a link from a code to its page."""
     text = server.client_capabilities.text_document
     shown = text.publish_diagnostics if text else None
     return bool(shown and shown.code_description_support)
 
 
 def _page(server: Server, code: str) -> types.CodeDescription:
-    """Return the link to a code's page, which is written when it is needed first."""
+    """Return the link to a code's page. The page is written at its first use."""
     path = server.files / f"{code}.md"
     if not path.exists():
         path.write_text(page(everything()[code]), encoding="utf-8")
@@ -57,7 +60,7 @@ def _page(server: Server, code: str) -> types.CodeDescription:
 
 
 def _name(analysis: Analysis) -> str:
-    """What tells an answer from another one."""
+    """Return an identifier for the findings of an analysis."""
     return f"{analysis.document.version}.{analysis.generation}.{2 if analysis.is_whole else int(analysis.is_planned)}"
 
 
@@ -81,7 +84,7 @@ async def _asked(
 
 
 def _arrived(server: Server, analysis: Analysis) -> None:
-    """Send findings, or tell a client that asks that there are more now."""
+    """Push the findings, or ask a client that pulls to request again."""
     uri = analysis.document.uri
     if analysis.repeats:
         server.owed.discard(uri)

@@ -1,4 +1,4 @@
-"""Formatting: what `yarc fmt` writes, of the whole text or of some of its lines."""
+"""Formatting as by `yarc fmt`, of the whole text or of some lines."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _part(server: Server, params: types.DocumentRangeFormattingParams) -> list[t
         return None
     first, _ = place_of(document.source, params.range.start, server.encoding)
     last, column = place_of(document.source, params.range.end, server.encoding)
-    last -= column == 1 and last > first  # the beginning of a line is none of it
+    last -= column == 1 and last > first  # an end at column 1 doesn't include this line
     inside = [
         one
         for one in edits
@@ -41,11 +41,11 @@ def _part(server: Server, params: types.DocumentRangeFormattingParams) -> list[t
 
 
 def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list[types.TextEdit] | None:
-    """Bring the line that was just ended into its usual form; nothing else of the text changes under the hands of who types."""
+    """Format the line that was just ended. The rest of the text must not change while somebody types."""
     document = server.documents.get(params.text_document.uri)
     if document is None or not document.is_program:
         return None
-    line = params.position.line  # from 0: the one before, from 1
+    line = params.position.line  # the protocol's line from 0 is the number from 1 of the line before
     if not 1 <= line <= len(document.source.lines):
         return None
     text = document.source.line(line)
@@ -60,7 +60,7 @@ def _typed(server: Server, params: types.DocumentOnTypeFormattingParams) -> list
 
 
 def _last_line(line: int, column: int) -> int:
-    """The last line that an edit touches: it may end where the next one begins."""
+    """Return the last line that an edit touches. The edit may end where the next line begins."""
     return line - 1 if column == 1 else line
 
 

@@ -1,4 +1,4 @@
-"""Hover: what is known of the place under the mouse."""
+"""Hover: the explanation of the place under the mouse."""
 
 from __future__ import annotations
 

@@ -41,7 +41,7 @@ def _listed(server: Server, view: View, first: int, last: int) -> list[Hint]:
 
 
 def _arrived(server: Server, analysis: Analysis) -> None:
-    """Motions were planned: hints can be asked for."""
+    """Ask a client to request its hints again, since motions are planned now."""
     workspace = server.client_capabilities.workspace
     refresh = workspace.inlay_hint if workspace else None
     if analysis.is_whole and refresh and refresh.refresh_support:

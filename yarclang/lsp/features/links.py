@@ -1,4 +1,4 @@
-"""Links from the names of files to the files, and what is selected around a place."""
+"""Links from the names of files to the files, and selections around a place."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def _selections(server: Server, params: types.SelectionRangeParams) -> list[type
         made: types.SelectionRange | None = None
         for span in reversed(around(document.sketch, *place_of(document.source, position, server.encoding))):
             made = types.SelectionRange(range_of(document.source, span, server.encoding), made)
-        assert made is not None  # the whole text is around each place
+        assert made is not None  # the whole text contains each place
         found.append(made)
     return found
 

@@ -1,4 +1,4 @@
-"""What a file consists of, which of it can be folded, and names in all files of the workspace."""
+"""Outline and folding of a file, and names in all files of the workspace."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _declared(entries: Iterable[Entry]) -> Iterator[Entry]:
 
 
 def _fits(query: str, name: str) -> bool:
-    """Whether the letters of a query stand in a name, in their order."""
+    """Return True if a name contains the letters of a query in their order."""
     rest = iter(name)
     return all(letter in rest for letter in query)
 

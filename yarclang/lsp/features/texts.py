@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 
 def _initialized(server: Server, params: types.InitializeParams) -> None:
-    """What the client says of itself at first."""
+    """Store the settings that the client sends with its first message."""
     given = params.initialization_options
     server.settings = dict(given) if isinstance(given, dict) else {}
 
 
 def _ready(server: Server, params: types.InitializedParams) -> None:  # noqa: ARG001  (the protocol's)
-    """Ask to be told of files that others change."""
+    """Register for changes of files by others."""
     workspace = server.client_capabilities.workspace
     watches = workspace.did_change_watched_files if workspace else None
     if watches is None or not watches.dynamic_registration:
@@ -46,12 +46,12 @@ def _closed(server: Server, params: types.DidCloseTextDocumentParams) -> None:
 
 
 def _saved(server: Server, params: types.DidSaveTextDocumentParams) -> None:
-    """Files that others read have changed."""
+    """Check the texts that depend on a saved file."""
     server.touched(params.text_document.uri)
 
 
 def _watched(server: Server, params: types.DidChangeWatchedFilesParams) -> None:
-    """Files were changed by somebody else."""
+    """Check the texts that depend on files that others have changed."""
     for one in params.changes:
         server.touched(one.uri)
 

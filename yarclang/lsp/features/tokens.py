@@ -1,4 +1,4 @@
-"""Semantic tokens: what kind of thing each word is."""
+"""Semantic tokens: the kind of each word."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _TYPES = {
     "constant": "enum",
     "pose": "enumMember",
 }
-"""Our words for the kinds, and those that themes of editors know."""
+"""Names of the kinds in yarclang.assist, and those that editors' themes use."""
 
 _NAMES = list(_TYPES.values())
 _NUMBERS = {tint: number for number, tint in enumerate(_TYPES)}
@@ -60,7 +60,7 @@ async def _part(server: Server, params: types.SemanticTokensRangeParams) -> type
 
 
 def _tokens(server: Server, document: Document, first: int, last: int | None) -> types.SemanticTokens:
-    """Five numbers a word, each place counted from the one before."""
+    """Return five numbers for each word, with places relative to the word before."""
     data: list[int] = []
     line = character = 0
     text, read = "", 0

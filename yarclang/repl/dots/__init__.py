@@ -1,1 +1,1 @@
-"""The dot commands, by what they are about. Each module has `COMMANDS`; dot.py finds them."""
+"""The dot commands by subject. Each module has `COMMANDS`; dot.py finds them."""

@@ -87,7 +87,7 @@ async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
 
 
 async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool:
-    """Into robot.toml where the robot brings a frame of this name, else as a FRAME line."""
+    """Write a tool into robot.toml if it defines a frame of this name; otherwise as a FRAME line."""
     assert touching.value is not None
     tip = touching.value.flange_from_tip
     robot = session.robot
@@ -128,7 +128,7 @@ async def _write_robot(session: Session, change: Callable[[SourceFile], str]) ->
 
 
 def _told(touching: Touching) -> str:
-    """Return what is known, and what to type next."""
+    """Return the measured values, and what to type next."""
     if touching.missing:
         return f"{len(touching.joints)} of {touching.fewest}: {touching.next_step()}, then .touch"
     text = touching.result_text()
@@ -153,7 +153,7 @@ def _name(words: list[str]) -> str:
 
 
 def _marks(robot: Robot, words: list[str]) -> dict[str, float]:
-    """Joints and their positions at the marks, in deg or mm."""
+    """Return joints and their positions at the marks, in deg or mm."""
     if not words or len(words) % 2:
         raise Misused("joints and their positions at the marks are needed: J2 0 J3 90")
     marks = {}

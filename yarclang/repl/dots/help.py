@@ -1,4 +1,4 @@
-"""What can be typed."""
+"""The list of what can be typed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Jogging: the command, and the loop that says to the robot what is wanted."""
+"""Jogging: the command, and the loop that sends the wanted motion to the robot."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from yarclang.repl.session import Session
 from yarclang.runtime.actions import Trouble
 
 EACH = 0.05
-"""How often it is said what is wanted [s]: less than the robot's watchdog."""
+"""Time between two messages with the wanted motion [s]: less than the robot's watchdog."""
 
 _LOOKED_EACH = 0.005
-"""How often it is looked whether the robot rests [s]."""
+"""Time between two checks if the robot rests [s]."""
 
 
 async def _jog(session: Session, rest: str) -> None:
@@ -34,9 +34,9 @@ async def _jog(session: Session, rest: str) -> None:
 
 
 async def _moved(session: Session, jogging: Jogging) -> None:
-    """Move the robot as keys are held, until the person ends it or something else does.
+    """Move the robot by held keys, until the person or an event ends the jog.
 
-    A key that is let go is a hold at once: what lies in the controller's buffer doesn't delay it.
+    A released key holds the robot at once: the controller's buffer doesn't delay it.
     """
     loop = asyncio.get_running_loop()
     robot = session.attached
@@ -75,7 +75,7 @@ async def _at_rest(session: Session) -> None:
 
 
 async def _ended(session: Session) -> Finished:
-    """How the motion has ended, when it has."""
+    """Wait for the end of the motion, and return it."""
     while session.ended_live is None:
         await asyncio.sleep(_LOOKED_EACH)
     return session.ended_live

@@ -1,4 +1,4 @@
-"""Where the robot stands, what there is, what was told."""
+"""Show the robot's position, frames, signals and messages."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from yarclang.report.pose_text import pose_text
 from yarclang.semantics.names.scope import Input
 
 _SHOWN = 20
-"""Messages that `.log` shows."""
+"""Number of messages that `.log` shows."""
 
 
 async def _where(session: Session, rest: str) -> None:
@@ -37,7 +37,7 @@ def _frames(session: Session, rest: str) -> None:  # noqa: ARG001
     rows = []
     for name in scope.frame_names():
         frame = scope.frame(name)
-        assert frame is not None  # its name was just told
+        assert frame is not None  # the scope has listed this name
         parent = "FLANGE" if frame.on_flange else "B"
         if name != parent:
             rows.append((f"{{{name}}}", f"{pose_text(np.asarray(frame.transform))} in {{{parent}}}"))

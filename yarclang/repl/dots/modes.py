@@ -1,4 +1,4 @@
-"""Whether to ask before something moves, and going away."""
+"""Ask before motions or not, and leave."""
 
 from __future__ import annotations
 

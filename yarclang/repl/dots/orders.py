@@ -1,4 +1,4 @@
-"""Orders to what moves: they overtake everything."""
+"""Orders about running motions, which overtake everything."""
 
 from __future__ import annotations
 

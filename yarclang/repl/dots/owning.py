@@ -1,4 +1,4 @@
-"""Who may move the robot, and going on behind a fault."""
+"""Own and release the robot, and continue after a fault."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the parts of the cell are: shown, and said."""
+"""Show the places of the cell's parts, and set them."""
 
 from __future__ import annotations
 

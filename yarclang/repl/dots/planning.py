@@ -1,4 +1,4 @@
-"""What would happen, backwards, and as a picture."""
+"""Plan without moving, go back, and plot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Programs in files: loading, running, saving."""
+"""Programs in files: load, run, save."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from yarclang.repl.session import Session
 _ENDING = ".yarc"
 
 _SAME = 1e-6
-"""Times that are nearer to each other are one [s]."""
+"""Times with a smaller difference count as equal [s]."""
 
 
 async def _load(session: Session, rest: str) -> None:
@@ -50,7 +50,7 @@ async def _step(session: Session, rest: str) -> None:
 
 
 async def _carry_out(session: Session, first: str, *, by_steps: bool) -> None:
-    """Compile the file as it is now, show the whole, ask, run."""
+    """Compile the present file, show all of it, ask, and run it."""
     file = session.file
     if file is None:
         session.refuse("no program is loaded: .load FILE")
@@ -105,7 +105,7 @@ async def _save(session: Session, rest: str) -> None:
 
 
 def _files(session: Session, begun: str) -> Iterator[str]:
-    """Programs and folders whose names begin so."""
+    """Yield programs and folders whose names begin like this."""
     inside = begun.rpartition("/")[0]
     folder = session.folder / inside if inside else session.folder
     if not folder.is_dir():
@@ -117,7 +117,7 @@ def _files(session: Session, begun: str) -> Iterator[str]:
 
 
 def _indices(session: Session, begun: str) -> Iterator[str]:
-    """Indices of the loaded program that begin so."""
+    """Yield indices of the loaded program that begin like this."""
     commands = session.file.commands if session.file else ()
     return (one for one in commands if one.startswith(begun.upper()))
 

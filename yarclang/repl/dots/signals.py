@@ -1,4 +1,4 @@
-"""Outputs, and inputs of a robot that is simulated."""
+"""Set outputs, and inputs of a simulated robot."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the robot stands gets a name."""
+"""Name the robot's present position."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ async def _teach(session: Session, rest: str) -> None:
 
 
 def joints_line(name: str, robot: Robot, joints: Array) -> str:
-    """`JOINTS NAME q1 ... (deg)` of joint positions (n,) [rad or m], to 0.0001 deg or mm."""
+    """Return `JOINTS NAME q1 ... (deg)` of joint positions (n,) [rad or m], to 0.0001 deg or mm."""
     values = " ".join(
         f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(joints / robot.axis_units, 4) + 0.0
     )

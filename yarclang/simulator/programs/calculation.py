@@ -288,7 +288,7 @@ class Calculation:
             self.failed = True
 
     def _synchronous(self, assign: Assign) -> None:
-        """Evaluate a synchronous assignment (M1==1). It is made as the next move begins to blend in (facts 4)."""
+        """Evaluate a synchronous assignment (M1==1). The next move makes it as it blends in (facts 4)."""
         index = int(value_of(assign.index, self.scope))
         value = value_of(assign.value, self.scope)
         operator = assign.synchronous

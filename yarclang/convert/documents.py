@@ -44,7 +44,10 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
 
 
 def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """Read the documents of a YAML stream; None with a finding. Scalars are texts; empty ones and nulls are None."""
+    """Read the documents of a YAML stream; None with a finding.
+
+    Scalars are texts, except that empty ones and nulls are None.
+    """
     import yaml
 
     documents: list[Any] = []

@@ -151,7 +151,7 @@ def _rates(
 
 
 def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
-    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; empty for others.
+    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; else empty.
 
     Args:
         name: name of the column.

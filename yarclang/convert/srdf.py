@@ -74,7 +74,10 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
 def _values(
     text: UrdfText, state: Element, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Array | None:
-    """Return the joint values (n,) of a state [deg, mm]; None with an error, or with a warning for another group."""
+    """Return the joint values (n,) of a state [deg, mm].
+
+    None with an error, or, for a state of another group, with a warning.
+    """
     given = {joint.attributes.get("name", ""): joint for joint in state.all("joint")}
     shown = state.attributes.get("name", "")[:40]
     missing = [name for name in wanted if name not in given]

@@ -51,7 +51,10 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
 
 def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
-    """Return the indices (m,) of targets to keep, so that the path is within the tolerance at the times of others."""
+    """Return the indices (m,) of targets to keep.
+
+    At the times of all others, the path through these targets is within the tolerance.
+    """
     assert course.times is not None
     kept = np.array([0, course.size - 1])
     while True:
@@ -88,7 +91,7 @@ def path_in_time(course: Course, times: Array) -> Array:
 
 
 def way_shares(points: Array) -> Array:
-    """Return the share of the path length (w,) at each of `points` (w, k), from 0 to 1: the knots of a spline."""
+    """Return the share of the path length (w,), 0 to 1, at each of `points` (w, k): the knots of a spline."""
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     shares: Array = way / way[-1]
     return shares

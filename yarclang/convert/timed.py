@@ -27,7 +27,7 @@ MOST_LINES = 20
 """Most way-points in the program. More are written into a file."""
 
 _SMALL_ANGLE, _SMALL_LENGTH = 1e-5 / DEG, 1e-5 / MM
-"""Change of the path up to which a velocity at rest counts as noise [deg, mm]: a tenth of the allowed error."""
+"""Change of the path up to which a velocity at rest is noise [deg, mm]: a tenth of the allowed error."""
 
 _SAMPLES = 8
 """Number of intervals of a leg at whose ends two paths are compared."""

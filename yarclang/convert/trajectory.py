@@ -244,7 +244,10 @@ def _number(value: Any) -> float | None:
 
 
 def _time(value: Any) -> float | None:
-    """Return a duration of ROS 1 or ROS 2, or a plain number, in seconds; 0 if it is missing, None if it is wrong."""
+    """Return a duration of ROS 1 or ROS 2, or a number, in seconds.
+
+    A missing one is 0, a wrong one is None.
+    """
     if value is None:
         return 0.0
     if not isinstance(value, Mapping):

@@ -27,7 +27,7 @@ class Wishes:
         form: the robot stops at each target (moves), passes all without a stop (spline), or passes them at
             their times (timed); None to choose by the file.
         time: time in [ ] that replaces the times of the file.
-        every: keep one of so many targets.
+        every: n to keep each n-th target.
         tolerance: largest deviation from omitted targets [deg and mm].
         beside: start of the names of files that may be written beside the program; None to write everything
             into the program.
@@ -55,7 +55,7 @@ class Course:
         times: (w,) increasing times [s]; None without times. A first target at time 0 is the start position
             of the robot.
         names: names of the targets, empty for targets without one; or no names at all.
-        comments: comments of the targets, likewise.
+        comments: comments of the targets, empty for targets without one; or no comments at all.
         remarks: sentences for the reader of the program.
         velocities: (w, k) velocities of joint values [deg/s, mm/s]; None without velocities.
         accelerations: (w, k) accelerations of joint values [deg/s^2, mm/s^2]; None without accelerations.

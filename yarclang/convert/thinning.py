@@ -30,7 +30,7 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
     Args:
         course: the course.
-        every: keep one of so many targets.
+        every: n to keep each n-th target.
         tolerance: largest distance of omitted targets [deg and mm]; None to keep all.
         robot: the robot.
         form: the form of the motion.

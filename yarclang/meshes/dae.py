@@ -20,7 +20,7 @@ def dae_fault(content: bytes) -> str:
     """Return the end of a sentence that names the fault of a COLLADA file as a body; empty without one.
 
     Args:
-        content: the file. Normals, colours and everything else for pictures only isn't checked.
+        content: the file. Normals, colours and other content for pictures only aren't checked.
     """
     reading = _Reading()
     parser = expat.ParserCreate(namespace_separator=" ")

@@ -1,4 +1,4 @@
-"""Copy a URDF into a robot folder: the same text, with its meshes beside it.
+"""Copy a URDF into a robot folder: its text, with its meshes beside it.
 
 Collision meshes are required: one that is missing (`lookup.py`), isn't a mesh, or isn't from the URDF's
 package (`meshes.py`) is an error. If the user allows missing ones, their <collision> is removed from the

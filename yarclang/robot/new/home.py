@@ -42,7 +42,7 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
     wanted = np.clip(np.zeros(chain.size), middle - half, middle + half)
     tries = np.vstack([wanted, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
     coarse = np.round(tries / units / ROUND) * ROUND * units
-    # use round numbers where the range is wide enough for them
+    # Use round numbers if the range is wide enough for them.
     tries = np.where(np.abs(coarse - middle) <= half, coarse, tries)
     values = smallest_singular_values(chain, tries, np.eye(4))
     good = values >= BENT * np.quantile(values, 0.75)

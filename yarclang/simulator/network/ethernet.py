@@ -140,7 +140,7 @@ class Station:
         self._listen()
         return self._next(min(packet.length or pmac.MOST_REPLY, pmac.MOST_REPLY)) or b"\x00"
 
-    def _ready(self, packet: Packet) -> bytes:  # noqa: ARG002  (the same call for all codes)
+    def _ready(self, packet: Packet) -> bytes:  # noqa: ARG002  (one signature for all codes)
         self._listen()
         return b"\x01\x00" if self._waiting else b"\x00\x00"
 

@@ -31,7 +31,7 @@ class Reply:
         return "\n".join(self.items)
 
 
-class Refusal(Exception):  # noqa: N818 - what the controller does; the bugs of the house are errors
+class Refusal(Exception):  # noqa: N818 - behaviour of the controller, not an error of the simulator
     """The controller refuses a command with ERR`number`."""
 
     def __init__(self, number: int) -> None:

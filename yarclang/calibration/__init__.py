@@ -1,1 +1,4 @@
-"""What is measured with the arm itself: a tool's tip, a frame, where the joints' zeros are. Arithmetic only; nothing here moves."""
+"""Calibrations with the arm itself: the tip of a tool, a frame, the zeros of the joints.
+
+These are computations only; nothing here moves.
+"""

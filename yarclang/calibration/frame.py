@@ -1,4 +1,4 @@
-"""A frame from points that were touched: its origin, a point on its x axis, and points of its plane on the side of y."""
+"""Calibration of a frame by touching its origin, a point on its x axis, and points of its x-y plane."""
 
 from __future__ import annotations
 
@@ -13,18 +13,21 @@ from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 
 LEAST_LENGTH = 10.0 * MM
-"""Points nearer to each other than this give no direction worth having."""
+"""Least distance of points from the origin: nearer ones give no accurate direction."""
 LEAST_ANGLE = 5.0 * DEG
-"""Between the x axis and the direction to a point of the plane."""
+"""Least angle between the x axis and the direction to a point of the plane."""
 LARGEST_HEIGHT = 0.5 * MM
-"""Points off the plane by more than this are told."""
+"""Distance from the plane above which a point is reported."""
 
 
 @frozen(eq=False)
 class FrameCalibration:
-    """A frame that was found: `base_from_frame` (4, 4) [m].
+    """A calibrated frame.
 
-    `heights` (k,) [m] are the signed distances of all points from its x-y plane, in the order given: zero for three points, which any plane holds.
+    Attributes:
+        base_from_frame: (4, 4) [m].
+        heights: (k,) signed distances of all points from its x-y plane, in the order given [m]; zero for
+            three points, which are always in a plane.
     """
 
     base_from_frame: Array
@@ -32,16 +35,18 @@ class FrameCalibration:
 
 
 def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[FrameCalibration]:
-    """The frame with this origin, whose x axis points to `on_x` and whose y axis to the side of the points of the plane.
+    """Compute a frame from its origin, a point on its x axis, and points of its plane.
 
     Args:
         origin: (3,) in {B} [m].
-        on_x: (3,) a point on the x axis, on its positive side.
-        on_plane: one or more points (3,) of the x-y plane with y above zero. With more than one the plane is the one that fits all points best
-            (least squares of their distances) and goes through the origin; x is the direction to `on_x` in it.
+        on_x: (3,) a point on the positive x axis, in {B} [m].
+        on_plane: one or more points (3,) of the x-y plane with y > 0, in {B} [m]. With more than one, the
+            plane through the origin fits all points best (least squares of their distances), and the x axis
+            is the projection of the direction to `on_x`.
 
     Returns:
-        None, with a finding, where points are too near to each other or in a line. A warning where they aren't in a plane.
+        The frame, with a warning if the points aren't in a plane; None, with a finding, if points are too
+        near to each other or in a line.
     """
     names = ["the point on x", *(f"point {number} of the plane" for number in range(1, len(on_plane) + 1))]
     if not on_plane:

@@ -1,4 +1,4 @@
-"""The offsets a0 of the motors, from joints that were brought to their marks."""
+"""Calibration of the motors' offsets a0, by bringing joints to their marks."""
 
 from __future__ import annotations
 
@@ -15,15 +15,18 @@ from yarclang.transforms import constant
 from yarclang.units import DEG, MM
 
 LARGEST_SPREAD = {"deg": 0.05 * DEG, "mm": 0.05 * MM}
-"""Visits of one mark that differ by more than this are told."""
+"""Difference of visits of a mark from their mean above which they are reported, by the unit of the joint."""
 
 
 @frozen(eq=False)
 class OffsetCalibration:
-    """Offsets that were found.
+    """Calibrated offsets.
 
-    `offsets` (n,) [counts] are a0 of all motors. `shift` (n,) [rad or m] says by how much each joint's position reads higher than before;
-    `spread` (n,) [rad or m] is the largest distance of a visit of the mark from the mean of all, zero for a single one and for joints that weren't brought to a mark.
+    Attributes:
+        offsets: (n,) a0 of all motors [counts].
+        shift: (n,) change of the position that each joint reads [rad or m].
+        spread: (n,) largest distance of a visit of the mark from the mean of all [rad or m]; zero for a
+            single visit, and for joints without a mark.
     """
 
     offsets: Array
@@ -34,17 +37,20 @@ class OffsetCalibration:
 def find_offsets(
     robot: Robot, counts: Sequence[Array] | Array, marks: Mapping[str, float]
 ) -> Result[OffsetCalibration]:
-    """The offsets with which the joints read what their marks say.
+    """Compute the offsets with which the joints read the positions of their marks.
 
-    counts = K J q + a0 (the paper's eq. 5). Joints without a mark keep the positions that they read today, also where a motor follows several joints.
+    counts = K J q + a0 (the paper's eq. 5). Joints without a mark keep the positions that they read now, even
+    if a motor follows several joints.
 
     Args:
-        robot: with the offsets that it has today.
-        counts: (k, n) motor positions [counts], one row a visit of the marks; several visits, each approached anew, show how well the marks repeat.
-        marks: the joint position [rad or m] at the mark, by the joint's name.
+        robot: the robot with its current offsets.
+        counts: (k, n) motor positions [counts], one row for each visit of the marks. Several visits, each
+            with a new approach, show the repeatability of the marks.
+        marks: joint position at the mark [rad or m], by the joint's name.
 
     Returns:
-        None, with a finding, for no visit, no mark or a joint that the robot doesn't have. A warning where visits differ.
+        The offsets, with a warning if visits differ; None, with a finding, without a visit or a mark, or for
+        a joint that the robot doesn't have.
     """
     rows = np.asarray(counts, dtype=np.float64).reshape(-1, robot.size)
     if not len(rows) or not marks:

@@ -1,7 +1,8 @@
-"""What the spread of the touches does: how an error of each touch grows into errors of the tip or the frame, and which touch would help.
+"""Propagation of the errors of touches to errors of a tip or a frame, and the touch that would reduce them.
 
-Each touch is off by an error of its own, the same in all directions and independent of the others, which is larger than `error` in 5 of 100 touches.
-Results are told likewise: the true tip lies outside of the ellipsoid that is told in at most 5 of 100 calibrations.
+The errors of touches are independent, equally distributed in all directions, and larger than `error` in 5 of
+100 touches. Results have the same confidence: the true tip is outside of the reported ellipsoid in at most 5
+of 100 calibrations.
 """
 
 from __future__ import annotations
@@ -16,31 +17,36 @@ from yarclang.transforms import constant, turn_about
 from yarclang.units import DEG, MM
 
 ERROR = 0.5 * MM
-"""Error of one touch that is assumed as long as the touches themselves tell none: by eye, with a pointed tip."""
+"""Error of one touch that is assumed without an estimate from the touches: by eye, with a pointed tip."""
 LEAST_ERROR = 0.1 * MM
-"""Error of one touch that is assumed where touches agree better than an eye sees."""
+"""Least error of one touch that is assumed if touches agree better than an eye can see."""
 LARGEST_TIP = 1.5 * MM
-"""A tip that is known worse than this along some direction needs other touches."""
+"""Largest error of a tip along any direction, above which other touches are needed."""
 LARGEST_TURN = 0.3 * DEG
-"""A frame that is turned by more than this about some axis needs points farther apart."""
+"""Largest error of a frame about any axis, above which points farther apart are needed."""
 FAR = 500.0 * MM
-"""Distance from a frame's origin at which its error is told."""
+"""Distance from the origin of a frame at which its error is reported."""
 
 _ANGLES = (20.0, 30.0, 45.0)
 _TELLING = 6
-"""Degrees of freedom from which residuals tell the error of a touch: those of four touches of a tip."""
+"""Least degrees of freedom to estimate the error of a touch from residuals: those of four touches."""
 _SHARE = 0.95
 _ASSUMED = 2.7955
-"""Radius of the sphere that has this share of a normal distribution in space, in standard deviations along an axis: the root of the chi-square quantile for 3."""
+"""Radius of the sphere that holds `_SHARE` of a normal distribution in space, in its standard deviations.
+
+It is the square root of the chi-square quantile for 3 degrees of freedom.
+"""
 _NOTHING = 1e-9
-"""Share of the information about other directions below which one isn't known at all."""
+"""Information about a direction, relative to a single touch, below which nothing is known about it."""
 
 
 @frozen(eq=False)
 class TipSpread:
-    """How well the spread of the touches tells the tip.
+    """Uncertainty of a tip: an ellipsoid around it.
 
-    `axes` (3,) [m] are the half axes of the ellipsoid round the tip along `directions` (3, 3), rows in {FLANGE}, the longest first; infinite where the touches say nothing.
+    Attributes:
+        axes: (3,) its half axes, the longest first [m]; infinite in directions about which nothing is known.
+        directions: (3, 3) directions of the half axes, as rows in {FLANGE}.
     """
 
     axes: Array
@@ -49,7 +55,13 @@ class TipSpread:
 
 @frozen(eq=False)
 class Tilt:
-    """A touch that would help: the tool tilted about an axis of {FLANGE} (0, 1 or 2) by an angle [rad], and the longest half axis of the tip's ellipsoid with it [m]."""
+    """A further touch that would reduce the uncertainty of a tip.
+
+    Attributes:
+        axis: axis of {FLANGE} about which the tool is tilted: 0, 1 or 2.
+        angle: angle of the tilt [rad].
+        longest: longest half axis of the tip's ellipsoid after this touch [m].
+    """
 
     axis: int
     angle: float
@@ -58,9 +70,13 @@ class Tilt:
 
 @frozen(eq=False)
 class FrameSpread:
-    """How well the spread of the points tells a frame, in the frame's own axes.
+    """Uncertainty of a frame, in its own axes.
 
-    `origin` [m] is the error of its origin, `turns` (3,) [rad] those of its orientation about x, y and z; infinite where the points say nothing. `base` [m] is the distance of the point on x, `width` [m] the largest distance of a point of the plane from the x axis.
+    Attributes:
+        origin: error of its origin [m].
+        turns: (3,) errors of its orientation about x, y and z [rad]; infinite if nothing is known about one.
+        base: distance of the point on x from the origin [m].
+        width: largest distance of a point of the plane from the x axis [m].
     """
 
     origin: float
@@ -69,21 +85,22 @@ class FrameSpread:
     width: float
 
     def at(self, distance: float) -> float:
-        """Return the largest error [m] of a point at a distance [m] from the origin, along the worst direction.
+        """Return the largest error [m] of a point at a distance [m] from the origin, in the worst direction.
 
-        Errors of the origin and of the turns belong to each other; their sum is an upper bound whatever the points.
+        The errors of the origin and of the turns are correlated. Their sum is an upper bound for any points.
         """
         return self.origin + float(np.sqrt(np.sum(self.turns**2))) * distance
 
 
 def touch_error(squares: float, freedom: int) -> float:
-    """Return the error of one touch [m] that residuals tell.
+    """Estimate the error of one touch [m] from residuals.
 
-    Few residuals tell it badly: the quantile of Hotelling's T-squared counts for how many there are.
+    Few residuals give a poor estimate, which the quantile of Hotelling's T-squared distribution takes into
+    account.
 
     Args:
-        squares: the sum of the squares of the residuals along each axis [m^2].
-        freedom: the number of residuals less that of the unknowns.
+        squares: sum of the squares of the residuals along all axes [m^2].
+        freedom: number of residuals minus number of unknowns.
     """
     if freedom < _TELLING:
         return max(ERROR, _ASSUMED * float(np.sqrt(squares / max(freedom, 1))))
@@ -94,13 +111,14 @@ def touch_error(squares: float, freedom: int) -> float:
 
 
 def tip_information(rotations: Array, error: float = ERROR) -> Array:
-    """Return the information about the tip that touches bring: the matrix of the ellipsoid round it.
+    """Return the information about the tip from touches: the matrix of the ellipsoid around it.
 
-    Each touch says R p + t = c + e. With the point c eliminated, sum (R - mean)^T (R - mean) p = ... remains for the tip p.
+    Each touch gives R p + t = c + e. Eliminating the point c leaves sum (R - mean)^T (R - mean) p = ... for
+    the tip p.
 
     Args:
-        rotations: (k, 3, 3) of the flange.
-        error: of one touch [m].
+        rotations: (k, 3, 3) rotations of the flange.
+        error: error of one touch [m].
 
     Returns:
         (3, 3), in {FLANGE} [1/m^2].
@@ -111,11 +129,11 @@ def tip_information(rotations: Array, error: float = ERROR) -> Array:
 
 
 def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
-    """Return how well touches tell the tip.
+    """Return the uncertainty of a tip after touches.
 
     Args:
-        rotations: (k, 3, 3) of the flange, at least one.
-        error: of one touch [m].
+        rotations: (k, 3, 3) rotations of the flange, at least one.
+        error: error of one touch [m].
     """
     values, vectors = np.linalg.eigh(tip_information(rotations, error))
     told = values > _NOTHING / error**2
@@ -126,11 +144,13 @@ def tip_spread(rotations: Array, error: float = ERROR) -> TipSpread:
 
 
 def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
-    """Return the smallest tilt of one more touch, from the last one, after which the tip is known well enough; else the one that helps most.
+    """Return the smallest tilt from the last touch to a further one that makes the tip known well enough.
+
+    If there is none, return the tilt that reduces the uncertainty most.
 
     Args:
-        rotations: (k, 3, 3) of the flange, at least one.
-        error: of one touch [m].
+        rotations: (k, 3, 3) rotations of the flange, at least one.
+        error: error of one touch [m].
     """
     tilts = list(_tilts(rotations, error))
     enough = [one for one in tilts if one.longest <= LARGEST_TIP]
@@ -139,7 +159,7 @@ def helpful_tilt(rotations: Array, error: float = ERROR) -> Tilt:
     finite = [one for one in tilts if np.isfinite(one.longest)]
     if finite:
         return min(finite, key=lambda one: one.longest)
-    # nothing is known along some direction even then: tilt about the axis that is nearest to perpendicular to it
+    # No single tilt determines the tip: tilt about the axis most nearly perpendicular to the worst direction.
     worst = tip_spread(rotations, error).directions[0]
     return Tilt(int(np.argmin(np.abs(worst))), 30.0 * DEG, np.inf)
 
@@ -152,7 +172,7 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
             for sign in (1.0, -1.0):
                 angle = sign * degrees * DEG
                 apart = rotations[-1] @ turn_about(axis, angle) - mean
-                # one more term of the sum, about the mean that moves with it
+                # one more term of the sum, which also moves the mean
                 with_it = information + apart.T @ apart * (known / (known + 1)) / error**2
                 least = float(np.linalg.eigvalsh(with_it)[0])
                 told = least > _NOTHING / error**2
@@ -160,14 +180,15 @@ def _tilts(rotations: Array, error: float) -> Iterator[Tilt]:
 
 
 def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
-    """Return how well points tell a frame.
+    """Return the uncertainty of a frame after touches.
 
-    To first order the frame turns by w where the points err: heights dh = w_x y - w_y x over all points (least squares), and w_z = dy / x of the
-    point on the x axis; all of them count from the origin, whose own error moves them all.
+    To first order, errors of the points turn the frame by w: dh = w_x y - w_y x for the heights of all points
+    (least squares), and w_z = dy / x for the point on the x axis. All are relative to the origin, whose own
+    error shifts them.
 
     Args:
-        points: (k, 3) [m]: the origin, a point on x, and points of the plane; from one point on.
-        error: of one point [m].
+        points: (k, 3) the origin, a point on x, and points of the plane; at least one point [m].
+        error: error of one point [m].
     """
     turns = np.full(3, np.inf)
     along = points[1:] - points[0]
@@ -185,14 +206,14 @@ def frame_spread(points: Array, error: float = ERROR) -> FrameSpread:
         return FrameSpread(error, constant(turns), base, width)
     heights = np.column_stack((flat[:, 1], -flat[:, 0]))
     solve = np.linalg.pinv(heights)
-    # the heights of the points, and of the origin against all of them
+    # heights of the points, and of the origin relative to all of them
     errors = np.column_stack((solve, -solve.sum(axis=1)))
     turns[:2] = error * np.sqrt(np.sum(errors**2, axis=1))
     return FrameSpread(error, constant(turns), base, width)
 
 
 def _in_plane(along: Array) -> Array:
-    """Return points (k, 2) in the axes of the frame that they tell; the first one is on x."""
+    """Return points (k, 2) in the axes of the frame that they define; the first one is on x."""
     *_, directions = np.linalg.svd(along)
     x = along[0] - (along[0] @ directions[2]) * directions[2]
     x /= np.linalg.norm(x)

@@ -1,4 +1,4 @@
-"""The tip of a tool (TCP) from poses in which it touches one fixed point: the four-point method."""
+"""Calibration of the tip of a tool (TCP) by touching one point in several poses: the four-point method."""
 
 from __future__ import annotations
 
@@ -15,18 +15,22 @@ from yarclang.units import DEG, MM
 
 FEWEST_TOUCHES = 4
 LEAST_TILT = 15.0 * DEG
-"""How far the orientations must spread, about the axis about which they spread least."""
+"""Least spread of the orientations, for the direction of the tool that turns least."""
 LARGEST_MISS = 1.0 * MM
-"""Touches that miss each other by more than this are told."""
+"""Distance of a touch from the point above which it is reported."""
 
 
 @frozen(eq=False)
 class TipCalibration:
-    """A tip that was found. All lengths in m.
+    """A calibrated tip.
 
-    `flange_from_tip` (3,) is the tip in {FLANGE}, `fixed` (3,) the point that was touched, in {B}. `misses` (k,) says how far the tip is
-    from that point in each pose; `error` is the error of one touch that the misses tell, and `uncertainty` (3,) that of the tip along x, y and z of {FLANGE}:
-    the ellipsoid that has the true tip in 95 of 100 calibrations reaches so far.
+    Attributes:
+        flange_from_tip: (3,) the tip in {FLANGE} [m].
+        fixed: (3,) the touched point in {B} [m].
+        misses: (k,) distance of the tip from that point in each pose [m].
+        uncertainty: (3,) extent along x, y and z of {FLANGE} of the ellipsoid that contains the true tip in
+            95 of 100 calibrations [m].
+        error: error of one touch, estimated from the misses [m].
     """
 
     flange_from_tip: Array
@@ -37,21 +41,22 @@ class TipCalibration:
 
     @property
     def worst(self) -> int:
-        """The touch (from 0) that misses most."""
+        """Index of the touch with the largest miss."""
         return int(np.argmax(self.misses))
 
 
 def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration]:
-    """The tip that touched one point in all of these poses.
+    """Compute the tip that touched one point in several poses.
 
-    Each pose says R p + t = c, with the tip p in {FLANGE} and the point c in {B}: a linear system for both, solved by least squares.
+    Each pose gives R p + t = c, with the tip p in {FLANGE} and the point c in {B}. This linear system for
+    both is solved by least squares.
 
     Args:
         base_from_flange: k poses (4, 4) of the flange [m], at least four.
 
     Returns:
-        None, with a finding, where there are too few poses, or where they don't differ enough to tell the tip. A warning where they
-        contradict each other.
+        The tip, with a warning if the poses contradict each other; None, with a finding, if there are too few
+        poses, or if they don't differ enough.
     """
     poses = np.asarray(base_from_flange, dtype=np.float64).reshape(-1, 4, 4)
     count = len(poses)
@@ -84,8 +89,13 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
 
 
 def _least_tilt(rotation: Array) -> tuple[float, Array]:
-    """How far the orientations (k, 3, 3) spread as seen along the direction of the tool that turns least: the largest angle [rad]
-    between two images of it, and the direction (3,) in {FLANGE}.
+    """Return the spread of orientations for the direction of the tool that turns least.
+
+    Args:
+        rotation: (k, 3, 3) the orientations.
+
+    Returns:
+        Largest angle between two images of the direction [rad], and the direction (3,) in {FLANGE}.
     """
     apart = rotation - rotation.mean(axis=0)
     *_, directions = np.linalg.svd(np.concatenate(apart))

@@ -1,4 +1,4 @@
-"""Touches of a calibration: where the robot stood at each one, what follows from them, and what comes next. Nothing here moves."""
+"""The touches of a calibration, their result, and the next step for the user. Nothing here moves."""
 
 from __future__ import annotations
 
@@ -22,17 +22,18 @@ class Touching(ABC):
     """A calibration.
 
     Args:
-        robot: that touches.
-        name: of what is calibrated.
+        robot: the robot that touches.
+        name: name of the calibrated object.
 
     Attributes:
-        joints: (n,) each, where the robot stood at each touch [rad or m].
-        findings: what is wrong with the touches so far.
+        fewest: least number of touches.
+        joints: joint values (n,) at each touch [rad or m].
+        findings: findings about the touches so far.
     """
 
     fewest = 1
     named: tuple[str, ...] = ()
-    """The first touches, each of which is something of its own."""
+    """Names of the first touches, each of which has a meaning of its own."""
 
     def __init__(self, robot: Robot, name: str) -> None:
         self.robot = robot
@@ -41,11 +42,11 @@ class Touching(ABC):
         self.findings: tuple[Diagnostic, ...] = ()
 
     def touch(self, joints: Array, at: int | None = None) -> None:
-        """Take a touch.
+        """Add or replace a touch.
 
         Args:
-            joints: (n,) where the robot stands [rad or m].
-            at: the touch that is taken anew (from 0); None: a further one.
+            joints: (n,) joint values of the robot [rad or m].
+            at: index of the touch to replace; None to add one.
         """
         if at is None:
             self.joints.append(joints)
@@ -54,21 +55,24 @@ class Touching(ABC):
         self.solve()
 
     def can_go(self, at: int) -> bool:
-        """Return True if a touch (from 0) can be forgotten: those that have a name only as the last one, as the next would take their place."""
+        """Return True if a touch, by its index, can be removed.
+
+        Named touches can be removed only as the last one, since the next one would take their place.
+        """
         return at >= len(self.named) or at == len(self.joints) - 1
 
     def untouch(self, at: int = -1) -> None:
-        """Forget a touch that can go, the last one if none is named."""
+        """Remove a touch that can be removed, by default the last one."""
         self.joints.pop(at)
         self.solve()
 
     def error(self) -> float:
-        """Return the error of one touch [m] that the touches tell; the assumed one if they don't."""
+        """Return the error of one touch [m]: estimated from the touches, or assumed."""
         return ERROR
 
     @property
     def missing(self) -> int:
-        """The number of touches that are needed and aren't there yet."""
+        """Number of touches that are still needed."""
         return max(0, self.fewest - len(self.joints))
 
     def solve(self) -> None:
@@ -80,15 +84,15 @@ class Touching(ABC):
 
     @abstractmethod
     def forget(self) -> None:
-        """Forget the result."""
+        """Discard the result."""
 
     @abstractmethod
     def find(self) -> None:
-        """Compute the result, if there are touches enough."""
+        """Compute the result from enough touches."""
 
     @abstractmethod
     def next_step(self) -> str:
-        """Return what to do before the next touch."""
+        """Return the instruction for the next touch."""
 
     @abstractmethod
     def result_text(self) -> str:
@@ -96,11 +100,11 @@ class Touching(ABC):
 
     @abstractmethod
     def residuals(self) -> Array | None:
-        """Return how far each touch is from what all of them say (k,) [mm, of a joint deg or mm]; None if it can't be computed."""
+        """Return the residuals of all touches (k,) [mm; for joints deg or mm]; None without a result."""
 
 
 class TipTouching(Touching):
-    """The tip of a tool, by touching one point with it several times."""
+    """Calibration of the tip of a tool, by touching one point several times."""
 
     fewest = FEWEST_TOUCHES
     value: TipCalibration | None = None
@@ -110,11 +114,11 @@ class TipTouching(Touching):
         return flange_poses(self.robot.chain, np.array(self.joints).reshape(-1, self.robot.size))
 
     def forget(self) -> None:
-        """Forget the tip."""
+        """Discard the tip."""
         self.value = None
 
     def error(self) -> float:
-        """Return the error of one touch [m] that the misses tell."""
+        """Return the error of one touch [m], estimated from the misses."""
         return ERROR if self.value is None else self.value.error
 
     def find(self) -> None:
@@ -123,13 +127,13 @@ class TipTouching(Touching):
         self.findings, self.value = found.diagnostics, found.value
 
     def next_step(self) -> str:
-        """Return a step for the first touch, and for those that are tilted."""
+        """Return the instruction for the first touch, or for a tilted one."""
         if not self.joints:
             return "bring the tool's tip to a fixed, pointed object"
         return "bring it to the same point again, tilted to another side by 20 deg or more"
 
     def result_text(self) -> str:
-        """Return where the tip is, and how well that is known."""
+        """Return the position of the tip and its uncertainty, in words."""
         if self.value is None:
             return ""
         tip, spread = self.value.flange_from_tip / MM, self.value.uncertainty / MM
@@ -140,17 +144,17 @@ class TipTouching(Touching):
         )
 
     def residuals(self) -> Array | None:
-        """Return how far the tip is from the fixed point at each touch [mm]."""
+        """Return the distance of the tip from the fixed point at each touch (k,) [mm]."""
         return None if self.value is None else self.value.misses / MM
 
 
 class FrameTouching(Touching):
-    """A frame, by touching its origin, a point on its x axis and points of its plane.
+    """Calibration of a frame, by touching its origin, a point on its x axis and points of its plane.
 
     Args:
-        robot: that touches.
-        name: of the frame.
-        flange_from_tip: (4, 4) what touches [m].
+        robot: the robot that touches.
+        name: name of the frame.
+        flange_from_tip: (4, 4) the touching tip [m].
     """
 
     fewest = 3
@@ -162,18 +166,18 @@ class FrameTouching(Touching):
         self.flange_from_tip = flange_from_tip
 
     def points(self) -> Array:
-        """Return the points that were touched (k, 3), in {B} [m]."""
+        """Return the touched points (k, 3) in {B} [m]."""
         joints = np.array(self.joints).reshape(-1, self.robot.size)
         return tool_poses(self.robot.chain, joints, self.flange_from_tip)[:, :3, 3]
 
     def error(self) -> float:
-        """Return the error of one point [m] that their distances from the plane tell."""
+        """Return the error of one point [m], estimated from distances to the plane."""
         if self.value is None:
             return ERROR
         return touch_error(float(np.sum(self.value.heights**2)), len(self.joints) - self.fewest)
 
     def forget(self) -> None:
-        """Forget the frame."""
+        """Discard the frame."""
         self.value = None
 
     def find(self) -> None:
@@ -183,7 +187,7 @@ class FrameTouching(Touching):
         self.findings, self.value = found.diagnostics, found.value
 
     def next_step(self) -> str:
-        """Return which point comes next."""
+        """Return the instruction for the next point."""
         steps = (
             "bring the tip to the origin",
             "bring it to a point on the x axis, far out",
@@ -196,7 +200,7 @@ class FrameTouching(Touching):
         )
 
     def result_text(self) -> str:
-        """Return that the frame is found, and, of more than three points, how flat they lie."""
+        """Return the result in words, with the flatness of more than three points."""
         if self.value is None:
             return ""
         heights = np.abs(self.value.heights) / MM
@@ -208,20 +212,20 @@ class FrameTouching(Touching):
         return f"{{{self.name}}} is found; {flat}"
 
     def residuals(self) -> Array | None:
-        """Return the distance of each point from the plane [mm]; three points are in every plane, and say nothing."""
+        """Return the distance of each point from the plane (k,) [mm]; None for three points."""
         if self.value is None or len(self.joints) <= self.fewest:
             return None
-        # the origin has no height of its own: the plane goes through it
+        # The height of the origin is zero, since the plane goes through it.
         heights: Array = np.abs(self.value.heights) / MM
         return heights
 
 
 class HomeTouching(Touching):
-    """The offsets of the motors, by bringing joints to their marks.
+    """Calibration of the offsets of the motors, by bringing joints to their marks.
 
     Args:
-        robot: whose.
-        marks: the joint positions [rad or m] at the marks, by the joints' names.
+        robot: the robot.
+        marks: joint positions at the marks [rad or m], by the joints' names.
     """
 
     value: OffsetCalibration | None = None
@@ -231,7 +235,7 @@ class HomeTouching(Touching):
         self.marks = marks
 
     def forget(self) -> None:
-        """Forget the offsets."""
+        """Discard the offsets."""
         self.value = None
 
     def find(self) -> None:
@@ -240,12 +244,12 @@ class HomeTouching(Touching):
         self.findings, self.value = found.diagnostics, found.value
 
     def next_step(self) -> str:
-        """Return the step to the marks."""
+        """Return the instruction to go to the marks."""
         marks = "its mark" if len(self.marks) == 1 else "their marks"
         return f"bring {self.name} to {marks}{', approached anew' if self.joints else ''}"
 
     def result_text(self) -> str:
-        """Return how much the joints read wrongly today, and how well the marks repeat."""
+        """Return the errors of the joints' positions so far, and the repeatability of the marks, in words."""
         if self.value is None:
             return ""
         shift, spread = (values / self.robot.axis_units for values in (self.value.shift, self.value.spread))
@@ -261,7 +265,10 @@ class HomeTouching(Touching):
         )
 
     def residuals(self) -> Array | None:
-        """Return how far each visit is from the mean of all, of the joint that differs most [deg or mm]; None for a single visit."""
+        """Return the distance of each visit from the mean, for the joint that differs most (k,) [deg or mm].
+
+        None for a single visit.
+        """
         if self.value is None or len(self.joints) < 2:
             return None
         marked = np.array([name in self.marks for name in self.robot.joint_names])

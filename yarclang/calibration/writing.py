@@ -1,4 +1,4 @@
-"""What was calibrated, as text: a FRAME line of a program, and values of a robot.toml."""
+"""Calibration results as text: a FRAME line of a program, or values of a robot.toml or cell.toml."""
 
 from __future__ import annotations
 
@@ -17,20 +17,31 @@ from yarclang.units import DEG, MM, UNITS, Unit
 
 
 def frame_line(name: str, pose: Array, parent: str) -> str:
-    """`FRAME {NAME} x y z roll pitch yaw (mm,deg) {PARENT}` of a pose (4, 4) in the parent [m], to 1 um and 0.0001 deg."""
+    """Return `FRAME {NAME} x y z roll pitch yaw (mm,deg) {PARENT}`, to 1 um and 0.0001 deg.
+
+    Args:
+        name: name of the frame.
+        pose: (4, 4) its pose in the parent [m].
+        parent: name of the parent.
+    """
     values = [*_printed(pose[:3, 3] / MM, 3), *_printed(roll_pitch_yaw(pose[:3, :3]) / DEG, 4)]
     return f"FRAME {{{name}}} {' '.join(values)} (mm,deg) {{{parent}}}"
 
 
 def with_offsets(robot_toml: SourceFile, offsets: Array) -> str:
-    """The text of a robot.toml with these offsets a0 (n,) [counts], rounded to 0.01 count; all else stays as it is."""
+    """Return the text of a robot.toml with other offsets a0 (n,) [counts], rounded to 0.01 count."""
     return with_value(robot_toml, ("actuation", "a0"), _rounded(offsets, 2))
 
 
 def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
-    """The text of a robot.toml in which the frame `name` on the flange has its origin here (3,) [m], to 1 um.
+    """Return the text of a robot.toml with the origin of a frame on the flange, to 1 um.
 
-    A frame that the file has keeps its orientation; a new one has that of the flange.
+    A frame that the file has already keeps its orientation. A new one has that of the flange.
+
+    Args:
+        robot_toml: the text.
+        name: name of the frame.
+        flange_from_tip: (3,) its origin in {FLANGE} [m].
     """
     xyz = _rounded(flange_from_tip / MM, 3)
     if ("frames", name) in find_places(robot_toml).keys:
@@ -49,16 +60,16 @@ def with_tip(robot_toml: SourceFile, name: str, flange_from_tip: Array) -> str:
 
 
 def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, parent: str) -> str:
-    """The text of a cell.toml with a frame here, to 1 um and 0.0001 deg, in the units that hold there.
+    """Return the text of a cell.toml with the pose of a frame, to 1 um and 0.0001 deg, in the table's units.
 
     Args:
         cell_toml: a text that tomllib accepts.
-        name: of the frame, as the file has it where it is there already: it keeps its parent then.
+        name: name of the frame. If the file has it already, spelled like this, it keeps its parent.
         parent_from_frame: (4, 4) [m].
-        parent: of a new frame.
+        parent: parent of a new frame.
 
     Raises:
-        ChangeError: the file's form doesn't allow it.
+        ChangeError: if the form of the file doesn't allow the change.
     """
     path: Path = ("frames", name)
     data = tomllib.loads(cell_toml.text)
@@ -85,7 +96,7 @@ def with_frame(cell_toml: SourceFile, name: str, parent_from_frame: Array, paren
 
 
 _LENGTH, _ANGLE = 1e-6, 2e-6
-"""Steps in which lengths [m] and angles [rad] are written, about."""
+"""Approximate resolution of written lengths [m] and angles [rad]."""
 
 
 def _units(text: object) -> Iterator[Unit]:
@@ -96,7 +107,12 @@ def _units(text: object) -> Iterator[Unit]:
 
 
 def _digits(factor: float, step: float) -> int:
-    """Return the number of decimals that a value needs in a unit of so many m or rad."""
+    """Return the number of decimals of a value for a resolution.
+
+    Args:
+        factor: size of its unit [m or rad].
+        step: the resolution [m or rad].
+    """
     return max(0, math.ceil(math.log10(factor / step) - 1e-9))
 
 
@@ -106,5 +122,5 @@ def _rounded(values: Array, decimals: int) -> list[float]:
 
 
 def _printed(values: Array, decimals: int) -> list[str]:
-    """The numbers without needless zeros, and without a minus before a zero."""
+    """Return numbers as texts, without trailing zeros, and without a minus before a zero."""
     return [f"{value:.{decimals}f}".rstrip("0").rstrip(".") for value in np.round(values, decimals) + 0.0]

@@ -1,1 +1,1 @@
-"""Files of other kinds to YARC programs: tables, ROS trajectories, named states of an SRDF."""
+"""Conversion of other files to YARC programs: tables, ROS trajectories, named states of an SRDF."""

@@ -1,4 +1,4 @@
-"""Trajectories in bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), read by the package rosbags."""
+"""Reader of trajectories in bags of ROS 1 (`.bag`) and ROS 2 (a folder, `.db3`, `.mcap`), by rosbags."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from rosbags.highlevel import AnyReader
 
 ENDINGS = frozenset([".bag", ".db3", ".mcap"])
-"""How bags are called."""
+"""Suffixes of bags."""
 
 _METADATA = "metadata.yaml"
 _WITH_TRAJECTORIES = (
@@ -27,29 +27,29 @@ _WITH_TRAJECTORIES = (
     "control_msgs/msg/FollowJointTrajectoryGoal",
     "moveit_msgs/msg/ExecuteTrajectoryActionGoal",
 )
-"""Messages that hold trajectories."""
+"""Types of messages that contain trajectories."""
 _STATES = "sensor_msgs/msg/JointState"
 _MOST_MESSAGES = 2_000_000
 _LISTED = 8
 _SECOND = 1_000_000_000
-"""In nanoseconds."""
+"""One second [ns]."""
 
 
 def is_bag(path: Path) -> bool:
-    """Return True if a path is called as a bag, or is the folder of one."""
+    """Return True if a path has the suffix of a bag, or is the folder of one."""
     return path.suffix.lower() in ENDINGS or (path / _METADATA).is_file()
 
 
 def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | None:
-    """Read the messages of a bag that hold trajectories, as plain data, in the order in which they were recorded.
+    """Read the messages of a bag that contain trajectories, as plain data, in the order of their recording.
 
     Args:
         path: the bag.
-        topic: the only topic that is read; None: all that have trajectories.
-        findings: takes the finding if nothing can be read.
+        topic: the only topic to read; None for all with trajectories.
+        findings: collects findings.
 
     Returns:
-        None with a finding if the bag can't be read, or has no trajectory.
+        The messages; None, with a finding, if the bag can't be read, or has no trajectory.
     """
     try:
         from rosbags.highlevel import AnyReader
@@ -66,7 +66,7 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
     try:
         with AnyReader([place], default_typestore=get_typestore(Stores.LATEST)) as reader:
             return _documents(reader, topic, findings)
-    except Exception as error:  # a damaged bag makes the package raise whatever its parts do
+    except Exception as error:  # for a damaged bag, the package raises errors of any kind
         reason = str(error).splitlines()[0][:200] if str(error) else type(error).__name__
         message = f"{path.name} can't be read as a bag: {reason}"
         findings.add(
@@ -79,7 +79,7 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
 
 
 def _is_part(path: Path) -> bool:
-    """Return True if a file is a part of a bag that is a folder."""
+    """Return True if a file is part of a bag that is a folder."""
     return (path.parent / _METADATA).is_file()
 
 
@@ -117,14 +117,14 @@ def _documents(reader: AnyReader, topic: str | None, findings: Collector) -> lis
 
 
 def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any] | None:
-    """Return joint states as one trajectory: its times are those of their headers, counted from the first."""
+    """Return joint states as one trajectory, with the times of their headers, counted from the first one."""
     names = [list(one.name) for _, one in messages]
     if any(one != names[0] for one in names):
         message = "the joint states don't all have the same joints in the same order"
         findings.add("Y1515", message, None, "record the joint states of the arm alone")
         return None
     stamps = np.array([_nanoseconds(one, stamp) for stamp, one in messages], dtype=np.int64)
-    later = np.concatenate(([True], np.diff(stamps) > 0))  # a state that was sent twice is one
+    later = np.concatenate(([True], np.diff(stamps) > 0))  # a state that was sent twice counts once
     has_rates = all(len(one.velocity) == len(one.position) for _, one in messages)
     points = [
         {
@@ -139,7 +139,7 @@ def _recording(messages: list[tuple[int, Any]], findings: Collector) -> list[Any
 
 
 def _nanoseconds(message: Any, received: int) -> int:
-    """Return the time of a message's header; if it has none, that at which it was recorded."""
+    """Return the time of a message's header; without one, the time of its recording [ns]."""
     stamp = message.header.stamp
     sent = int(stamp.sec) * _SECOND + int(stamp.nanosec)
     return sent or received

@@ -1,4 +1,4 @@
-"""A point cloud to a mesh that a cell.toml may name as an obstacle."""
+"""Conversion of a point cloud to a mesh, which a cell.toml may use as an obstacle."""
 
 from __future__ import annotations
 
@@ -17,18 +17,26 @@ from yarclang.source import SourceFile
 from yarclang.units import MM
 
 CLOUDS = (".pcd", ".ply")
-"""Endings of the names of point clouds."""
+"""Suffixes of point clouds."""
 
 MOST_TRIANGLES = 2_000_000
-"""A mesh of more is refused: a coarser one does as well."""
+"""Most triangles of the mesh. A larger mesh is refused, since a coarser one is good enough."""
 
 _FAR = 1e5
-"""No point is farther from the cloud's origin than this [m]: nor is a mesh's corner."""
+"""Largest distance of a point from the cloud's origin [m], as for the corners of meshes."""
 
 
 @frozen(eq=False)
 class CloudMesh:
-    """A binary STL in mm, and of what: the number of points, of those that were left out because they are no numbers, of cubes and of triangles."""
+    """The mesh of a point cloud.
+
+    Attributes:
+        content: a binary STL file, in mm.
+        points: number of points.
+        left_out: number of points that were left out because they aren't finite.
+        cubes: number of cubes.
+        triangles: number of triangles.
+    """
 
     content: bytes
     points: int
@@ -38,12 +46,15 @@ class CloudMesh:
 
 
 def mesh_of_cloud(path: Path, unit: float, voxel: float) -> Result[CloudMesh]:
-    """Return the mesh of all cubes of a grid that have a point of the cloud inside; None with a finding if the cloud can't be read or is too large.
+    """Return the mesh of all cubes of a grid that contain points of a cloud.
 
     Args:
-        path: of a PCD or PLY file.
-        unit: of the file's numbers [m].
-        voxel: the edge of a cube [m].
+        path: a PCD or PLY file.
+        unit: unit of the numbers in the file [m].
+        voxel: edge of a cube [m].
+
+    Returns:
+        The mesh; None, with a finding, if the cloud can't be read or is too large.
     """
     try:
         content = read_whole(path, LARGEST_MESH)

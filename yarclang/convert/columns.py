@@ -1,4 +1,4 @@
-"""The parts of a program's text: numbers in columns, indices, times, comments."""
+"""Parts of the text of a program: numbers in columns, indices, times, comments."""
 
 from __future__ import annotations
 
@@ -8,20 +8,25 @@ from yarclang.convert.course import Course
 from yarclang.hir import Array
 
 _DECIMALS = {"JOINTS": (6,), "RPY": (6,), "QUAT": (6, 6, 6, 9, 9, 9, 9)}
-"""The most decimals of each value; the last number counts for the rest."""
+"""Most decimals of each value; the last number applies to the rest."""
 
 STEP = 10
-"""From index to index."""
+"""Difference of successive indices."""
 
 SAME_PLACE = 1e-6
-"""Targets nearer than this [deg, mm] are one."""
+"""Difference of coordinates up to which targets are equal [deg, mm]."""
 
 DEFAULT_TIME = "50%"
-"""What motions without a time of their own take."""
+"""Time of motions without a time of their own."""
 
 
 def rows_of(values: Array, target: str) -> list[str]:
-    """The rows of `values` (w, k) in columns, each with as many decimals as its numbers need, up to a millionth."""
+    """Return the rows of values (w, k) as text in columns, with as many decimals as the numbers need.
+
+    Args:
+        values: (w, k) [deg, mm].
+        target: JOINTS, RPY or QUAT.
+    """
     columns: list[list[str]] = []
     most = _DECIMALS[target]
     for number, column in enumerate(values.T):
@@ -42,17 +47,17 @@ def index_text(number: int) -> str:
 
 
 def comment_of(course: Course, number: int, with_name: bool = False) -> str:
-    """Return the comment behind a target, with its name if wanted; empty if there is none."""
+    """Return the comment after a target, with its name if wanted; empty without one."""
     texts = [course.names[number]] if course.names and with_name else []
     text = plain(" ".join([*texts, *([course.comments[number]] if course.comments else [])]))
     return f"  ! {text}" if text else ""
 
 
 def plain(text: str) -> str:
-    """Return a text that stays in its line."""
+    """Return a text without line breaks and unprintable characters."""
     return " ".join("".join(one if one.isprintable() else " " for one in text).split())
 
 
 def seconds(time: float) -> str:
-    """Return a time [s] to the microsecond."""
+    """Return a time [s] as text, to the microsecond."""
     return f"{time:.6f}".rstrip("0").rstrip(".")

@@ -1,4 +1,4 @@
-"""A file of another kind to a YARC program: which kind it is, and the way through this folder."""
+"""Conversion of a file of another kind to a YARC program: finds the kind and calls its reader."""
 
 from __future__ import annotations
 
@@ -29,9 +29,14 @@ _YAML_KEY = re.compile(r"\s*-?\s*[a-z_]+:(\s|$)")
 
 
 def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """The program that a table, a trajectory or an SRDF becomes; None where an error forbids it.
+    """Convert a table, a trajectory or an SRDF to a program; None with an error.
 
-    The kind of file is known by the end of its name, else by how it begins.
+    The kind of the file follows from its suffix, or from its beginning.
+
+    Args:
+        source: the file.
+        robot: the robot of the program.
+        wishes: the options.
     """
     findings = Collector(source)
     if not source.text.strip():
@@ -43,7 +48,13 @@ def convert(source: SourceFile, robot: Robot, wishes: Wishes) -> Result[Converte
 
 
 def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
-    """The program that the trajectories of a bag become; None where an error forbids it."""
+    """Convert the trajectories of a bag to a program; None with an error.
+
+    Args:
+        path: the bag.
+        robot: the robot of the program.
+        wishes: the options.
+    """
     findings = Collector(SourceFile(str(path), ""))
     if (refusal := _other_joints(robot, wishes, findings)) is not None:
         return refusal
@@ -53,7 +64,7 @@ def convert_bag(path: Path, robot: Robot, wishes: Wishes) -> Result[Converted]:
 
 
 def _other_joints(robot: Robot, wishes: Wishes, findings: Collector) -> Result[Converted] | None:
-    """Refuse --joints that names too many or too few."""
+    """Return a refusal if --joints names too many or too few joints."""
     if not wishes.joints or len(wishes.joints) == robot.size:
         return None
     message = f"--joints names {len(wishes.joints)} joints, {robot.name} has {robot.size}"
@@ -82,7 +93,7 @@ def _content(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collect
 
 
 def _kind(source: SourceFile) -> str:
-    """`table`, `json`, `yaml` or `srdf`."""
+    """Return the kind of a file: `table`, `json`, `yaml` or `srdf`."""
     known = _KINDS.get(PurePath(source.name).suffix.lower())
     if known:
         return known

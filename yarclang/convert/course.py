@@ -1,4 +1,4 @@
-"""What a file of another kind says, before it is a program: targets in order, and what was asked of the conversion."""
+"""Content of a file of another kind, before it becomes a program, and the options of the conversion."""
 
 from __future__ import annotations
 
@@ -19,12 +19,19 @@ Form = Literal["moves", "spline", "timed"]
 
 @dataclass(frozen=True, slots=True)
 class Wishes:
-    """What the user said besides the file.
+    """Options of a conversion.
 
-    `units` are those of columns that don't say theirs; `joints` the file's names for the robot's joints, in the
-    robot's order (empty: the same names); `form` whether the robot stops at each target, passes all in one go, or at their times (None: by the file); `time`
-    what stands in [ ] instead of the file's own times; `every` and `tolerance` [deg and mm] thin the targets out. `beside` begins the names of files that may be
-    written beside the program (None: all stands in the program). `topic` of a bag is the only one that is read (None: all with trajectories).
+    Attributes:
+        units: units of columns that don't name theirs.
+        joints: names of the robot's joints in the file, in the robot's order; empty if they are equal.
+        form: the robot stops at each target (moves), passes all without a stop (spline), or passes them at
+            their times (timed); None to choose by the file.
+        time: time in [ ] that replaces the times of the file.
+        every: n to keep each n-th target.
+        tolerance: largest deviation from omitted targets [deg and mm].
+        beside: start of the names of files that may be written beside the program; None to write everything
+            into the program.
+        topic: the only topic of a bag to read; None for all with trajectories.
     """
 
     units: Mapping[Kind, Unit] = field(default_factory=dict)
@@ -41,9 +48,17 @@ class Wishes:
 class Course:
     """Targets in the order in which they are passed.
 
-    `values` (w, k) are joint values, or poses of {TCP} in {B} (x y z roll pitch yaw, or x y z qx qy qz qw), in deg and
-    mm. `times` (w,) [s] are rising, or None; a first target at time 0 is where the robot stands at first. `velocities` and `accelerations` (w, k) are those of joint values [deg/s, mm/s and per s^2], or None. `names` and `comments` are empty, or have a text (perhaps an empty one)
-    for each target. `remarks` are sentences for the reader of the program.
+    Attributes:
+        target: JOINTS, RPY or QUAT.
+        values: (w, k) joint values, or poses of {TCP} in {B} (x y z roll pitch yaw, or x y z qx qy qz qw)
+            [deg, mm].
+        times: (w,) increasing times [s]; None without times. A first target at time 0 is the start position
+            of the robot.
+        names: names of the targets, empty for targets without one; or no names at all.
+        comments: comments of the targets, empty for targets without one; or no comments at all.
+        remarks: sentences for the reader of the program.
+        velocities: (w, k) velocities of joint values [deg/s, mm/s]; None without velocities.
+        accelerations: (w, k) accelerations of joint values [deg/s^2, mm/s^2]; None without accelerations.
     """
 
     target: Target
@@ -57,11 +72,11 @@ class Course:
 
     @property
     def size(self) -> int:
-        """The number of targets."""
+        """Number of targets."""
         return len(self.values)
 
     def only(self, kept: NDArray[np.intp]) -> Course:
-        """The targets with these numbers (m,), rising."""
+        """Return the course with only the targets of given indices (m,), in increasing order."""
         return Course(
             self.target,
             self.values[kept],
@@ -75,13 +90,19 @@ class Course:
 
     @property
     def begins(self) -> bool:
-        """True if the first target is where the robot stands at time 0."""
+        """True if the first target is the position of the robot at time 0."""
         return self.times is not None and bool(self.times[0] == 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Content:
-    """All that a file says: what kind of file it is, in words; courses; named joint positions (n,) [deg, mm]."""
+    """Content of a file.
+
+    Attributes:
+        kind: kind of the file, in words.
+        courses: its courses.
+        positions: names and values (n,) of joint positions [deg, mm].
+    """
 
     kind: str
     courses: tuple[Course, ...] = ()
@@ -90,13 +111,18 @@ class Content:
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """A program's text, and the names and texts of the files that stand beside it."""
+    """Result of a conversion.
+
+    Attributes:
+        text: the program.
+        files: names and texts of the files beside the program.
+    """
 
     text: str
     files: tuple[tuple[str, str], ...] = ()
 
 
 def in_axis_units(robot: Robot, q: Array) -> Array:
-    """Joint values (w, n) [rad or m] in deg and mm."""
+    """Return joint values (w, n) [rad or m] in deg and mm."""
     values: Array = np.asarray(q, dtype=np.float64) / robot.axis_units
     return values

@@ -1,7 +1,7 @@
-"""YAML and JSON text to plain data: mappings, lists, texts and numbers, without anything that can be made to run or grow.
+"""Reader of YAML and JSON texts as plain data: mappings, lists, texts and numbers.
 
-YAML is read event by event: aliases and tags are refused, so that a small file can't become a large one, and nothing
-is recursive.
+YAML is read event by event, without recursion. Aliases and tags are refused, so that a file can't run code,
+and a small file can't become large data.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ _DEEPEST = 60
 
 
 def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """The values of a JSON text, one behind the other or divided by `---`."""
+    """Read the values of a JSON text, one after the other or separated by `---`; None with a finding."""
     decoder = json.JSONDecoder()
     text, at = source.text, 0
     documents: list[Any] = []
@@ -37,14 +37,17 @@ def read_json(source: SourceFile, findings: Collector) -> list[Any] | None:
     except RecursionError:
         findings.add("Y1508", "brackets are nested too deep", None, "no trajectory is nested like this")
         return None
-    except ValueError:  # a whole number of thousands of digits
+    except ValueError:  # an integer of thousands of digits
         findings.add("Y1507", "a number has too many digits", None, "check which file was given")
         return None
     return documents
 
 
 def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
-    """The documents of a YAML stream; scalars are texts, and None where there is nothing or a null."""
+    """Read the documents of a YAML stream; None with a finding.
+
+    Scalars are texts, except that empty ones and nulls are None.
+    """
     import yaml
 
     documents: list[Any] = []
@@ -53,7 +56,7 @@ def read_yaml(source: SourceFile, findings: Collector) -> list[Any] | None:
     empty = object()
 
     def put(value: Any) -> None:
-        """Into the innermost mapping or list that is open."""
+        """Add a value to the innermost open mapping or list."""
         if not stack:
             documents.append(value)
         elif isinstance(stack[-1], list):

@@ -1,4 +1,4 @@
-"""A CSV table of joint positions or poses to a course."""
+"""Conversion of a CSV table of joint positions or poses to a course."""
 
 from __future__ import annotations
 
@@ -20,7 +20,14 @@ _QUATERNION_TOLERANCE = 1e-3
 
 
 def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """What a table says; None where a finding forbids to take it."""
+    """Read the content of a table; None with a finding.
+
+    Args:
+        source: the file.
+        robot: the robot.
+        wishes: the options.
+        findings: collects findings.
+    """
     table = read_table(source, findings)
     if table is None:
         return None
@@ -58,7 +65,7 @@ def content_of_table(source: SourceFile, robot: Robot, wishes: Wishes, findings:
 
 
 def _factor(column: Column) -> float:
-    """From a column's unit to mm, deg or s."""
+    """Return the factor from a column's unit to mm, deg or s."""
     if column.unit is None:
         return 1.0
     ours = {"length": "mm", "angle": "deg", "time": "s"}[column.unit.kind]
@@ -66,7 +73,7 @@ def _factor(column: Column) -> float:
 
 
 def _rising(table: Table, times: Array, findings: Collector) -> bool:
-    """Whether each time is later than the one before."""
+    """Check that the times increase; report a finding."""
     steps = np.diff(times)
     if (steps > 0).all():
         return True
@@ -77,7 +84,7 @@ def _rising(table: Table, times: Array, findings: Collector) -> bool:
 
 
 def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> bool:
-    """Whether all quaternions have the norm 1."""
+    """Check that all quaternions have norm 1; report a finding."""
     norms = np.linalg.norm(quaternions, axis=1)
     bad = np.abs(norms - 1.0) > _QUATERNION_TOLERANCE
     if not bad.any():
@@ -89,7 +96,10 @@ def _are_rotations(table: Table, quaternions: Array, findings: Collector) -> boo
 
 
 def _names(table: Table, columns: Columns, values: Array, findings: Collector) -> tuple[str, ...] | None:
-    """The rows' names as the language takes them; one name is one place."""
+    """Return the names of the rows as names of the language; None with a finding.
+
+    Rows of equal names must have equal values.
+    """
     if columns.name is None:
         return ()
     names: list[str] = []

@@ -1,4 +1,4 @@
-"""What the columns of a table are, by their names and units."""
+"""Meaning of the columns of a table, from their names and units."""
 
 from __future__ import annotations
 
@@ -24,7 +24,13 @@ _WORDS = {"time": "time", "t": "time", "time_from_start": "time", "name": "name"
 
 @dataclass(frozen=True, slots=True)
 class Column:
-    """A column whose meaning is known: its number, what it is, and its unit (None: it has no dimension)."""
+    """A column with a known meaning.
+
+    Attributes:
+        number: index of the column.
+        meaning: name of its quantity.
+        unit: its unit; None without a dimension.
+    """
 
     number: int
     meaning: str
@@ -33,7 +39,17 @@ class Column:
 
 @dataclass(frozen=True, slots=True)
 class Columns:
-    """The columns of the values in their order, those of the joints' velocities and accelerations, and those of time, name and comment where there are such."""
+    """The columns of a table.
+
+    Attributes:
+        target: JOINTS, RPY or QUAT.
+        values: columns of the values, in their order.
+        time: column of the time; None without one.
+        name: column of the names; None without one.
+        comment: column of the comments; None without one.
+        velocities: columns of the joints' velocities; may be empty.
+        accelerations: columns of the joints' accelerations; may be empty.
+    """
 
     target: Target
     values: tuple[Column, ...]
@@ -47,14 +63,14 @@ class Columns:
 def understand(
     table: Table, robot: Robot, joints: tuple[str, ...], units: Mapping[Kind, Unit], findings: Collector
 ) -> Columns | None:
-    """The meaning of all columns, or one finding that says what was recognised and what is missing.
+    """Find the meaning of all columns; None with a finding, which lists recognised and missing columns.
 
     Args:
         table: the table.
-        robot: its joints' names are names of columns; j1, q1, joint1, joint_1 are others.
-        joints: the table's own names of the joints, in the robot's order; may be empty.
-        units: of columns that don't name theirs.
-        findings: takes the finding; and a warning for columns that aren't taken.
+        robot: the robot. Columns may have the names of its joints, or j1, q1, joint1, joint_1 and so on.
+        joints: names of the joints in the table, in the robot's order; may be empty.
+        units: units of columns that don't name theirs.
+        findings: collects findings, including a warning for columns that are ignored.
     """
     own = {name.lower(): name for name in robot.joint_names}
     own |= {other.lower(): name for other, name in zip(joints, robot.joint_names, strict=False)}
@@ -117,9 +133,10 @@ def understand(
 def _rates(
     table: Table, robot: Robot, target: Target, found: dict[str, tuple[int, str]], unknown: list[str]
 ) -> tuple[tuple[str, ...], ...]:
-    """Return the meanings of the columns of velocities and of accelerations that are taken: of all joints, with a time, accelerations only with velocities.
+    """Return the meanings of the used columns of velocities and of accelerations.
 
-    The others go to `unknown`.
+    They are used if there is one for each joint and a time. Accelerations also need velocities. Other columns
+    are added to `unknown`.
     """
     rates: list[tuple[str, ...]] = []
     for order in (1, 2):
@@ -134,7 +151,13 @@ def _rates(
 
 
 def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
-    """A joint of the robot, a part of a pose, time, name or comment; empty where it is none of them."""
+    """Return the meaning of a column: a joint, a coordinate of a pose, time, name or comment; else empty.
+
+    Args:
+        name: name of the column.
+        robot: the robot.
+        own: names of the robot's joints by their names in the table, in lower case.
+    """
     low = name.lower()
     if low in own:
         return own[low]
@@ -153,7 +176,7 @@ def _meaning(name: str, robot: Robot, own: Mapping[str, str]) -> str:
 def _target(
     table: Table, robot: Robot, found: Mapping[str, object], unknown: list[str], findings: Collector
 ) -> tuple[Target, tuple[str, ...]] | None:
-    """Joint values or poses, and the meanings in their order."""
+    """Return the kind of targets, and the meanings of their values in order; None with a finding."""
     pose = [name for name in (*_PLACE, *_TURNS["RPY"], *_TURNS["QUAT"]) if name in found]
     joints = [name for name in robot.joint_names if name in found]
     if joints and pose:
@@ -181,7 +204,7 @@ def _target(
 
 
 def _kind(meaning: str, target: Target, robot: Robot) -> Kind | None:
-    """The kind of unit of a column."""
+    """Return the kind of unit of a column; None without one."""
     if meaning in {"name", "comment"}:
         return None
     if meaning == "time":
@@ -197,7 +220,7 @@ def _kind(meaning: str, target: Target, robot: Robot) -> Kind | None:
 def _refuse(
     table: Table, findings: Collector, message: str, found: Mapping[str, object], unknown: list[str]
 ) -> None:
-    """The finding about a header, with what was recognised."""
+    """Report a finding about the header, with the recognised columns."""
     known = f"recognised: {', '.join(found)}" if found else "no column was recognised"
     strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
     help_ = (

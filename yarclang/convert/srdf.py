@@ -1,4 +1,4 @@
-"""Named states of an SRDF (`group_state`) to named joint positions."""
+"""Conversion of the named states of an SRDF (`group_state`) to named joint positions."""
 
 from __future__ import annotations
 
@@ -19,9 +19,15 @@ _NUMBER = re.compile(r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*", re.ASCII)
 
 
 def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: Collector) -> Content | None:
-    """The joint positions of all group states that speak of the robot's joints.
+    """Read the joint positions of all group states of the robot's joints; None with an error.
 
-    States of other groups (a gripper's) are told and left out. None where a finding forbids to take the rest.
+    States of other groups, for example of a gripper, are reported and ignored.
+
+    Args:
+        source: the file.
+        robot: the robot.
+        wishes: the options.
+        findings: collects findings.
     """
     text = UrdfText(source, "an SRDF")
     parse_xml(text)
@@ -68,7 +74,10 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
 def _values(
     text: UrdfText, state: Element, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Array | None:
-    """The joint values (n,) [deg, mm] of a state; None with an error, or with a warning for another group's state."""
+    """Return the joint values (n,) of a state [deg, mm].
+
+    None with an error, or, for a state of another group, with a warning.
+    """
     given = {joint.attributes.get("name", ""): joint for joint in state.all("joint")}
     shown = state.attributes.get("name", "")[:40]
     missing = [name for name in wanted if name not in given]
@@ -103,7 +112,7 @@ def _joints_help(robot: Robot) -> str:
 
 
 def _span(text: UrdfText, element: Element) -> Span:
-    """The line of an element's tag, from the tag on."""
+    """Return the position of an element's tag, within its first line."""
     line = text.text.count("\n", 0, element.start) + 1
     column = element.start - text.starts[line - 1] + 1
     return Span.on_line(

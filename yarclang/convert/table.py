@@ -1,4 +1,4 @@
-"""CSV text to cells: delimiter, header, rows; and cells to numbers."""
+"""Reader of CSV texts: from a text to cells, and from cells to numbers."""
 
 from __future__ import annotations
 
@@ -17,12 +17,21 @@ DELIMITERS = (";", "\t", ",")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
 _COMMA = re.compile(r"[+-]?(\d+,\d*|,\d+)([eE][+-]?\d+)?", re.ASCII)
 LARGEST = 1e9
-"""Beyond it no number of a program is read."""
+"""Largest absolute value of a number."""
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The header's cells and its line; rows of as many cells, and the line of each."""
+    """The cells of a table.
+
+    Attributes:
+        source: the file.
+        delimiter: its delimiter.
+        header: cells of the header.
+        header_line: line of the header.
+        rows: cells of the rows, as many as those of the header.
+        lines: line of each row.
+    """
 
     source: SourceFile
     delimiter: str
@@ -32,14 +41,15 @@ class Table:
     lines: tuple[int, ...]
 
     def line_span(self, row: int) -> Span:
-        """The line of a row."""
+        """Return the position of the line of a row."""
         return self.source.whole_line(self.lines[row])
 
 
 def read_table(source: SourceFile, findings: Collector) -> Table | None:
-    """The cells of a CSV text; empty lines and lines that begin with # are left out.
+    """Read the cells of a CSV text; None with a finding.
 
-    The first line that is left is the header. A # before it is taken away.
+    Empty lines, and lines that begin with #, are ignored. The first other line is the header, which may also
+    begin with #.
     """
     lines = list(source.lines)
     first = next((number for number, line in enumerate(lines) if line.strip(" \t#;,")), None)
@@ -91,9 +101,10 @@ def read_table(source: SourceFile, findings: Collector) -> Table | None:
 
 
 def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Array | None:
-    """Columns as numbers (rows, columns); a decimal comma is read where cells aren't divided by commas.
+    """Return columns as numbers (rows, columns); None with a finding.
 
-    The first cell that is none is a finding, which says how many more there are.
+    A decimal comma is allowed if the delimiter isn't a comma. The finding is at the first cell that isn't a
+    number, and gives the number of further ones.
     """
     values = np.empty((len(table.rows), len(columns)))
     bad: list[tuple[int, int]] = []
@@ -134,5 +145,5 @@ def numbers_of(table: Table, columns: Sequence[int], findings: Collector) -> Arr
 
 
 def _more(count: int, what: str) -> str:
-    """How many more there are than the first."""
+    """Return the end of a message that gives the number of further cells or lines; empty without any."""
     return f" (and {count - 1:,} more {what}{'s' * (count > 2)})" if count > 1 else ""

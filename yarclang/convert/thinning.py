@@ -1,8 +1,8 @@
-"""Which targets of a dense course are enough.
+"""Thinning of dense courses: selection of targets that are enough for a tolerance.
 
-Douglas and Peucker's algorithm (Cartographica 10, 1973, 112-122): a chord from the first to the last target is divided at the
-target that is farthest from it, and so on, until none is farther than the tolerance. Where the program will run along a
-spline, the distances are those from that spline: a coarse answer of the chords is only its beginning.
+The algorithm is that of Douglas and Peucker (Cartographica 10, 1973, 112-122): a chord from the first to the
+last target is divided at the target farthest from it, and so on, until none is farther than the tolerance. If
+the program follows a spline, distances are measured to the spline, after a coarse start with chords.
 """
 
 from __future__ import annotations
@@ -16,16 +16,24 @@ from yarclang.motion.paths.spline import distinct, through
 from yarclang.robot.model import Robot
 
 _SAMPLES = 16
-"""Chords by which a leg of the spline is measured."""
+"""Number of chords that approximate a leg of the spline."""
 _COARSE = 50
-"""A spline needs far fewer targets than straight lines do: it begins with those for so many times the tolerance."""
+"""Factor of the tolerance for the first targets of a spline, which needs far fewer than straight lines."""
 
 
 def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, form: Form) -> Course:
-    """Each `every`-th target, or as many as keep `tolerance` [deg and mm]; the first and the last always stay.
+    """Return a course with fewer targets. The first and the last target are always kept.
 
-    The tolerance holds for all joints together (root of the sum of squares), or for a pose's place and turn together. For joint
-    splines it is kept by the spline itself, for targets with times by the path at these times, otherwise by straight lines from target to target.
+    The tolerance applies to all joints together (root of the sum of squares), or to position and orientation
+    of a pose together. It holds for the spline in joint space, for the path at the times of targets with
+    times, or otherwise for straight lines from target to target.
+
+    Args:
+        course: the course.
+        every: n to keep each n-th target.
+        tolerance: largest distance of omitted targets [deg and mm]; None to keep all.
+        robot: the robot.
+        form: the form of the motion.
     """
     if every > 1:
         kept = np.unique(np.append(np.arange(0, course.size, every), course.size - 1))
@@ -43,7 +51,10 @@ def thinned(course: Course, every: int, tolerance: float | None, robot: Robot, f
 
 
 def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
-    """Return which targets of joint values stay (m,), so that the path through them is within the tolerance of the others at their times."""
+    """Return the indices (m,) of targets to keep.
+
+    At the times of all others, the path through these targets is within the tolerance.
+    """
     assert course.times is not None
     kept = np.array([0, course.size - 1])
     while True:
@@ -51,7 +62,7 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
         off[kept] = 0.0
         if (off <= tolerance).all():
             return kept
-        # the worst of each leg that misses
+        # the worst target of each leg that exceeds the tolerance
         leg = np.searchsorted(kept, np.arange(course.size), side="right")
         order = np.lexsort((-off, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
@@ -59,10 +70,11 @@ def _in_time(course: Course, tolerance: float) -> NDArray[np.intp]:
 
 
 def path_in_time(course: Course, times: Array) -> Array:
-    """Return where joints are at `times` (m,) [s] on the path that MOVEJ_TIMED defines through a course: (m, n) [deg, mm].
+    """Return joint values (m, n) at `times` (m,) [s] on the path of MOVEJ_TIMED through a course [deg, mm].
 
-    It is quintic where accelerations are given, cubic where velocities are, else the cubic spline in time that stands at both ends. A course that doesn't begin
-    at time 0 begins at its first target here, since nobody knows where the robot stands.
+    The path is quintic with accelerations, cubic with velocities only, and otherwise a cubic spline in time
+    that is at rest at both ends. A course that doesn't begin at time 0 begins at its first target here, since
+    the position of the robot isn't known.
     """
     from scipy.interpolate import BPoly, CubicHermiteSpline, CubicSpline
 
@@ -79,16 +91,17 @@ def path_in_time(course: Course, times: Array) -> Array:
 
 
 def way_shares(points: Array) -> Array:
-    """The share of the way (w,) at each of `points` (w, k), from 0 to 1: what a spline's knots are."""
+    """Return the share of the path length (w,), 0 to 1, at each of `points` (w, k): the knots of a spline."""
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))))
     shares: Array = way / way[-1]
     return shares
 
 
 def _points(course: Course) -> Array:
-    """Targets as points whose distances are in deg and mm: joint values; or place, and twice the quaternion in deg.
+    """Return targets as points whose distances are in deg and mm.
 
-    A chord between two quaternions runs inside of their arc, so a turn looks a little farther off than it is.
+    Points are joint values, or positions and twice the quaternions in deg. A chord between two quaternions is
+    inside of their arc, so that rotations seem a little farther away than they are.
     """
     if course.target == "JOINTS":
         return course.values
@@ -100,7 +113,7 @@ def _points(course: Course) -> Array:
 
 
 def _quaternions(rpy: Array) -> Array:
-    """Quaternions x y z w (w, 4) of Rz(yaw) Ry(pitch) Rx(roll), `rpy` (w, 3) [rad]."""
+    """Return the quaternions x y z w (w, 4) of Rz(yaw) Ry(pitch) Rx(roll), for `rpy` (w, 3) [rad]."""
     (sr, sp, sy), (cr, cp, cy) = np.sin(rpy.T / 2.0), np.cos(rpy.T / 2.0)
     return np.stack(
         (
@@ -114,7 +127,7 @@ def _quaternions(rpy: Array) -> Array:
 
 
 def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
-    """Which of `points` (w, k) stay (w,)."""
+    """Return True (w,) for each of `points` (w, k) to keep."""
     keep = np.zeros(len(points), dtype=bool)
     keep[[0, -1]] = True
     waiting = [(0, len(points) - 1)]
@@ -134,7 +147,7 @@ def _peucker(points: Array, tolerance: float) -> NDArray[np.bool_]:
 def _along_spline(
     points: Array, keep: NDArray[np.bool_], tolerance: float, robot: Robot
 ) -> NDArray[np.bool_]:
-    """More targets, until the natural spline through those that stay keeps the tolerance everywhere."""
+    """Add targets until the natural spline through the kept ones is within the tolerance of all others."""
     units = robot.axis_units
     keep = keep.copy()
     while True:
@@ -155,14 +168,14 @@ def _along_spline(
             distances = np.minimum(distances, _to_chords(points[left], *ends))
         if (distances <= tolerance).all():
             return keep
-        # the worst of each leg that misses
+        # the worst target of each leg that exceeds the tolerance
         order = np.lexsort((-distances, leg))
         worst = order[np.unique(leg[order], return_index=True)[1]]
         keep[left[worst[distances[worst] > tolerance]]] = True
 
 
 def _to_chords(points: Array, begins: Array, ends: Array) -> Array:
-    """Distances (w,) of `points` (w, k) from the chords `begins` to `ends` (w or 1, k)."""
+    """Return the distances (w,) of `points` (w, k) from chords between `begins` and `ends` (w or 1, k)."""
     way = ends - begins
     length = np.sum(way**2, axis=1)
     share = np.sum((points - begins) * way, axis=1) / np.where(length > 0, length, 1.0)

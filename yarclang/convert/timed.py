@@ -1,4 +1,4 @@
-"""Joint values at their times as MOVEJ_TIMED: in lines, or in a file beside the program."""
+"""Joint values with times as MOVEJ_TIMED: in lines, or in a file beside the program."""
 
 from __future__ import annotations
 
@@ -24,18 +24,25 @@ from yarclang.semantics.motions.trajectory_file import write_table
 from yarclang.units import DEG, MM
 
 MOST_LINES = 20
-"""Way-points that stand in the program; more go into a file."""
+"""Most way-points in the program. More are written into a file."""
 
 _SMALL_ANGLE, _SMALL_LENGTH = 1e-5 / DEG, 1e-5 / MM
-"""A velocity at rest is noise if the way changes by no more than this [deg, mm] without it: a tenth of what a timed motion may be off."""
+"""Change of the path up to which a velocity at rest is noise [deg, mm]: a tenth of the allowed error."""
 
 _SAMPLES = 8
-"""Places of a leg at which two paths are compared."""
+"""Number of intervals of a leg at whose ends two paths are compared."""
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A motion as lines of a program: the rows, the next index, remarks for the reader, the names and texts of files beside it."""
+    """A motion as lines of a program.
+
+    Attributes:
+        rows: the lines.
+        index: number of the next index.
+        remarks: sentences for the reader of the program.
+        files: names and texts of files beside the program.
+    """
 
     rows: list[str]
     index: int
@@ -46,16 +53,16 @@ class Written:
 def at_rest(
     course: Course, where: str, robot: Robot, findings: Collector
 ) -> tuple[Course, tuple[str, ...]] | None:
-    """Return a course that stands at both ends, and remarks: noise in its velocities there becomes 0.
+    """Return a course that is at rest at both ends, and remarks. Noise in its velocities there is set to 0.
 
     Args:
         course: joint values with times.
-        where: begins the finding: which course it is.
-        robot: whose joints they are.
-        findings: takes the finding about a course that begins or ends in motion.
+        where: start of the finding, which names the course.
+        robot: the robot.
+        findings: collects a finding about a course that begins or ends in motion.
 
     Returns:
-        None if the course is in motion at an end where the robot has to stand.
+        None, with a finding, if the course is in motion at an end where the robot has to stand.
     """
     velocities, times = course.velocities, course.times
     if velocities is None or times is None:
@@ -67,7 +74,7 @@ def at_rest(
         if row == 0 and not course.begins:
             continue
         speeds = np.abs(velocities[row])
-        # a velocity v at the end of a leg of h moves its cubic polynomial by up to 4/27 h v
+        # A velocity v at an end of a leg of duration h changes its cubic polynomial by up to 4/27 h v.
         excess = speeds * abs(times[near] - times[row]) * 4.0 / 27.0 / small
         joint = int(np.argmax(excess))
         if excess[joint] > 1.0:
@@ -91,15 +98,15 @@ def at_rest(
 def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, file: str | None) -> Written:
     """Write a course that is passed at its times.
 
-    A course that begins at time 0 is led to by a MOVEJ, unless the robot stands there. One leg from rest to rest is a MOVEJ in its time; a course that stays
-    where it is is a WAIT.
+    A MOVEJ leads to the start of a course that begins at time 0, unless the robot is there. A single leg from
+    rest to rest becomes a MOVEJ with its time, and a course without motion a WAIT.
 
     Args:
         course: two or more joint positions, at rest at both ends.
-        index: the number of the first command's index.
-        here: (n,) where the robot stands before it [deg, mm]; None: anywhere.
-        robot: whose joints they are.
-        file: the name of the file for long tables; None: all stands in the program.
+        index: number of the first command's index.
+        here: (n,) position of the robot before it [deg, mm]; None if it isn't known.
+        robot: the robot.
+        file: name of the file for long tables; None to write everything into the program.
     """
     assert course.times is not None
     rows: list[str] = []
@@ -128,7 +135,7 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
             rows, index + STEP, tuple(remarks), ((file, write_table(robot, _table(course, robot))),)
         )
     if has_start_acceleration:
-        # in lines, nothing is said of time 0
+        # The lines have no entry for time 0.
         without = replace(course, accelerations=None)
         off = _difference(course, without)
         units = "/".join(dict.fromkeys(robot.axis_unit_names))
@@ -141,12 +148,12 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
 
 
 def _is_plain(course: Course) -> bool:
-    """Return True if nothing is said of how fast the joints go."""
+    """Return True if the course has no velocities and accelerations other than 0."""
     return not any(rates is not None and rates.any() for rates in (course.velocities, course.accelerations))
 
 
 def _path(course: Course) -> str:
-    """Say how the joints go between the points."""
+    """Return the motion of the joints between the points, in words."""
     if course.velocities is None:
         return "between them each joint follows one cubic spline in time, with continuous acceleration."
     if course.accelerations is None:
@@ -157,7 +164,7 @@ def _path(course: Course) -> str:
 
 
 def _table(course: Course, robot: Robot) -> Timetable:
-    """Return the course in SI."""
+    """Return the course in SI units."""
     assert course.times is not None
     rates = [
         None if some is None else some * robot.axis_units
@@ -167,7 +174,7 @@ def _table(course: Course, robot: Robot) -> Timetable:
 
 
 def _difference(one: Course, other: Course) -> float:
-    """Return how far the paths of two courses with the same targets are apart [deg or mm]."""
+    """Return the largest distance between the paths of two courses with equal targets [deg or mm]."""
     assert one.times is not None
     shares = np.arange(1, _SAMPLES) / _SAMPLES
     times = (one.times[:-1, None] + np.diff(one.times)[:, None] * shares).ravel()
@@ -175,7 +182,7 @@ def _difference(one: Course, other: Course) -> float:
 
 
 def _lines(course: Course, index: int) -> list[str]:
-    """Return MOVEJ_TIMED with its way-points, a line each."""
+    """Return MOVEJ_TIMED with its way-points, one per line."""
     assert course.times is not None
     begin = int(course.begins)
     times = [f"[{_to_nanoseconds(time)}]" for time in course.times[begin:]]

@@ -1,4 +1,4 @@
-"""ROS trajectories (trajectory_msgs/JointTrajectory, alone or inside other messages) to courses."""
+"""Conversion of ROS trajectories (trajectory_msgs/JointTrajectory, alone or in other messages) to courses."""
 
 from __future__ import annotations
 
@@ -21,7 +21,14 @@ _MULTI_DOF = "multi_dof_joint_trajectory"
 def content_of_documents(
     documents: list[Any], robot: Robot, wishes: Wishes, findings: Collector
 ) -> Content | None:
-    """All trajectories of the documents, in their order; None where a finding forbids to take them."""
+    """Read all trajectories of documents, in their order; None with a finding.
+
+    Args:
+        documents: plain data.
+        robot: the robot.
+        wishes: the options.
+        findings: collects findings.
+    """
     messages = list(_trajectories(documents))
     if not messages:
         help_ = "a trajectory has joint_names and points, alone or inside of another message"
@@ -42,7 +49,7 @@ def content_of_documents(
 
 
 def _trajectories(data: Any) -> Iterator[Mapping[str, Any]]:
-    """The messages with joint_names and points, wherever they stand, in order."""
+    """Yield all messages with joint_names and points, at any depth, in order."""
     waiting = [data]
     while waiting:
         one = waiting.pop()
@@ -58,14 +65,25 @@ def _trajectories(data: Any) -> Iterator[Mapping[str, Any]]:
 
 
 def _is_empty_multi_dof(key: str, value: Any) -> bool:
-    """MoveIt writes one into each message; with points it is a motion that would be lost."""
+    """Return True for the empty multi-DOF trajectory that MoveIt adds to each message.
+
+    One with points is a motion, which must not be lost.
+    """
     return key == _MULTI_DOF and isinstance(value, Mapping) and not value.get("points")
 
 
 def _course(
     message: Mapping[str, Any], where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> Course | None:
-    """One trajectory; `wanted` are the joints' names in the file, in the robot's order."""
+    """Read one trajectory; None with a finding.
+
+    Args:
+        message: the trajectory.
+        where: start of findings, which names the trajectory.
+        robot: the robot.
+        wanted: names of the joints in the file, in the robot's order.
+        findings: collects findings.
+    """
     order = _order(message["joint_names"], where, robot, wanted, findings)
     if order is None:
         return None
@@ -146,7 +164,19 @@ def _rates(
     wanted: tuple[str, ...],
     findings: Collector,
 ) -> list[float] | None:
-    """Return the velocities or accelerations of a point in the robot's order; an empty list if there are none, None with a finding."""
+    """Return the velocities or accelerations of a point, in the robot's order; empty without any.
+
+    Args:
+        point: the point.
+        name: "velocity" or "acceleration".
+        place: start of findings, which names the point.
+        order: index of each of the robot's joints in the file.
+        wanted: names of the joints in the file, in the robot's order.
+        findings: collects findings.
+
+    Returns:
+        None with a finding.
+    """
     plural = _PLURALS[name]
     given = point.get(plural)
     if not isinstance(given, list) or not given:
@@ -171,7 +201,7 @@ _PLURALS = {"velocity": "velocities", "acceleration": "accelerations"}
 
 
 def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[str]:
-    """Say which velocities and accelerations aren't taken, since not all points have them."""
+    """Yield remarks about velocities and accelerations that are ignored, since not all points have them."""
     for name, rows in rates.items():
         if 0 < len(rows) < count:
             yield f"{_PLURALS[name].capitalize()} of only {len(rows):,} of {count:,} points are given, and left out."
@@ -182,7 +212,7 @@ def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[st
 def _order(
     names: Any, where: str, robot: Robot, wanted: tuple[str, ...], findings: Collector
 ) -> list[int] | None:
-    """Where each of the robot's joints stands in the file's list of names."""
+    """Return the index of each of the robot's joints in the file's list of names; None with a finding."""
     listed = [str(name) for name in names] if isinstance(names, list) else []
     low = [name.lower() for name in listed]
     missing = [name for name in wanted if name.lower() not in low]
@@ -205,7 +235,7 @@ def _order(
 
 
 def _number(value: Any) -> float | None:
-    """A number, or the text of one; None for anything else, also for what isn't finite."""
+    """Return a finite number, given as such or as a text; None for anything else."""
     if isinstance(value, str) and _NUMBER.fullmatch(value):
         value = float(value)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
@@ -214,7 +244,10 @@ def _number(value: Any) -> float | None:
 
 
 def _time(value: Any) -> float | None:
-    """A duration [s] of ROS 1 or ROS 2, or a plain number of seconds; a missing one is 0."""
+    """Return a duration of ROS 1 or ROS 2, or a number, in seconds.
+
+    A missing one is 0, a wrong one is None.
+    """
     if value is None:
         return 0.0
     if not isinstance(value, Mapping):

@@ -1,4 +1,4 @@
-"""A file's content as the text of a YARC program that people can read: a comment on where it comes from, names, commands in columns."""
+"""Writer of readable YARC programs from the content of a file: a comment on its origin, names, columns."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from yarclang.semantics.motions.trajectory_file import SUFFIX
 def program_text(
     name: str, content: Content, robot: Robot, wishes: Wishes, findings: Collector
 ) -> Converted | None:
-    """The program and the files that stand beside it; None where a finding forbids it.
+    """Return the program and the files beside it; None with an error.
 
     Args:
-        name: of the file, for the first comment.
-        content: what it says.
-        robot: whose joints they are.
-        wishes: form, time and thinning.
-        findings: takes a warning where way-points are too dense.
+        name: name of the converted file, for the first comment.
+        content: its content.
+        robot: the robot.
+        wishes: the options.
+        findings: collects findings, including a warning if way-points are too dense.
     """
     lines = [f"{plain(name)}: {content.kind}."]
     body: list[str] = []
@@ -93,7 +93,7 @@ def program_text(
 
 
 def _form(course: Course, wishes: Wishes) -> Form:
-    """Return how a course is passed: as it is wanted, else as its values and times allow."""
+    """Return the form of a course: the requested one, or the one that its values and times allow."""
     if wishes.form is not None:
         return wishes.form
     if course.times is None:
@@ -102,7 +102,10 @@ def _form(course: Course, wishes: Wishes) -> Form:
 
 
 def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, Array]:
-    """The robot goes to each target and stops there; named ones are declared first. Also the next index, and the end."""
+    """Return the lines of moves that stop at each target, the next index, and the last target.
+
+    Named targets are declared first.
+    """
     rows: list[str] = []
     cells = rows_of(course.values, course.target)
     words = {
@@ -134,7 +137,7 @@ def _moves(course: Course, index: int, wishes: Wishes) -> tuple[list[str], int, 
 
 
 def _declarations(declared: dict[str, str], course: Course) -> list[str]:
-    """JOINTS or FRAME lines of named targets."""
+    """Return JOINTS or FRAME lines of named targets."""
     widest = max(map(len, declared))
     if course.target == "JOINTS":
         return [f"JOINTS {name:{widest}} {cell}" for name, cell in declared.items()]
@@ -145,10 +148,17 @@ def _declarations(declared: dict[str, str], course: Course) -> list[str]:
 def _spline(
     course: Course, index: int, here: Array | None, is_first: bool, wishes: Wishes
 ) -> tuple[list[str], int, Array]:
-    """From the first target through the others without a stop, in the time from the first to the last.
+    """Return the lines of a motion through all targets without a stop, the next index, and the last target.
 
-    The first course of joint values begins where the robot stands: START. Another one goes to its beginning
-    unless the robot is there, as it is at the end (k,) `here` of the one before.
+    The motion takes the time from the first to the last target. The first course of joint values begins at
+    START. For any other, a move leads to its beginning, unless the robot is there.
+
+    Args:
+        course: the course.
+        index: number of the first command's index.
+        here: (k,) end of the course before; None without one.
+        is_first: True for the first course.
+        wishes: the options.
     """
     cells = rows_of(course.values, course.target)
     suffix = "" if course.target == "JOINTS" else f"_{course.target}"
@@ -177,7 +187,7 @@ def _spline(
 
 
 def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
-    """JOINTS lines of named joint positions."""
+    """Return JOINTS lines of named joint positions."""
     widest = max(len(name) for name, _ in positions)
     cells = rows_of(np.array([q for _, q in positions]), "JOINTS")
     return [
@@ -186,7 +196,7 @@ def _positions(positions: Sequence[tuple[str, Array]]) -> list[str]:
 
 
 def _without_repeats(course: Course) -> Course:
-    """The course without targets that equal the one before, unless they have a name."""
+    """Return the course without targets that equal the one before, unless they have a name."""
     moved = np.abs(np.diff(course.values, axis=0)).max(axis=1) > SAME_PLACE
     if course.names:
         moved |= np.array([bool(name) for name in course.names[1:]], dtype=bool)
@@ -194,7 +204,7 @@ def _without_repeats(course: Course) -> Course:
 
 
 def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
-    """What becomes of the times of a course that is passed without a stop."""
+    """Yield remarks about the times of a course that is passed without a stop."""
     if course.size < 3:
         return
     yield "All points are passed in one go: the arm speeds up once and slows down once."
@@ -216,8 +226,10 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
 
 
 def _lspb_time(way: Array) -> Array:
-    """The share of the time (w,) after which the law LSPB has gone a share of the `way` (w,): a third to speed up, a
-    third at 1.5 times the mean speed, a third to slow down.
+    """Return the shares of the time (w,) at which the LSPB law has covered shares of the way (w,).
+
+    The law accelerates for a third of the time, moves at 1.5 times the mean speed for a third, and then
+    decelerates.
     """
     from_end = np.minimum(way, 1.0 - way)
     early = np.where(
@@ -228,7 +240,7 @@ def _lspb_time(way: Array) -> Array:
 
 
 def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Collector) -> None:
-    """A warning where way-points follow each other quicker than the controller's shortest segments."""
+    """Warn if way-points follow each other faster than the controller's shortest segments."""
     if course.times is None or wishes.time is not None or course.size < 3:
         return
     gap = float(course.times[-1] - course.times[0]) / (course.size - 1)
@@ -247,7 +259,7 @@ def _check_density(course: Course, robot: Robot, wishes: Wishes, findings: Colle
 
 
 def _why_fewer(wishes: Wishes) -> str:
-    """How the kept targets were chosen."""
+    """Return the reason why targets were omitted, in words."""
     parts = [f"one in {wishes.every}"] * (wishes.every > 1)
     if wishes.tolerance is not None:
         parts.append(f"the others are within {wishes.tolerance:g} (deg and mm) of the way")

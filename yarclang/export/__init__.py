@@ -1,1 +1,1 @@
-"""Programs and robots in the files of other tools: trajectories for ROS, and MoveIt's configuration."""
+"""Export of programs and robots to other tools: trajectories for ROS, and MoveIt's configuration."""

@@ -1,4 +1,7 @@
-"""The ROS nodes as a package, which needs no yarclang where it runs: the files of the standard library, with the nodes' modules of this installation."""
+"""The ROS nodes as a package that doesn't need yarclang.
+
+It has the files of the standard library and the modules of the nodes from this installation.
+"""
 
 from __future__ import annotations
 

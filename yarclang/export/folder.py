@@ -1,4 +1,4 @@
-"""A package as a folder: what may be written over, and how it is written."""
+"""Writer of a package into a folder, which protects files of the user."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from yarclang.export.package import Package
 from yarclang.files import read_whole, reason_of, replace_file
 
 LIST = "yarc-export.json"
-"""The file with the checksums of all files that an export has written."""
+"""Name of the file with the checksums of all files that an export has written."""
 _LISTED = 5
 _LARGEST_LIST = 10_000_000
 
 
 def judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnostic, ...]:
-    """Return an error if files stand where a package would be written, and aren't as an export has written them.
+    """Return an error if a package would overwrite files that an export hasn't written, or that have changed.
 
     Args:
-        folder: where it would be written.
-        package: what would be written.
-        overwrite: True to write over any file; what is no file is still an error.
+        folder: the folder to write into.
+        package: the package.
+        overwrite: True to overwrite any file. Anything other than a file is still an error.
     """
     try:
         return _judged(folder, package, overwrite=overwrite)
@@ -42,7 +42,7 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
     foreign, changed = [], []
     for path in (*package.files, LIST):
         place = folder / path
-        # a link that leads nowhere is somebody's, and would be written through
+        # A dangling link belongs to the user, and would be written through.
         if overwrite or not (place.exists() or place.is_symlink()):
             continue
         if path == LIST:
@@ -66,14 +66,15 @@ def _judged(folder: Path, package: Package, *, overwrite: bool) -> tuple[Diagnos
 
 
 def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
-    """Write a package; files of an earlier export that it doesn't have any more are removed if nobody has changed them.
+    """Write a package. Unchanged files of an earlier export that aren't in it any more are removed.
 
     Returns:
-        An error if a file can't be written. Those before it are written then, and the list of the earlier export stays.
+        An error if a file can't be written. The files before it are then written, and the list of checksums
+        has the files of both exports.
     """
     known = _known(folder) or {}
     sums = {path: hashlib.sha256(data).hexdigest() for path, data in package.files.items()}
-    # what is written is ours from now on, even if the rest can't be written
+    # All files that are written belong to the export, even if a later one can't be written.
     listed = json.dumps({"files": {**known, **sums}}, indent=1) + "\n"
     try:
         replace_file(folder / LIST, listed.encode())
@@ -95,13 +96,13 @@ def write_folder(folder: Path, package: Package) -> tuple[Diagnostic, ...]:
 
 
 def _make_program(path: Path) -> None:
-    """Let whoever may read a file run it."""
+    """Let all who may read a file execute it."""
     mode = path.stat().st_mode
     path.chmod(mode | (mode & 0o444) >> 2)
 
 
 def _known(folder: Path) -> dict[str, str] | None:
-    """The checksums of an earlier export; None if there is none that can be read."""
+    """Return the checksums of an earlier export; None without a readable list."""
     try:
         files = json.loads(read_whole(folder / LIST, _LARGEST_LIST))["files"]
         return {path: digest for path, digest in files.items() if isinstance(digest, str)}

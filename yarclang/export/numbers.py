@@ -1,4 +1,4 @@
-"""Numbers and texts as YAML and JSON both read them."""
+"""Numbers and texts in a form that both YAML and JSON read."""
 
 from __future__ import annotations
 
@@ -7,7 +7,10 @@ from collections.abc import Iterable
 
 
 def number(value: float) -> str:
-    """Return the shortest text that reads back as the same float64. YAML 1.1 takes an exponent only after a decimal point."""
+    """Return the shortest text that reads back as an equal float64.
+
+    YAML 1.1 needs a decimal point before an exponent.
+    """
     text = repr(float(value))
     mantissa, e, exponent = text.partition("e")
     return f"{mantissa}.0e{exponent}" if e and "." not in mantissa else text
@@ -19,7 +22,7 @@ def row(values: Iterable[float]) -> str:
 
 
 def text(value: str) -> str:
-    """Return a text in quotes, in ASCII: in YAML, a joint called `yes` or `1` would be something else."""
+    """Return a text in quotes, in ASCII. Without quotes, YAML wouldn't read `yes` or `1` as texts."""
     return json.dumps(value)
 
 

@@ -1,4 +1,4 @@
-"""A package of ROS as bytes."""
+"""A ROS package as bytes."""
 
 from __future__ import annotations
 
@@ -7,7 +7,13 @@ from yarclang.frozen import frozen
 
 @frozen(eq=False)
 class Package:
-    """The package `name`: `files` by their paths in it, and which of them are programs."""
+    """A package.
+
+    Attributes:
+        name: its name.
+        files: contents of its files, by their paths.
+        programs: paths of the files that are executable.
+    """
 
     name: str
     files: dict[str, bytes]

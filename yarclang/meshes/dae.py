@@ -11,16 +11,16 @@ from yarclang.meshes.text import integers, numbers
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, lost_corner
 
 _BUFFER = 1_000_000
-"""Bytes of text that the parser hands over together."""
+"""Bytes of text that the parser passes on at once."""
 _FACES = ("triangles", "polylist", "polygons", "tristrips", "trifans")
 _NO_FACES = ("lines", "linestrips")
 
 
 def dae_fault(content: bytes) -> str:
-    """Return the end of a sentence that names what makes a COLLADA file useless as a body; empty if nothing does.
+    """Return the end of a sentence that names the fault of a COLLADA file as a body; empty without one.
 
     Args:
-        content: of the file. Normals, colours and what is drawn otherwise may be anything.
+        content: the file. Normals, colours and other content for pictures only aren't checked.
     """
     reading = _Reading()
     parser = expat.ParserCreate(namespace_separator=" ")
@@ -43,7 +43,14 @@ def _refuse(*_: object) -> None:
 
 
 class _Faces:
-    """The faces of an element such as <triangles>: which corners they use, at which place of each group of numbers."""
+    """The faces of an element such as <triangles>.
+
+    Attributes:
+        vertices: id of the <vertices> that they use.
+        place: position of the corner's index in a group of numbers.
+        group: length of a group.
+        lists: the numbers.
+    """
 
     def __init__(self) -> None:
         self.vertices = ""
@@ -53,20 +60,20 @@ class _Faces:
 
 
 class _Reading:
-    """What a parser finds: places of corners by the ids of their sources, and faces."""
+    """Collects the corners, by the ids of their sources, and the faces from the events of a parser."""
 
     def __init__(self) -> None:
-        self.texts: dict[str, str] = {}  # by the id of the <source>: numbers of corners, normals, colours
+        self.texts: dict[str, str] = {}  # numbers of corners, normals, colours, by the id of the <source>
         self.strides: dict[str, int] = {}
         self.counts: dict[str, int] = {}
-        self.positions: dict[str, str] = {}  # the source of each <vertices>
+        self.positions: dict[str, str] = {}  # source of each <vertices>
         self.faces: list[_Faces] = []
         self._source = self._vertices = ""
         self._faces: _Faces | None = None
         self._text: list[str] | None = None
 
     def begin(self, tag: str, attributes: dict[str, str]) -> None:
-        """Take the beginning of an element."""
+        """Handle the start of an element."""
         name = tag.rpartition(" ")[2]
         if name == "source":
             self._source = attributes.get("id", "")
@@ -95,7 +102,7 @@ class _Reading:
                 self._faces.vertices, self._faces.place = source, place
 
     def end(self, tag: str) -> None:
-        """Take the end of an element."""
+        """Handle the end of an element."""
         name = tag.rpartition(" ")[2]
         if name in (*_FACES, *_NO_FACES):
             self._faces = None
@@ -110,7 +117,7 @@ class _Reading:
             self._faces.lists.append(_numbers(text) if whole is None else whole)
 
     def data(self, found: str) -> None:
-        """Take a piece of text."""
+        """Handle a piece of text."""
         if self._text is not None:
             self._text.append(found)
 
@@ -150,7 +157,7 @@ class _Reading:
 
 
 def _numbers(text: str) -> NDArray[np.float64]:
-    """Return the numbers of a text; one that isn't one is NaN."""
+    """Return the numbers of a text; if a word isn't a number, all are NaN."""
     found = numbers(text.encode())
     if found is not None:
         return found

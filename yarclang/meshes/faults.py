@@ -1,4 +1,4 @@
-"""What makes a file useless as a body, whatever its format."""
+"""Faults of mesh files of any format."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ _FAULTS: dict[str, Callable[[bytes], str]] = {
 
 
 def mesh_fault(suffix: str, content: bytes) -> str:
-    """Return the end of a sentence that names what makes a mesh useless as a body; empty if nothing does.
+    """Return the end of a sentence that names the fault of a mesh as a body; empty without one.
 
     Args:
-        suffix: of the file's name, in any case, with its dot. Of other formats than STL, OBJ, DAE and PLY nothing is known.
-        content: of the file. What only matters for pictures may be anything.
+        suffix: suffix of the file's name, in any case, with its dot. Formats other than STL, OBJ, DAE and PLY
+            aren't checked.
+        content: the file. Content for pictures only isn't checked.
     """
     if not content.strip():
         return "is empty"

@@ -9,16 +9,16 @@ from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.stl import stl_corners
 
 _FLAT = 1e-6
-"""Thinner than this share of its size, a mesh has no hull."""
+"""Share of its size below which the thickness of a mesh is zero: it has no hull."""
 
 MOST_CORNERS = 50_000
-"""Hulls with more corners are covered by planes: coal can't make most of them, and with the others each distance takes long."""
+"""Most corners of a hull. Larger hulls are covered by planes: coal fails for most of them, or is slow."""
 
 _ROUNDED = 1e-9
-"""What rounding can take away from the reach of a body [m, or the mesh's unit]."""
+"""Upper bound of the rounding in the extent of a body [m, or the mesh's unit]."""
 
 _DIRECTIONS = 1000
-"""So many planes make a body less than 1 % larger."""
+"""Number of planes that cover a large hull. They make the body less than 1 % larger."""
 
 _HEAD = """ply
 format binary_little_endian 1.0
@@ -34,11 +34,16 @@ end_header
 
 
 def hull_file(suffix: str, content: bytes) -> bytes | None:
-    """Return a PLY file of the convex hull of a mesh, with its corners to the last bit, or of planes around one with very many; None for a flat mesh, and for a format or text that isn't read as arrays.
+    """Return a PLY file of the convex hull of a mesh.
+
+    It has the exact corners of the hull. A hull with very many corners is replaced by planes around it.
 
     Args:
-        suffix: of the mesh's name, in any case, with its dot.
-        content: of its file.
+        suffix: suffix of the file's name, in any case, with its dot.
+        content: the file.
+
+    Returns:
+        The file; None for a flat mesh, and for a format or text that isn't read as arrays.
     """
     look = {".stl": stl_corners, ".obj": obj_corners}.get(suffix.lower())
     corners = look(content) if look is not None else None
@@ -70,14 +75,19 @@ def hull_file(suffix: str, content: bytes) -> bytes | None:
 
 
 def cover(corners: NDArray[np.float64], directions: int) -> NDArray[np.float64]:
-    """Return the corners (k, 3) of a body of planes around some (m, 3): it touches them along the axes and in `directions` between."""
+    """Return the corners (k, 3) of a body whose planes touch other corners.
+
+    Args:
+        corners: (m, 3) the corners to enclose.
+        directions: number of planes, besides those along the axes.
+    """
     from scipy.spatial import HalfspaceIntersection
 
     number = np.arange(directions) + 0.5
     height, turn = (
         1.0 - 2.0 * number / directions,
         number * np.pi * (1.0 + np.sqrt(5.0)),
-    )  # evenly: Fibonacci's spiral
+    )  # a Fibonacci spiral, whose points are evenly distributed
     across = np.sqrt(1.0 - height**2)
     spiral = np.stack((across * np.cos(turn), across * np.sin(turn), height), axis=1)
     normals = np.concatenate((np.eye(3), -np.eye(3), spiral))

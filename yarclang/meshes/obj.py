@@ -1,4 +1,4 @@
-"""Faults inside OBJ files: corners that are no numbers, faces that name corners which aren't there."""
+"""Faults inside OBJ files: corners that aren't numbers, faces with corners that don't exist."""
 
 from __future__ import annotations
 
@@ -18,9 +18,12 @@ _LOST = re.compile(
     rb"|v[ \t]+(?=[^ \t])(?!(?:(?:[-+]?[0-9]|[-+]\.[0-9])[0-9.eE+-]*[ \t]+){2}(?:[-+]?[0-9]|[-+]\.[0-9])))",
     re.MULTILINE,
 )
-"""Begins a line that coal's reader skips in silence, so that a face is missing, or that faces take other corners. It reads -.5 as a number, but not .5."""
+"""Start of a line that coal's reader skips silently, so that a face is missing, or faces get wrong corners.
+
+The reader takes -.5 as a number, but not .5.
+"""
 _UNUSUAL = re.compile(rb"^[ \t]*(?!(?:v|vt|vn|f|g|o|s|usemtl|mtllib)[ \t]|[#\s]|\Z)", re.MULTILINE)
-"""Begins a line that has something else than corners, faces, and what these are called or look like."""
+"""Start of a line that has something other than corners, faces, and their names or looks."""
 _CORNER = re.compile(rb"^[ \t\r\f\v]*v[ \t]", re.MULTILINE)
 _FACE = re.compile(rb"^[ \t\r\f\v]*fo?[ \t]([^\n]*)", re.MULTILINE)
 _BESIDE = re.compile(rb"/[^ \t\r\n\f\v]*")
@@ -29,10 +32,10 @@ _LONGEST_LINE = 40
 
 
 def obj_fault(content: bytes) -> str:
-    """Return the end of a sentence that names a corner that is no number, or the first face with a corner that isn't there; empty without one.
+    """Return the end of a sentence that names the fault of an OBJ file as a body; empty without one.
 
     Args:
-        content: of an OBJ file. Its corners are numbered from 1, or from the last one backwards with -1.
+        content: the file. Its corners are numbered from 1, or backwards from the last one, which is -1.
     """
     if obj_corners(content) is not None:
         return ""
@@ -67,7 +70,11 @@ def obj_fault(content: bytes) -> str:
 
 
 def obj_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners (n, 3) that faces of an OBJ file use, in its own unit; None for a file with a fault, and for one with more than corners of three numbers and faces that name them from 1."""
+    """Return the corners (n, 3) that faces of an OBJ file use, in its own unit.
+
+    None for a file with a fault, or with anything unusual: its corners must have three numbers, and its faces
+    must number them from 1.
+    """
     rows: list[NDArray[np.float64]] = []
     used: list[NDArray[np.int64]] = []
     for piece in pieces(content):
@@ -91,7 +98,10 @@ def obj_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def _is_plain(content: bytes) -> bool:
-    """Return True if all faces name corners by numbers from 1, and all of these are there: what nearly all files have, in a tenth of the time of a look at each face."""
+    """Return True if all faces number their corners from 1, and all these corners exist.
+
+    This holds for nearly all files, and takes a tenth of the time of a check of each face.
+    """
     if b"\\" in content:
         return False
     corners = len(_CORNER.findall(content))

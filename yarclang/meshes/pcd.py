@@ -1,4 +1,4 @@
-"""Points of PCD files, the point clouds of PCL: text, binary, and compressed."""
+"""Reader of PCD files, the point clouds of PCL: text, binary, and compressed."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ _MOST_NUMBERS = 1_000
 
 
 class _FaultError(Exception):
-    """The end of a sentence that names a fault."""
+    """A fault; its text is the end of a sentence that names it."""
 
 
 def pcd_points(content: bytes) -> NDArray[np.float64] | str:
-    """Return the points (N, 3) of a PCD file, in its own unit; or the end of a sentence that names what makes the file useless.
+    """Return the points (N, 3) of a PCD file, in its own unit, or the end of a sentence that names a fault.
 
-    Places that a sensor has not seen are in it as NaN.
+    Positions that a sensor hasn't seen are NaN.
 
     Args:
-        content: of the file. Other fields than x, y and z may be anything.
+        content: the file. Fields other than x, y and z are ignored.
     """
     header = _HEADER.match(content[:_LONGEST_HEADER])
     if header is None:
@@ -49,7 +49,11 @@ def pcd_points(content: bytes) -> NDArray[np.float64] | str:
 
 
 def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
-    """Return the name and the type of each number of a point, and how many points there are."""
+    """Return the name and the type of each number of a point, and the number of points.
+
+    Raises:
+        _FaultError: if the header is wrong.
+    """
     said = {}
     for words in map(str.split, text.splitlines()):
         if words and not words[0].startswith("#"):
@@ -74,7 +78,11 @@ def _columns(text: str) -> tuple[list[tuple[str, str]], int]:
 
 
 def _stands_at_its_origin(viewpoint: list[str] | None) -> None:
-    """Refuse a cloud that was seen from elsewhere: its readers don't agree on whether its numbers count from there."""
+    """Check that the viewpoint is the origin. Readers of PCD files disagree about the meaning of others.
+
+    Raises:
+        _FaultError: if it isn't.
+    """
     try:
         pose = _HERE if viewpoint is None else [float(one) for one in viewpoint]
     except ValueError:
@@ -111,7 +119,7 @@ def _binary(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDA
 
 
 def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) -> NDArray[np.float64]:
-    """Return the points of fields that stand one after the other, each of all points."""
+    """Return the points of a compressed body, in which each field has the numbers of all points."""
     if len(body) < 8:
         raise _FaultError(cut_off(f"{len(body)} bytes of points", "at least 8"))
     packed, size = struct.unpack_from("<II", body)
@@ -134,7 +142,7 @@ def _compressed(body: memoryview, columns: list[tuple[str, str]], count: int) ->
 
 
 def _unpacked(packed: bytes, size: int) -> bytes:
-    """Return what LZF has packed: bytes as they are, and what repeats those that came before."""
+    """Decompress LZF data: literal bytes, and references that repeat earlier ones."""
     found = bytearray()
     at, end = 0, len(packed)
     try:
@@ -155,7 +163,7 @@ def _unpacked(packed: bytes, size: int) -> bytes:
             if start < 0:
                 raise _FaultError("has compressed points that are damaged")
             piece = found[start : start + length]
-            # what is repeated may overlap what it makes
+            # The repeated piece may overlap its own result.
             found += (piece * (length // len(piece) + 1))[:length]
     except IndexError:
         raise _FaultError("has compressed points that are damaged") from None
@@ -165,4 +173,4 @@ def _unpacked(packed: bytes, size: int) -> bytes:
 
 
 _LITERAL, _LONG = 32, 7
-"""Below the one a control byte of LZF counts bytes as they are; the other is a length that goes on in the next byte."""
+"""LZF: control bytes below `_LITERAL` count literal bytes; the length `_LONG` continues in the next byte."""

@@ -21,17 +21,23 @@ _TYPES = {
     "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4", "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
 _AT_ONCE = 1_000_000
-"""Numbers of lists that are read at once, for the memory that it takes."""
+"""Most numbers of lists that are read at once, which bounds memory."""
 _CORNERS = ("vertex_indices", "vertex_index")
 
 
 class _FaultError(Exception):
-    """The end of a sentence that names a fault."""
+    """A fault; its text is the end of a sentence that names it."""
 
 
 @frozen
 class _Property:
-    """A number of each entry, or, with the type of its `length`, a list of them."""
+    """A property of an element: a number, or a list of numbers.
+
+    Attributes:
+        name: its name.
+        kind: type of a number.
+        length: type of the length of a list; empty for a single number.
+    """
 
     name: str
     kind: str
@@ -40,7 +46,13 @@ class _Property:
 
 @frozen
 class _Element:
-    """A kind of entries, and how many there are."""
+    """An element of a file: a kind of entries.
+
+    Attributes:
+        name: its name.
+        count: number of entries.
+        properties: the properties of each entry.
+    """
 
     name: str
     count: int
@@ -48,12 +60,13 @@ class _Element:
 
 
 def read_ply(content: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]] | str:
-    """Return corners (V, 3) and triangles (T, 3) of a PLY file; or the end of a sentence that names what makes it useless as a body.
+    """Return corners (V, 3) and triangles (T, 3) of a PLY file, or the end of a sentence that names a fault.
 
-    Faces of more corners are divided into triangles from their first corner: these cover the face, and of a hollow one more.
+    Faces of more corners are divided into triangles from their first corner. These cover the face, and more
+    than the face if it isn't convex.
 
     Args:
-        content: of the file, text or binary. What isn't a corner's place or a face may be anything.
+        content: the file, text or binary. Anything but positions of corners and faces is ignored.
     """
     try:
         return _look(*_opened(content))
@@ -62,10 +75,10 @@ def read_ply(content: bytes) -> tuple[NDArray[np.float64], NDArray[np.int64]] | 
 
 
 def ply_points(content: bytes) -> NDArray[np.float64] | str:
-    """Return the corners (V, 3) of a PLY file, whatever its faces; or the end of a sentence that names what makes the file useless.
+    """Return the corners (V, 3) of a PLY file without its faces, or the end of a sentence that names a fault.
 
     Args:
-        content: of the file, text or binary. Places that a sensor has not seen may be in it as NaN.
+        content: the file, text or binary. Positions that a sensor hasn't seen may be NaN.
     """
     try:
         elements, source = _opened(content)
@@ -80,7 +93,11 @@ def ply_points(content: bytes) -> NDArray[np.float64] | str:
 
 
 def _opened(content: bytes) -> tuple[list[_Element], _Numbers]:
-    """Return the kinds of entries of a file, and its numbers; raises `_FaultError`."""
+    """Return the elements of a file, and its numbers.
+
+    Raises:
+        _FaultError: if the header is wrong, or a word isn't a number.
+    """
     header = _HEADER.match(content[:_LONGEST_HEADER])
     if header is None:
         raise _FaultError("has no header of a PLY file")
@@ -92,7 +109,11 @@ def _opened(content: bytes) -> tuple[list[_Element], _Numbers]:
 
 
 def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
-    """Return the places (V, 3) of corners; raises `_FaultError`."""
+    """Return the positions (V, 3) of corners.
+
+    Raises:
+        _FaultError: if they have no x, y and z, or aren't there.
+    """
     names = [one.name for one in element.properties]
     if not {"x", "y", "z"} <= set(names) or any(one.length for one in element.properties):
         raise _FaultError("has corners without x, y and z")
@@ -101,7 +122,7 @@ def _corners_of(element: _Element, source: _Numbers) -> NDArray[np.float64]:
 
 
 def ply_fault(content: bytes) -> str:
-    """Return the end of a sentence that names what makes a PLY file useless as a body; empty if nothing does."""
+    """Return the end of a sentence that names the fault of a PLY file as a body; empty without one."""
     read = read_ply(content)
     return read if isinstance(read, str) else ""
 
@@ -130,32 +151,39 @@ def _with(element: _Element, more: _Property) -> _Element:
 
 
 class _Numbers:
-    """The numbers of a file, from its first to its last."""
+    """Sequential reader of the numbers of a file."""
 
     def rows(self, count: int, kinds: list[str]) -> NDArray[np.float64]:
-        """Return the next entries (count, columns), and go on after them; raises `_FaultError` if they aren't there."""
+        """Read the next entries (count, columns), whose columns have types `kinds`.
+
+        Raises:
+            _FaultError: if the file ends before.
+        """
         raise NotImplementedError
 
     def width(self, kind: str) -> int:
-        """Return how many places a number takes."""
+        """Return the number of places that a number takes: bytes, or 1 in a text."""
         raise NotImplementedError
 
     def starts(
         self, count: int, before: int, length: str, item: int, after: int
     ) -> tuple[list[int], list[int]]:
-        """Return where the lists of the next entries begin, and how long they are; and go on after them.
+        """Read over the next entries, and return the places and lengths of their lists.
 
         Args:
-            count: of the entries, which have one list each.
+            count: number of entries, which have one list each.
             before: places of an entry before its list.
-            length: the type of a list's length.
+            length: type of the length of a list.
             item: places of a number of the list.
-            after: places after the list.
+            after: places of an entry after its list.
+
+        Raises:
+            _FaultError: if the file ends before, or a length isn't one.
         """
         raise NotImplementedError
 
     def gather(self, starts: NDArray[np.int64], length: int, kind: str) -> NDArray[np.float64]:
-        """Return the lists (entries, length) that begin at some places."""
+        """Return the lists (entries, length) that begin at given places, of one length and type."""
         raise NotImplementedError
 
 
@@ -176,7 +204,7 @@ class _Text(_Numbers):
         return found
 
     def width(self, kind: str) -> int:
-        del kind  # a word is a word
+        del kind  # each number is one word
         return 1
 
     def starts(
@@ -271,14 +299,17 @@ def _look(elements: list[_Element], source: _Numbers) -> tuple[NDArray[np.float6
             if wrong.any():
                 first = values[wrong][0]
                 return lost_corner(int(first), len(corners)) if np.isfinite(first) else ODD_CORNER
-            # a fan from the first corner of each face
+            # a fan of triangles from the first corner of each face
             sides = range(1, values.shape[1] - 1)
             faces.extend(values[:, [0, side, side + 1]].astype(np.int64) for side in sides)
     return (corners, np.concatenate(faces)) if faces else NO_TRIANGLE
 
 
 def _lists(element: _Element, source: _Numbers) -> Iterator[tuple[str, NDArray[np.float64]]]:
-    """Yield lists by their names, as rows (entries, length); those of one length at once, if an entry has one list."""
+    """Yield the names and the rows (entries, length) of lists.
+
+    If an entry has one list, those of equal length are read together.
+    """
     places = [at for at, one in enumerate(element.properties) if one.length]
     if len(places) != 1:
         for _ in range(element.count if places else 0):
@@ -301,7 +332,7 @@ def _lists(element: _Element, source: _Numbers) -> Iterator[tuple[str, NDArray[n
 
 
 def _entry(element: _Element, source: _Numbers) -> list[tuple[str, NDArray[np.float64]]]:
-    """Return the lists of the next entry, by their names."""
+    """Return the names and contents of the lists of the next entry."""
     found = []
     for one in element.properties:
         if not one.length:

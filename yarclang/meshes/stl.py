@@ -11,7 +11,7 @@ from yarclang.meshes.text import pieces, table
 from yarclang.meshes.wording import NO_TRIANGLE, ODD_CORNER, cut_off
 
 _HEAD = 84
-"""Bytes before the first triangle of a binary file: the last four are the number of triangles."""
+"""Bytes before the first triangle of a binary file. The last four are the number of triangles."""
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", 9), ("more", "<u2")])
 _NOT_FINITE = re.compile(rb"^[ \t]*vertex[ \t][^\n]*(?:nan|inf)", re.IGNORECASE | re.MULTILINE)
 _NAME = re.compile(rb"^([ \t\r\f\v]*(?:end)?solid)\b[^\n]*", re.IGNORECASE | re.MULTILINE)
@@ -25,17 +25,23 @@ _IN_TRIANGLE = {
     b"endloop": 1,
     b"vertex": 3,
 }
-"""How often a word stands in the text of a triangle, also as a part of others; names of solids may have them too: such files are unusual."""
+"""Number of occurrences of words in the text of a triangle, including those within other words.
+
+Files whose names of solids contain these words are treated as unusual.
+"""
 _WORD = re.compile(rb"\b(facet|vertex|endfacet|endsolid)\b", re.IGNORECASE)
 
 
 def is_binary(content: bytes) -> bool:
-    """Return True if a file is as long as the triangles that its head counts."""
+    """Return True if the length of a file fits the number of triangles in its head."""
     return len(content) >= _HEAD and len(content) == _HEAD + _TRIANGLE.itemsize * _count(content)
 
 
 def stl_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners (3 T, 3) of all triangles of an STL file, in its own unit; None for a file with a fault, or of unusual text."""
+    """Return the corners (3 T, 3) of all triangles of an STL file, in its own unit.
+
+    None for a file with a fault, or with unusual text.
+    """
     if not is_binary(content):
         return _text_corners(content)
     corners = np.frombuffer(content, _TRIANGLE, offset=_HEAD)["corners"]
@@ -45,7 +51,10 @@ def stl_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def _text_corners(content: bytes) -> NDArray[np.float64] | None:
-    """Return the corners of a file of text, if it has each word as often as its triangles need: then nothing is missing."""
+    """Return the corners of a text file, if it has each word as often as its triangles need.
+
+    Then nothing is missing. None for other files.
+    """
     if content[:5] != b"solid" or not content.rstrip().rpartition(b"\n")[2].lstrip().startswith(b"endsolid"):
         return None
     counts = dict.fromkeys(_IN_TRIANGLE, 0)
@@ -66,17 +75,17 @@ def _text_corners(content: bytes) -> NDArray[np.float64] | None:
 
 
 def stl_of(triangles: NDArray[np.float64]) -> bytes:
-    """Return a binary STL file of triangles (T, 3, 3), whose normals are left to its readers."""
+    """Return a binary STL file of triangles (T, 3, 3). Its normals are zero: readers compute them."""
     records = np.zeros(len(triangles), _TRIANGLE)
     records["corners"] = triangles.reshape(-1, 9)
     return bytes(_HEAD - 4) + len(triangles).to_bytes(4, "little") + records.tobytes()
 
 
 def stl_fault(content: bytes) -> str:
-    """Return the end of a sentence that names what makes an STL file useless as a body; empty if nothing does.
+    """Return the end of a sentence that names the fault of an STL file as a body; empty without one.
 
     Args:
-        content: of the file, binary or text. Normals may be anything.
+        content: the file, binary or text. Normals aren't checked.
     """
     if is_binary(content):
         corners = np.frombuffer(content, _TRIANGLE, offset=_HEAD)["corners"]
@@ -102,7 +111,7 @@ def stl_fault(content: bytes) -> str:
 
 
 def damage(content: bytes) -> str:
-    """Return how long a binary file should be; empty if it shows no number of triangles."""
+    """Return the end of a sentence that gives the right length of a binary file; empty if it isn't known."""
     if len(content) < _HEAD or content.startswith(b"solid"):
         return ""
     needed = _HEAD + _TRIANGLE.itemsize * _count(content)

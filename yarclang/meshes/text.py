@@ -1,4 +1,4 @@
-"""Numbers in the lines of large text files, as arrays and piece by piece: memory stays bounded."""
+"""Numbers in the lines of large text files, read into arrays piece by piece to bound memory."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 _PIECE = 8_000_000
-"""Bytes that are looked at together."""
+"""Bytes that are read at once."""
 
 
 def pieces(content: bytes) -> Iterator[bytes]:
-    """Yield a file in pieces that end with a line."""
+    """Yield a file in pieces that end at line ends."""
     at = 0
     while at < len(content):
         end = content.find(b"\n", at + _PIECE) + 1
@@ -22,12 +22,15 @@ def pieces(content: bytes) -> Iterator[bytes]:
 
 
 def numbers(text: bytes) -> NDArray[np.float64] | None:
-    """Return the numbers of a text with blanks between them; None if a word isn't one."""
+    """Return the numbers of a text, separated by blanks; None if a word isn't a number."""
     return _read(text, np.dtype(np.float64))
 
 
 def integers(text: bytes) -> NDArray[np.int64] | None:
-    """Return the integers of a text with blanks between them, those beyond 64 bits as the nearest within; None if a word isn't one."""
+    """Return the integers of a text, separated by blanks; None if a word isn't an integer.
+
+    Integers beyond 64 bits saturate.
+    """
     return _read(text, np.dtype(np.int64))
 
 
@@ -35,21 +38,21 @@ def _read(text: bytes, kind: np.dtype[Any]) -> NDArray[Any] | None:
     words = _words(text)
     try:
         found: NDArray[Any] = np.fromstring(text, kind, sep=" ") if words else np.zeros(0, kind)
-    except (ValueError, DeprecationWarning):  # by the version of numpy; else the rest is missing
+    except (ValueError, DeprecationWarning):  # depends on the version of numpy; others drop the rest
         return None
-    # numpy takes 1.5-2 for two numbers
+    # numpy reads 1.5-2 as two numbers
     return found if len(found) == words else None
 
 
 def _words(text: bytes) -> int:
-    """Return how many words a text has: in less time and memory than by making them."""
+    """Return the number of words of a text, without the time and memory to split it."""
     each = np.frombuffer(text, np.uint8)
     inside = (each != 32) & ((each < 9) | (each > 13))
     return int(np.count_nonzero(inside[1:] & ~inside[:-1])) + int(inside[:1].sum())
 
 
 def table(lines: Sequence[bytes], width: int) -> NDArray[np.float64] | None:
-    """Return the numbers of lines (n, width); None if one has more, fewer, or what is no finite number."""
+    """Return the numbers of lines (n, width); None if a line has more or fewer, or one that isn't finite."""
     if not lines:
         return np.zeros((0, width))
     found = numbers(b" nan ".join((*lines, b"")))  # marks the ends of lines

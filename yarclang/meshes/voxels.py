@@ -1,4 +1,4 @@
-"""Point clouds as bodies: the cubes of a grid that have a point inside, as one closed mesh."""
+"""Point clouds as bodies: the cubes of a grid that contain points, as one closed mesh."""
 
 from __future__ import annotations
 
@@ -10,12 +10,17 @@ from yarclang.frozen import frozen
 Array = NDArray[np.float64]
 
 _MOST_CELLS = 1 << 60
-"""Cells of the box around all points at most, so that each has a number."""
+"""Most cells of the box around all points, so that each cell has a number."""
 
 
 @frozen(eq=False)
 class Voxels:
-    """The outer triangles (T, 3, 3) of all cubes that have a point inside, and how many cubes these are."""
+    """The cubes that contain points.
+
+    Attributes:
+        triangles: (T, 3, 3) their outer triangles.
+        cubes: number of cubes.
+    """
 
     triangles: Array
     cubes: int
@@ -23,25 +28,30 @@ class Voxels:
 
 @frozen
 class TooMany:
-    """The triangles of cubes that are too small, or 0 if the cubes are so small that they have no numbers."""
+    """The result if the cubes are too small.
+
+    Attributes:
+        triangles: number of their triangles; 0 if there are so many cubes that they can't be numbered.
+    """
 
     triangles: int
 
 
 def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
-    """Return the body of points, if it has no more than so many triangles.
+    """Return the body of points, unless it has too many triangles.
 
-    Each point is in a cube or on its faces. Each edge of the mesh belongs to two of its triangles, or to four: so the mesh is closed, and counts as solid.
+    Each point is in a cube or on its faces. Each edge of the mesh belongs to two or four of its triangles.
+    Therefore the mesh is closed, and is treated as solid.
 
     Args:
         points: (N, 3), finite, at least one.
-        edge: of a cube; faces stand at its multiples.
-        most: triangles.
+        edge: edge of a cube; faces are at its multiples.
+        most: largest number of triangles.
     """
     with np.errstate(over="ignore"):
         places = np.floor(points / edge)
     low = places.min(axis=0) - 1.0
-    # one more cell around it, so that each cube has a neighbour on every side
+    # One more cell on each side gives each cube a neighbour in every direction.
     sizes = [int(one) for one in places.max(axis=0) - low + 2.0]
     if (
         not np.isfinite(low).all()
@@ -64,18 +74,25 @@ def voxels_of(points: Array, edge: float, most: int) -> Voxels | TooMany:
 
 
 def _without(cells: NDArray[np.int64], beyond: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the cells whose neighbour isn't among the cells, which are sorted."""
+    """Return the cells whose neighbour `beyond` isn't among the cells, which are sorted."""
     row = np.minimum(np.searchsorted(cells, beyond), len(cells) - 1)
     outer: NDArray[np.int64] = cells[cells[row] != beyond]
     return outer
 
 
 _EXACT = float(1 << 52)
-"""Integers below this are exact."""
+"""Bound below which floats represent integers exactly."""
 
 
 def _face(axis: int, side: int) -> Array:
-    """Return the two triangles (2, 3, 3) of a face of the cube from 0 to 1; seen from outside, their corners go round to the left."""
+    """Return the two triangles (2, 3, 3) of a face of the unit cube.
+
+    Seen from outside, their corners are in counterclockwise order.
+
+    Args:
+        axis: axis of the face's normal: 0, 1 or 2.
+        side: 0 for the face at 0, 1 for the face at 1.
+    """
     first, second = (axis + 1) % 3, (axis + 2) % 3
     corners = np.zeros((4, 3))
     corners[:, axis] = side

@@ -1,4 +1,4 @@
-"""Ends of sentences that name a fault; a sentence begins with the mesh's name."""
+"""Ends of sentences that name a fault. The sentences begin with the name of the mesh."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ NO_TRIANGLE = "has no triangle"
 
 
 def lost_corner(corner: int, corners: int) -> str:
-    """Return what is said of a face with a corner that isn't there."""
+    """Return the text for a face with a corner that doesn't exist."""
     return f"has a face with the corner {corner}, but {corners:,} corners"
 
 
 def cut_off(found: str, needed: str) -> str:
-    """Return what is said of a file that ends too early, of what it has and of what it should have."""
+    """Return the text for a file that ends too early, from its content and the needed content."""
     return f"is cut off: it has {found}, and should have {needed}"

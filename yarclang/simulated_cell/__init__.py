@@ -1,1 +1,1 @@
-"""The machines around a simulated robot: what they do with its inputs, when."""
+"""The machines around a simulated robot, which change its inputs."""

@@ -1,4 +1,7 @@
-"""A simulated camera: answers a program that takes values from outside with the place of a part. Time is an argument; no I/O."""
+"""A simulated camera, which sends the position of a part to a program that takes values from outside.
+
+Time is an argument; there is no I/O.
+"""
 
 from __future__ import annotations
 
@@ -14,18 +17,24 @@ from yarclang.runtime.notices import Wanted
 from yarclang.units import DEG, MM
 
 Deed = Literal["answer", "nothing", "late", "twice", "far", "nonsense"]
-"""What a camera does when it is asked: some of it is what cameras shouldn't do."""
+"""Reaction of a camera to a request. All except `answer` are faults."""
 
 _FAR = 10**8
-"""Added to what a camera tells that lies far off."""
+"""Offset that the fault `far` adds to all values [counts]."""
 
 
 @frozen(eq=False)
 class CameraForm:
-    """A camera: what it looks for, and which register gets what.
+    """Description of a camera.
 
-    `part` is a kind of part; its place is told in `frame`, in counts of `unit` [mm, and deg for RZ]. `registers` are by what they get: found, x, y, z, rz. It answers `delay` [s] after it was asked;
-    `does` is what it does at the first questions.
+    Attributes:
+        name: its name.
+        part: kind of part that it looks for.
+        frame: the frame in which it reports positions.
+        registers: names of registers, by the value that they get: found, x, y, z, rz.
+        unit: size of one count [mm; deg for rz].
+        delay: time from a request to the answer [s].
+        does: reactions to the first requests. Later ones are answered.
     """
 
     name: str
@@ -39,7 +48,13 @@ class CameraForm:
 
 @frozen(eq=False)
 class Given:
-    """What a camera sends: the number of a question, and the values by the names of registers."""
+    """Values that a camera sends.
+
+    Attributes:
+        camera: its name.
+        number: number of the request.
+        values: values by the names of registers.
+    """
 
     camera: str
     number: int
@@ -47,10 +62,10 @@ class Given:
 
 
 class Camera:
-    """A camera at work.
+    """A simulated camera.
 
     Args:
-        form: what it is.
+        form: its description.
     """
 
     def __init__(self, form: CameraForm) -> None:
@@ -61,11 +76,16 @@ class Camera:
 
     @property
     def next_due(self) -> float:
-        """When it answers next [s]; inf if it isn't asked."""
+        """Time of its next answer [s]; inf without a request."""
         return min((when for when, _, _ in self._due), default=math.inf)
 
     def wanted(self, wanted: Wanted | None, now: float) -> None:
-        """Hear at `now` [s] what the program takes; None: nothing any more. A question for registers that it doesn't fill is for somebody else."""
+        """Take a request of the program for values. It is ignored if the camera doesn't fill its registers.
+
+        Args:
+            wanted: the request; None if the program doesn't wait for values any more.
+            now: the time [s].
+        """
         if wanted is None:
             late, self._late = self._late, None
             if late is not None:
@@ -85,12 +105,12 @@ class Camera:
                 self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
 
     def answers(self, now: float, parts: Parts, flange: Callable[[], Array]) -> list[Given]:
-        """Return what it sends up to `now` [s].
+        """Return the values that are due.
 
         Args:
             now: the time [s].
-            parts: where they are.
-            flange: gives the flange's pose (4, 4) [m], for a camera that the robot carries.
+            parts: the parts and their poses.
+            flange: returns the flange's pose (4, 4) [m], for a camera that the robot carries.
         """
         due = sorted((one for one in self._due if one[0] <= now), key=lambda one: one[0])
         self._due = [one for one in self._due if one[0] > now]
@@ -108,7 +128,7 @@ class Camera:
         is_found = seen is not None and all(
             ranges[name][0] <= value <= ranges[name][1] for name, value in values.items()
         )
-        if not is_found:  # nothing that it could tell
+        if not is_found:  # there is no position to report
             values = {name: ranges[name][0] for key, name in registers.items() if key != "found"}
         if "found" in registers:
             values[registers["found"]] = int(is_found)
@@ -119,7 +139,7 @@ class Camera:
         return dict(values)
 
     def _seen(self, parts: Parts, flange: Callable[[], Array]) -> dict[str, int] | None:
-        """Return the place of the first part of the kind that lies somewhere, in counts; None: there is none."""
+        """Return the position of the first part that no gripper holds [counts]; None without one."""
         form = self.form
         lying = next(
             (one for one in parts.items if one.part.body.name == form.part and one.gripper is None), None

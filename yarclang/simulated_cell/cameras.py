@@ -1,6 +1,6 @@
-"""The cameras of a script, or findings at its lines.
+"""Reader of the cameras of a script, with findings at its lines.
 
-pydantic is imported where it is first used.
+pydantic is imported at its first use.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tupl
     """Read the cameras of a script whose inputs were read without a finding.
 
     Args:
-        path: of the script.
+        path: the script.
         known: the names of the program.
-        cell: whose parts and frames they see; None: there is none.
+        cell: the cell whose parts and frames the cameras use; None without one.
 
     Returns:
-        None with findings if anything is wrong.
+        The cameras, or None with findings.
     """
     source = read_text(path, "Name a script of inputs, a TOML file.")
     if isinstance(source, Diagnostic):
@@ -41,7 +41,7 @@ def load_cameras(path: FilePath, known: Known, cell: Cell | None) -> Result[tupl
 
 
 def read_cameras(source: SourceFile, known: Known, cell: Cell | None) -> Result[tuple[CameraForm, ...]]:
-    """Read the cameras that a text describes, as `load_cameras`."""
+    """Read the cameras of a text, as `load_cameras` does."""
     from yarclang.simulated_cell.schema import ScriptTable
     from yarclang.toml.draft import read_draft
 

@@ -1,7 +1,7 @@
-"""Inputs as a state machine: which variable changes when. Time is an argument; no I/O.
+"""State machine of the inputs that a script changes. Time is an argument; there is no I/O.
 
-What is due happens at its own time, in the order of time, and at one time in the order in which it was asked for. So the values at any time don't
-depend on how the time up to it is divided.
+Changes are made at their own times, in the order of time; changes at equal times are made in the order in
+which they were requested. Therefore the values at a time don't depend on the steps by which it is reached.
 """
 
 from __future__ import annotations
@@ -15,12 +15,19 @@ from yarclang.frozen import frozen
 from yarclang.simulated_cell.script import Change, is_reached
 
 SCRIPT, SENSOR, HAND = "script", "sensor", "hand"
-"""What changes an input."""
+"""Causes of the change of an input."""
 
 
 @frozen
 class Set:
-    """A variable gets a value at a time [s], by its script, by a sensor or by hand (`cause`)."""
+    """A value that was set.
+
+    Attributes:
+        time: time of the change [s].
+        variable: the variable.
+        value: its value.
+        cause: SCRIPT, SENSOR or HAND.
+    """
 
     time: float
     variable: str
@@ -30,9 +37,14 @@ class Set:
 
 @frozen
 class _Due:
-    """What is due: a change, or the next value of an input that toggles.
+    """A pending change, or the next value of an input that toggles.
 
-    `turn` counts the changes of the input when the toggling began: after another one it is over. `phase` is 1 for the opposite. `cause` as of `Set`.
+    Attributes:
+        change: the change.
+        turn: number of changes of the input when the toggling began; any other change ends it. None for a
+            first change.
+        phase: 0 for the value of the change, 1 for its opposite.
+        cause: SCRIPT, SENSOR or HAND.
     """
 
     change: Change
@@ -45,7 +57,10 @@ class Inputs:
     """The inputs that a script changes.
 
     Args:
-        script: its changes. Those at a time are due from `start` on.
+        script: its changes. Their times count from `start`.
+
+    Attributes:
+        values: the values set so far, by variable.
     """
 
     def __init__(self, script: Iterable[Change] = ()) -> None:
@@ -62,36 +77,36 @@ class Inputs:
 
     @property
     def watched(self) -> frozenset[str]:
-        """The variables of outputs whose changes must be told."""
+        """Variables of the outputs whose changes must be reported."""
         return frozenset(one.output[0] for one in self._script if one.output is not None)
 
     @property
     def driven(self) -> frozenset[str]:
-        """The variables of inputs that the script may change."""
+        """Variables of the inputs that the script may change."""
         return frozenset(one.variable for one in self._script)
 
     @property
     def next_due(self) -> float:
-        """When something is due next [s]; -inf if something is already, inf if nothing is."""
+        """Time of the next change [s]; -inf if changes wait to be fetched, inf without any."""
         if self._made:
             return -math.inf
         return self._due[0][0] if self._due else math.inf
 
     def start(self, now: float) -> None:
-        """Begin the run at `now` [s]: what the script says of times counts from here."""
+        """Begin the run at `now` [s]. Times of the script count from here."""
         self._settle(now)
         for change in self._script:
             if change.at is not None:
                 self._put(now + change.at + change.delay, _Due(change))
 
     def advance(self, now: float) -> tuple[Set, ...]:
-        """Return what was set since the last time, up to `now` [s], in order."""
+        """Return the values that were set since the last call, up to `now` [s], in order."""
         self._settle(now)
         made, self._made = self._made, []
         return tuple(made)
 
     def output_changed(self, variable: str, value: float, now: float) -> None:
-        """Hear the value that an output has got at `now` [s]; only another value than before counts."""
+        """Report the value of an output at `now` [s]. An unchanged value has no effect."""
         self._settle(now)
         if self._outputs.get(variable, 0.0) == value:
             return
@@ -101,7 +116,13 @@ class Inputs:
                 self._put(now + change.delay, _Due(change))
 
     def reached(self, place: str, now: float) -> None:
-        """Hear the place of the command that begins, or is waited at, at `now` [s]; empty: none is, so that the same one is reached anew."""
+        """Report the command that the program has reached.
+
+        Args:
+            place: place of the command that begins, or at which the program waits. Empty for none; the last
+                command can then be reached again.
+            now: the time [s].
+        """
         self._settle(now)
         before, self._place = self._place, place
         for change in self._script:
@@ -109,12 +130,12 @@ class Inputs:
                 self._put(now + change.delay, _Due(change))
 
     def set(self, variable: str, value: float, now: float, cause: str = HAND) -> None:
-        """Set an input at `now` [s], by hand if nothing else is said."""
+        """Set an input at `now` [s]."""
         self._settle(now)
         self._put(now, _Due(Change(variable, value), cause=cause))
 
     def sense(self, variable: str, value: float, now: float) -> None:
-        """Hear what the sensors of an input tell at `now` [s]; only another value than before sets it."""
+        """Report the value of an input's sensors at `now` [s]. Only a changed value sets the input."""
         if self._sensed.get(variable) != value:
             self._sensed[variable] = value
             self.set(variable, value, now, SENSOR)

@@ -1,4 +1,7 @@
-"""A simulated cell on a simulated controller: its inputs change at exact times of the machine, its outputs are heard as they are set."""
+"""A simulated cell on a simulated controller.
+
+Its inputs change at exact times of the controller. Changes of outputs take effect as they are made.
+"""
 
 from __future__ import annotations
 
@@ -19,18 +22,18 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.sensing import Sensing
 
 LOOKS_EACH = 0.02
-"""Time between two looks of the sensors [s]."""
+"""Period at which sensors are read [s]."""
 
 
 class Companion(Protocol):
-    """What goes on beside a simulated controller."""
+    """Something that runs in the time of a simulated controller."""
 
     @property
     def next_event(self) -> float:
-        """When it has something to do next [s of the controller]; -inf for now."""
+        """Time of its next event [s of the controller]; -inf for now."""
 
     def handle(self) -> None:
-        """Do what is due by the controller's time."""
+        """Handle the events that are due at the controller's time."""
 
 
 class SimulatedController(Protocol):
@@ -38,40 +41,41 @@ class SimulatedController(Protocol):
 
     @property
     def now(self) -> float:
-        """Its time [s]."""
+        """Virtual time of the controller [s]."""
 
     def join(self, companion: Companion) -> None:
-        """Let something go on beside it."""
+        """Add a companion that runs in the controller's time."""
 
     def define(self, variable: str) -> None:
-        """Let the variable of an input or output that points nowhere be one of its own."""
+        """Define the variable of an input or output, if it has no address, as one with a value of its own."""
 
     def read(self, variable: str) -> float:
         """Return the value of a variable."""
 
     def write(self, variable: str, value: float) -> None:
-        """Give a variable a value."""
+        """Assign a value to a variable."""
 
     def watch(self, variable: str, heard: Callable[[float], None]) -> None:
-        """Let a function hear each value that a variable gets."""
+        """Call a function with each value that is assigned to a variable."""
 
     def positions(self, motors: Sequence[int]) -> Array:
-        """Return where motors are (n,) [counts]."""
+        """Return the commanded positions of motors (n,) [counts]."""
 
 
 class SimulatedCell:
     """The machines around a simulated robot.
 
-    `begin`, `reached`, `set` and `value` may be called in any thread: they take effect at the machine's next instant. All else belongs to the machine's.
+    The methods from `begin` to `place` may be called in any thread. They take effect at the controller's next
+    event. All others belong to the controller's thread.
 
     Args:
-        script: what the machines do.
-        known: the names of inputs and outputs, for those who set them by hand.
-        settings: inputs that have a value from the beginning of the simulation on.
-        cell: with sensors and the parts that they see, for `robot`; None: there are none.
-        robot: that is simulated.
-        waits: True if times of the script count from `begin` on; else they do from when the machine gets its cell.
-        cameras: that answer programs which take values from outside.
+        script: the changes that the machines make.
+        known: names of inputs and outputs, to set them by hand.
+        settings: inputs that have a value from the start of the simulation.
+        cell: the cell of the robot, with sensors and the parts that they see; None without one.
+        robot: the simulated robot.
+        waits: True if times of the script count from `begin`. Otherwise they count from `attach`.
+        cameras: cameras that answer programs which take values from outside.
     """
 
     def __init__(
@@ -106,7 +110,7 @@ class SimulatedCell:
             self._sensing = Sensing(robot, cell)
 
     def attach(self, machine: SimulatedController) -> None:
-        """Become the cell of a machine, whose time isn't passing yet."""
+        """Become the cell of a controller whose time doesn't pass yet."""
         self._machine = machine
         for driven in self._inputs.driven:
             machine.define(driven)
@@ -126,11 +130,11 @@ class SimulatedCell:
     # in any thread
 
     def begin(self) -> None:
-        """Say that a run begins: times count from here, if it is the first one."""
+        """Report the start of a run. Times of the script count from the first one, if the cell `waits`."""
         self._said.append(self._start if self._waits else lambda now: self._inputs.reached("", now))
 
     def know(self, program: Program | None) -> None:
-        """Learn the names of a program that is run, for those who set inputs by hand."""
+        """Add the names of a program that is run, to set inputs by hand."""
         if program is not None:
             more, known = known_in(program, program.cell), self.known
             self.known = Known(
@@ -138,20 +142,20 @@ class SimulatedCell:
             )
 
     def reached(self, place: str) -> None:
-        """Say which command the program has reached; empty: none."""
+        """Report the place of the command that the program has reached; empty for none."""
         self._said.append(lambda now: self._inputs.reached(place, now))
 
     def listen(self, listener: Callable[[Set], object] | None) -> None:
-        """Let a function hear each change of an input, in the machine's thread; None: nobody hears it."""
+        """Call a function, in the controller's thread, for each change of an input; None for no function."""
         self._listener = listener
 
     def wanted(self, wanted: Wanted | None) -> None:
-        """Say which values the program takes from outside; None: none any more."""
+        """Report the values that the program takes from outside; None if it doesn't wait for any."""
         if self._cameras:
             self._said.append(lambda now: self._asked(wanted, now))
 
     def receive(self, receiver: Callable[[Given], object] | None) -> None:
-        """Let a function get what cameras send, in the machine's thread; None: nobody gets it."""
+        """Call a function, in the controller's thread, for values that cameras send; None for no function."""
         self._receiver = receiver
 
     def set(self, variable: str, value: float) -> None:
@@ -159,21 +163,24 @@ class SimulatedCell:
         self._said.append(lambda now: self._inputs.set(variable, value, now))
 
     def value(self, variable: str) -> float | None:
-        """Return the value of an input or output; None before a machine has this cell. Both are plain memory, which may be read in any thread."""
+        """Return the value of an input or output; None before `attach`.
+
+        Both are plain memory, which any thread may read.
+        """
         machine = self._machine
         return None if machine is None else machine.read(variable)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Let parts be where somebody says, for the sensors: `cell` is the reading of its file that they belong to."""
+        """Place parts, for the sensors; `cell` is the reading of its file to which they belong."""
         sensing = self._sensing
         if sensing is not None:
             self._said.append(lambda _: sensing.place(parts, cell))
 
-    # in the machine's
+    # in the controller's thread
 
     @property
     def next_event(self) -> float:
-        """When something happens next [s]."""
+        """Time of the next event [s]."""
         if self._said:
             return -math.inf
         due = min((self._inputs.next_due, *(one.next_due for one in self._cameras)))
@@ -184,7 +191,7 @@ class SimulatedCell:
         return self._since + self._looks * LOOKS_EACH
 
     def handle(self) -> None:
-        """Do what is due now."""
+        """Handle the events that are due."""
         machine = self._machine
         assert machine is not None, "attach it first"
         while self._said:
@@ -204,7 +211,7 @@ class SimulatedCell:
             one.wanted(wanted, now)
 
     def _answer(self, now: float) -> None:
-        """Let the cameras send what is due."""
+        """Let the cameras send the values that are due."""
         sensing = self._sensing
         if sensing is None:
             return
@@ -216,7 +223,7 @@ class SimulatedCell:
                     self._receiver(given)
 
     def _look(self) -> None:
-        """Let the sensors look, at multiples of `LOOKS_EACH`."""
+        """Read the sensors. This is done at multiples of `LOOKS_EACH`."""
         machine, sensing = self._machine, self._sensing
         if machine is None or sensing is None:
             return

@@ -1,4 +1,4 @@
-"""The form of a script of inputs: its keys and types. This module imports pydantic; import it late."""
+"""Schema of a script of inputs: its keys and types. This module imports pydantic; import it late."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from yarclang.toml.tables import Document, Table
 Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 Delay = Annotated[float, Field(ge=0.0, le=1e6)]
 Pause = Annotated[float, Field(ge=0.001, le=1e6)]
-"""A shorter one is over before a controller has looked."""
+"""Time between two changes of an input [s]. A controller wouldn't notice shorter ones."""
 
 
 class InputTable(Table):
-    """`[[inputs]]`."""
+    """Table `[[inputs]]`."""
 
     required = ("input", "to")
     wanted: ClassVar = {
@@ -34,7 +34,7 @@ class InputTable(Table):
 
 
 class CameraTable(Table):
-    """`[[cameras]]`: which part it looks for, in which frame it tells the place, and which registers get what."""
+    """Table `[[cameras]]`: the part to look for, the frame of its position, and registers for the values."""
 
     required = ("part", "frame")
     name: str = "camera"

@@ -1,6 +1,6 @@
-"""Scripts of inputs: a TOML file to the changes that it describes, or findings at its lines.
+"""Reader of scripts of inputs: from a TOML file to changes, or to findings at its lines.
 
-pydantic is imported where it is first used.
+pydantic is imported at its first use.
 """
 
 from __future__ import annotations
@@ -34,16 +34,17 @@ _STATES = {"ON": 1.0, "OFF": 0.0}
 
 @frozen
 class Change:
-    """A change of an input: `variable` gets `value`, `delay` [s] after one of three things.
+    """A change of an input, after one of three events: a time, a command, or a change of an output.
 
     Attributes:
-        variable: of the controller.
-        value: that it gets.
-        at: seconds after the start of the run.
-        place: the command that is reached, by its index or its full place.
-        output: the variable of an output and the value that it takes.
-        delay: in s.
-        toggle: how long the input has the value, and how long the opposite, again and again [s]; None: it keeps the value.
+        variable: variable of the input in the controller.
+        value: its new value.
+        at: event: time after the start of the run [s].
+        place: event: a command is reached, given by its index or its full place.
+        output: event: the variable of an output takes a value.
+        delay: time from the event to the change [s].
+        toggle: times for which the input alternately has the value and its opposite [s]; None if it keeps the
+            value.
         stuck: True if nothing else changes the input from then on.
     """
 
@@ -62,13 +63,14 @@ class Known:
     """The names that a script may use.
 
     Attributes:
-        inputs: the controller's variables of inputs, by their names in upper case.
-        outputs: likewise of outputs.
-        places: the places of the program's commands; None if the program isn't known yet.
-        has_places: False if no program is ever known, so that a script can't name a place.
-        signal: tells what a text in upper case names as the variable of an input or output.
-        registers: the registers that the program takes from outside; None if the program isn't known yet.
-        groups: the variables of each group of inputs, the lowest bit first, by its name; its bits are inputs as well, JOB.0 and so on.
+        inputs: variables of inputs in the controller, by their names in upper case.
+        outputs: variables of outputs in the controller, by their names in upper case.
+        places: places of the program's commands; None if the program isn't known yet.
+        has_places: False if there is never a program, so that a script can't name places.
+        signal: parses a text in upper case as the variable of an input or output.
+        groups: variables of each group of inputs by its name, lowest bit first. Its bits (JOB.0 and so on)
+            are `inputs` as well.
+        registers: registers that the program takes from outside; None if the program isn't known yet.
     """
 
     inputs: Mapping[str, str]
@@ -83,7 +85,7 @@ class Known:
 def known_in(
     program: Program | None, cell: Cell | None, signal: Callable[[str], SignalVariable] = known_signal
 ) -> Known:
-    """Return the names of a program and of a cell, those of the program first."""
+    """Return the names of a program and of a cell. Those of the program take precedence."""
     inputs: dict[str, str] = {}
     outputs: dict[str, str] = {}
     places: set[str] = set()
@@ -117,10 +119,10 @@ def known_in(
 
 
 def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
-    """Read a script's file.
+    """Read the file of a script.
 
     Returns:
-        As `read_script`. A file that isn't there is a finding without a place.
+        As `read_script`. A missing file is a finding without a position.
     """
     source = read_text(path, "Name a script of inputs, a TOML file.")
     if isinstance(source, Diagnostic):
@@ -129,10 +131,10 @@ def load_script(path: FilePath, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
-    """Read the changes that a text describes.
+    """Read the changes of a text.
 
     Returns:
-        None with findings if anything is wrong.
+        The changes, or None with findings.
     """
     from yarclang.simulated_cell.schema import ScriptTable
     from yarclang.toml.draft import read_draft
@@ -167,7 +169,7 @@ def read_script(source: SourceFile, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def _of_bits(change: Change) -> tuple[Change, ...]:
-    """Return the changes of the bits of a group, all at once; of a single input itself."""
+    """Return the simultaneous changes of the bits of a group; for a single input, its change."""
     if not is_group(change.variable):
         return (change,)
     return tuple(
@@ -177,7 +179,7 @@ def _of_bits(change: Change) -> tuple[Change, ...]:
 
 
 def _group_fault(name: str, variable: str, number: float, *, toggles: bool = False) -> str:
-    """Return why a group can't be set so; empty if it can."""
+    """Return the reason why a group can't have a value, or can't toggle; empty if it can."""
     if not is_group(variable):
         return ""
     if toggles:
@@ -188,13 +190,13 @@ def _group_fault(name: str, variable: str, number: float, *, toggles: bool = Fal
 
 
 def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:
-    """Read `CLAMP=1`: an input and the value that it has from the start; of a group, those of its bits.
+    """Read the value that an input, or each bit of a group, has from the start, for example `CLAMP=1`.
 
     Returns:
-        None with a finding if the name isn't known.
+        The changes, or None with a finding.
 
     Raises:
-        ValueError: the text has another form.
+        ValueError: if the text has another form.
     """
     name, number = check_setting(text)
     variable = input_variable(name, known)
@@ -206,10 +208,10 @@ def read_setting(text: str, known: Known) -> Result[tuple[Change, ...]]:
 
 
 def check_setting(text: str) -> tuple[str, float]:
-    """Return the name and the value of `CLAMP=1`.
+    """Return the name and the value in a text such as `CLAMP=1`.
 
     Raises:
-        ValueError: the text has another form.
+        ValueError: if the text has another form.
     """
     name, equals, value = text.partition("=")
     number = value_of(value)
@@ -219,7 +221,7 @@ def check_setting(text: str) -> tuple[str, float]:
 
 
 def value_of(text: str) -> float | None:
-    """Return the value that ON, OFF or a number means; None if it is none of them."""
+    """Return the value of ON, OFF or a number; None for another text."""
     word = text.strip().upper()
     if word in _STATES:
         return _STATES[word]
@@ -231,7 +233,12 @@ def value_of(text: str) -> float | None:
 
 
 def input_variable(text: str, known: Known) -> str | Diagnostic:
-    """Return the variable of an input by its name or its variable (of a group all of them), or a finding without a place."""
+    """Return the variable of an input, or all variables of a group, or a finding without a position.
+
+    Args:
+        text: name or variable of the input, or name of the group.
+        known: the names.
+    """
     name = text.strip().upper()
     shown = name[:40]
     if name in known.inputs:
@@ -258,13 +265,14 @@ def input_variable(text: str, known: Known) -> str | Diagnostic:
 def is_reached(wanted: str, place: str, before: str = "") -> bool:
     """Return True if a program has reached a command.
 
-    An index alone means each command with this index, and each call of it, whatever loop it is in: P0020 is reached at P0020(I=2)>P0010. Behind `>`
-    it means each command of SUBs with this index: >P0010 is reached there too.
+    An index alone means each command with this index, and each call of it, in any loop: P0020 is reached at
+    P0020(I=2)>P0010. An index after `>` means each command of SUBs with this index: >P0010 is reached there,
+    too.
 
     Args:
         wanted: an index or the full place of a command.
-        place: of the command that begins.
-        before: of the command before that one: who is still in the same call hasn't reached it anew.
+        place: place of the command that begins.
+        before: place of the command before it. A call isn't reached again within itself.
     """
     parts, there, last = wanted.upper().split(">"), place.upper().split(">"), before.upper().split(">")
     if not parts[0]:
@@ -324,14 +332,14 @@ def _output(text: str, path: Path, known: Known, file: TomlFile) -> tuple[str, f
 
 
 def _place(place: str, path: Path, known: Known, file: TomlFile) -> str | None:
-    """Return what `is_reached` takes for a place; None with a finding for one that the program doesn't have."""
+    """Return a place as `is_reached` takes it; None, with a finding, if the program has no such command."""
     if not known.has_places:
         message = f"The place {place[:40]} is of a program, which a controller doesn't know."
         file.say("Y1617", path, message, "Use at or output, or `yarc run --inputs`.")
         return None
     if known.places is None or any(is_reached(place, one) for one in known.places):
         return place
-    # the index of a command that stands in a SUB alone
+    # It may be the index of a command that is only in a SUB.
     in_subs = f">{place.strip()}"
     if ">" not in place and any(is_reached(in_subs, one) for one in known.places):
         return in_subs

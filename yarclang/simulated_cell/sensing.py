@@ -1,6 +1,6 @@
-"""The parts and sensors of a cell while a simulated robot moves in it: which part is where, and what each sensor sees. No I/O; time is an argument.
+"""The parts and sensors of a cell while a simulated robot moves in it: poses of parts, values of sensors.
 
-Only whether an output has changed and where the robot stands comes from outside.
+Time is an argument; there is no I/O. Changes of outputs and positions of the robot come from the caller.
 """
 
 from __future__ import annotations
@@ -23,12 +23,20 @@ from yarclang.robot.model import Array, Robot
 from yarclang.shapes import Shape
 
 ARRIVES_AFTER = 0.5
-"""The next part of a kind comes so long after the one before it has left its place [s]."""
+"""Time from when a part has left its place until the next one of its kind comes [s]."""
 
 
 @frozen(eq=False)
 class _Region:
-    """What a sensor sees: `geometry` at `transform` (4, 4) [m], seen from the flange if it is `on_flange`, else from {B}."""
+    """Region that a sensor sees.
+
+    Attributes:
+        input: variable of its input.
+        inverted: True if the input is on while nothing is seen.
+        geometry: shape of the region.
+        transform: its pose (4, 4) in the flange or in {B} [m].
+        on_flange: True if the sensor is on the flange.
+    """
 
     input: str
     inverted: bool
@@ -41,7 +49,7 @@ class _Region:
 def _geometry(shape: Shape) -> Geometry | None:
     try:
         return geometry_of(shape, hull=True)
-    except UnreadableError:  # said with the collisions
+    except UnreadableError:  # reported with the collisions
         return None
 
 
@@ -49,8 +57,11 @@ class Sensing:
     """The parts of a cell, and its sensors.
 
     Args:
-        robot: in the cell.
-        cell: with parts, grippers and sensors.
+        robot: the robot in the cell.
+        cell: the cell, with parts, grippers and sensors.
+
+    Attributes:
+        parts: the parts and their poses.
     """
 
     def __init__(self, robot: Robot, cell: Cell) -> None:
@@ -79,7 +90,7 @@ class Sensing:
 
     @property
     def watched(self) -> frozenset[str]:
-        """The variables of outputs that grip or remove parts."""
+        """Variables of the outputs that grip or remove parts."""
         return frozenset(self._cell.grips) | frozenset(self._cell.removals)
 
     @property
@@ -88,7 +99,13 @@ class Sensing:
         return bool(self._cell.sensors)
 
     def output_changed(self, variable: str, value: float, q: Array) -> None:
-        """Hear the value of an output while the joints are at `q` (n,) [rad or m]: a gripper closes or opens, or a machine takes parts away."""
+        """Report the value of an output, which may close or open a gripper, or remove parts.
+
+        Args:
+            variable: variable of the output.
+            value: its value.
+            q: (n,) joint values [rad or m].
+        """
         grip, removal = self._cell.grips.get(variable), self._cell.removals.get(variable)
         if grip is not None:
             flange = self.flange(q)
@@ -100,19 +117,19 @@ class Sensing:
             self.parts = remove(self.parts, removal)
 
     def place(self, parts: Parts, cell: Cell) -> None:
-        """Let parts be where somebody says; `cell` is the reading of its file that they belong to."""
+        """Place parts; `cell` is the reading of its file to which they belong."""
         self.parts = on_cell(Present(parts), cell, self._cell).parts
         self._left.clear()
 
     def look(self, q: Array, now: float) -> Mapping[str, float]:
-        """Return what the sensors tell.
+        """Read the sensors.
 
         Args:
-            q: (n,) where the joints are [rad or m].
+            q: (n,) joint values [rad or m].
             now: the time [s].
 
         Returns:
-            The values of the inputs that sensors drive, by their variables; ON if one of several sensors is.
+            Values of the sensors' inputs, by variable. An input of several sensors is on if one of them is.
         """
         if self.parts.expected:
             self._arrive(q, now)
@@ -142,7 +159,7 @@ class Sensing:
         for region in self._regions:
             there = flange @ region.transform if region.on_flange else region.transform
             middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
-            # what stands still isn't seen, nor what moves with the sensor
+            # Bodies that stand still, or that move with the sensor, aren't seen.
             moves = (joints > 0) & ((joints < self._robot.size) | (not region.on_flange))
             apart = middles - middle
             near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
@@ -164,18 +181,21 @@ class Sensing:
         return told
 
     def flange(self, q: Array) -> Array:
-        """Return where the flange is (4, 4) [m] with the joints at `q` (n,) [rad or m]."""
+        """Return the pose of the flange (4, 4) [m] at joint values `q` (n,) [rad or m]."""
         pose: Array = self._moved(q)[-1] @ self._robot.chain.base_from_flange
         return pose
 
     def _moved(self, q: Array) -> Array:
-        """Return the transforms (n + 1, 4, 4) that bring what the first joints move from where it is with all joints at zero to where it is at `q` (n,)."""
+        """Return the displacements (n + 1, 4, 4) of the bodies after the first 0, 1, ... n joints.
+
+        They lead from the pose with all joints at zero to the pose at `q` (n,).
+        """
         at = q.tobytes()
         if self._before is not None and self._before[0] == at:
             return self._before[1]
         one, two, three = self._screws
         way = q[:, None, None]
-        # exp(screw q), of screws whose axes have the length 1 or 0
+        # exp(screw q), for screws whose axes have length 1 or 0
         each = np.eye(4) + way * one + (1.0 - np.cos(way)) * two + (way - np.sin(way)) * three
         moved = np.empty((len(q) + 1, 4, 4))
         moved[0] = np.eye(4)
@@ -185,7 +205,7 @@ class Sensing:
         return moved
 
     def _arrive(self, q: Array, now: float) -> None:
-        """Bring the next parts whose place has been free for long enough."""
+        """Add the next parts whose places have been free for long enough."""
         come: list[Expected] = []
         for one in self.parts.expected:
             name = (one.part.body.name, one.number)
@@ -199,7 +219,7 @@ class Sensing:
             self.parts = replace(self.parts, items=(*self.parts.items, *new), expected=rest)
 
     def _is_free(self, expected: Expected, q: Array) -> bool:
-        """Return True if the part before has left the place: it is farther away than both are large, or gone."""
+        """Return True if the part before has left the place of a part, by the size of both, or is gone."""
         geometry = _geometry(expected.part.body.shape)
         before = next(
             (
@@ -229,7 +249,7 @@ def _overlap(one: Geometry, here: Array, other: Geometry, there: Array) -> bool:
     import coal
 
     first, second = (coal.Transform3s(pose[:3, :3], pose[:3, 3]) for pose in (here, there))
-    # not by a distance of zero: an unsigned distance of bodies that overlap comes out as up to 1e-6 m
+    # A distance wouldn't do: coal returns up to 1e-6 m for bodies that overlap.
     return bool(
         coal.collide(
             one.of_coal, first, other.of_coal, second, coal.CollisionRequest(), coal.CollisionResult()

@@ -8,13 +8,15 @@ from yarclang.robot.model import Array
 from yarclang.simulator.machine import Companion, Machine
 
 _PORT = 9
-"""A port of the machine that no client has."""
+"""Port of the machine that no client uses."""
 
 _SYSTEM = 1
 
 
 class Beside:
-    """What the machines around a robot may do with a simulated controller (`yarclang.simulated_cell.playing.SimulatedController`).
+    """Access to a simulated controller for the machines around its robot.
+
+    It implements `yarclang.simulated_cell.playing.SimulatedController`.
 
     Args:
         machine: the controller.
@@ -25,30 +27,30 @@ class Beside:
 
     @property
     def now(self) -> float:
-        """Its time [s]."""
+        """Virtual time of the controller [s]."""
         return self._machine.now
 
     def join(self, companion: Companion) -> None:
-        """Let something go on beside it."""
+        """Add a companion that runs in the controller's time."""
         self._machine.companions.append(companion)
 
     def define(self, variable: str) -> None:
-        """Let an M-variable that points nowhere be a variable of its own."""
+        """Define an M-variable without an address as a variable with a value of its own."""
         if variable[0] == "M" and int(variable[1:]) not in self._machine.variables.m:
             self._machine.command(f"{variable}->*", _PORT)
 
     def read(self, variable: str) -> float:
-        """Return the value of a variable: plain memory, which may be read in any thread."""
+        """Return the value of a variable. Variables are plain memory: any thread may read them."""
         return self._machine.variables.read(variable[0], int(variable[1:]), _SYSTEM)
 
     def write(self, variable: str, value: float) -> None:
-        """Give a variable a value."""
+        """Assign a value to a variable."""
         self._machine.variables.write(variable[0], int(variable[1:]), value, _SYSTEM)
 
     def watch(self, variable: str, heard: Callable[[float], None]) -> None:
-        """Let a function hear each value that a variable gets."""
+        """Call a function with each value that is assigned to a variable."""
         self._machine.variables.watch(variable[0], int(variable[1:]), heard)
 
     def positions(self, motors: Sequence[int]) -> Array:
-        """Return where motors are (n,) [counts]."""
+        """Return the commanded positions of motors (n,) [counts]."""
         return self._machine.positions(motors=tuple(motors))

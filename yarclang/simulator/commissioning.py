@@ -1,4 +1,4 @@
-"""Machines as the controllers of robots stand ready."""
+"""Simulated controllers that are set up for a robot."""
 
 from __future__ import annotations
 
@@ -14,20 +14,22 @@ from yarclang.simulator.motion.recorder import Recorder
 
 _MARGIN = 2.0
 _LARGEST = 8_388_607
-"""Ixx11 has 23 bits (TSRM 95)."""
+"""Largest value of Ixx11, which has 23 bits (TSRM 95)."""
 
 
 def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None) -> Machine:
-    """A machine as a robot's controller stands ready: settings loaded and saved, PLCs enabled, motors activated,
-    closed-loop and homed, at the robot's HOME.
+    """Return a machine that is ready to move a robot.
+
+    Its settings are loaded and saved, its PLCs are enabled, and its motors are activated, closed-loop and
+    homed, at the robot's HOME.
 
     Args:
-        robot: whose controller it is.
-        settings: what `yarc settings` prints.
-        record: keeps the motions.
+        robot: the robot of the controller.
+        settings: the output of `yarc settings`.
+        record: records the motions.
 
     Raises:
-        ValueError: where the machine refuses a line of the settings.
+        ValueError: if the machine refuses a line of the settings.
     """
     machine = Machine(record=record)
     for motor, velocity in zip(robot.controller.motors, robot.actuation.velocity, strict=True):
@@ -44,9 +46,10 @@ def commissioned(robot: Robot, settings: str, *, record: Recorder | None = None)
 
 
 def fatal_limit(velocity: float) -> int:
-    """Return the Ixx11 [1/16 count] that somebody who tunes a motor would choose: twice what it lags by at its largest speed [counts/s].
+    """Return a sensible Ixx11 [1/16 count] for a motor: twice its lag at its largest speed [counts/s].
 
-    The default, 2,000 counts, is a fault on a slide of 10,000 counts/mm at an ordinary speed: there it is 0.2 mm.
+    The default of 2,000 counts is only 0.2 mm on a slide of 10,000 counts/mm, which is a fault at an ordinary
+    speed.
     """
     if not math.isfinite(velocity):
         return int(MOTOR[11])
@@ -54,7 +57,7 @@ def fatal_limit(velocity: float) -> int:
 
 
 def stand(machine: Machine, robot: Robot, q: Array) -> None:
-    """Put the motors of a machine, closed-loop and homed, where the joints are at `q` (n,) [rad or m]."""
+    """Place the motors of a machine at joint values `q` (n,) [rad or m], closed-loop and homed."""
     for motor, counts in zip(robot.controller.motors, to_counts(robot, q), strict=True):
         found = machine.motors[motor]
         found.hold(machine.now)

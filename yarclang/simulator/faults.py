@@ -1,18 +1,18 @@
-"""Troubles on purpose: what can go wrong between a program and a robot, when, and how it is written.
+"""Faults that are injected on purpose between a program and a robot, and how they are written.
 
     drop@12.5            close all connections after 12.5 s of the machine's time
     freeze@3:2           answer nothing from 3 s on, for 2 s (without :2 for ever)
     slow:0.02            each reply 0.02 s late; slow@3:0.005-0.02 from 3 s on, by 0.005 to 0.02 s at random
     garble:0.001         one reply of 1000 has a wrong byte; also garble@3:0.001
     busy@4:1             answer lines (GETRESPONSE) with a NUL and don't execute them, for 1 s
-    reset@7              what $$$ does
-    following@5:3        motor 3 is 100000 counts from where it is told to be; following@5:3,2500: 2500
+    reset@7              reset as by $$$
+    following@5:3        motor 3 is 100000 counts from its commanded position; following@5:3,2500: 2500
     limit@5:2+           the positive limit switch of motor 2 is on; limit@5:2- the negative one
     amplifier@6:1        the amplifier of motor 1 fails
 
-Times are the machine's, from its beginning on. Instead of one, @line120 means: after so many program lines were written to
-the machine (WRITEBUFFER), with the packet that brings the last of them. A switch stays on and an
-amplifier stays bad until $$$; closing the loop of a motor (J/, A) ends its following error.
+Times are in the machine's time, counted from its start. Instead of a time, @line120 means after 120 program
+lines have been written to the machine (WRITEBUFFER), with the packet that brings the last of them. A switch
+stays on and an amplifier stays bad until $$$; closing the loop of a motor (J/, A) ends its following error.
 """
 
 from __future__ import annotations
@@ -26,10 +26,10 @@ from typing import Literal, TypeAlias
 from yarclang.simulator.machine import Machine
 
 MOTORS = 32
-"""Motors of a Turbo PMAC."""
+"""Number of motors of a Turbo PMAC."""
 
 HELD_BACK = 100_000.0
-"""How far off `following` puts a motor [counts]: well beyond any sensible limit of the following error."""
+"""Distance by which `following` displaces a motor [counts]: well beyond any sensible error limit."""
 
 Kind: TypeAlias = Literal[
     "drop", "freeze", "slow", "garble", "busy", "reset", "following", "limit", "amplifier"
@@ -38,13 +38,18 @@ Kind: TypeAlias = Literal[
 
 @dataclass(frozen=True, slots=True)
 class When:
-    """From which time of the machine [s], or from how many program lines on. Neither: from the beginning."""
+    """Start of a fault: a time, or a number of program lines. Without either, it starts at the beginning.
+
+    Attributes:
+        seconds: the machine's time [s].
+        lines: number of program lines written.
+    """
 
     seconds: float | None = None
     lines: int | None = None
 
     def is_due(self, now: float, lines: int) -> bool:
-        """Whether the time has come."""
+        """Return True if the fault is due at a time [s], after a number of written lines."""
         if self.lines is not None:
             return lines >= self.lines
         return self.seconds is None or now >= self.seconds
@@ -52,11 +57,18 @@ class When:
 
 @dataclass(frozen=True, slots=True)
 class Fault:
-    """One trouble.
+    """One fault.
 
-    `seconds` is how long it lasts (freeze, busy) or the least delay (slow) [s], `most` the largest delay [s],
-    `share` the share of replies (garble), `motor` and `side` (+1, -1) which motor and limit switch, `counts` how far
-    off it is, `text` how it was written.
+    Attributes:
+        kind: its kind.
+        when: its start.
+        seconds: duration (freeze, busy) or least delay (slow) [s].
+        most: largest delay (slow) [s].
+        share: share of the replies that are spoiled (garble).
+        motor: the motor (following, limit, amplifier).
+        side: +1 or -1, the limit switch of the motor (limit).
+        counts: distance of the motor from its commanded position (following) [counts].
+        text: the fault as it was written.
     """
 
     kind: Kind
@@ -75,10 +87,10 @@ _SIDES = {"+": 1, "-": -1}
 
 
 def parse_fault(text: str) -> Fault:
-    """A fault from its text.
+    """Parse a fault.
 
     Raises:
-        ValueError: it isn't one; the message says why.
+        ValueError: if the text isn't a fault; the message says why.
     """
     shape = _SHAPE.fullmatch(text.strip().lower())
     if shape is None:
@@ -122,13 +134,13 @@ _READERS: dict[str, tuple[bool, str, re.Pattern[str]]] = {
 
 
 class Troubles:
-    """The faults of one session: acts on the machine when they are due, and says what becomes of replies.
+    """The faults of one session: applies them to the machine when they are due, and spoils replies.
 
     Args:
-        machine: the machine, whose time it moves.
-        faults: what shall go wrong.
-        seed: the same seed gives the same delays and the same wrong bytes.
-        tell: hears of each fault that begins.
+        machine: the machine, whose time is advanced by this object.
+        faults: the faults to inject.
+        seed: equal seeds give equal delays and equal wrong bytes.
+        tell: called with a line of text for each fault that begins.
     """
 
     def __init__(
@@ -142,7 +154,7 @@ class Troubles:
         self._tell = tell
         self._ahead = list(faults)
         self.any = bool(self._ahead)
-        """Whether there are faults at all."""
+        """True if there are any faults."""
         self._begun: list[tuple[Fault, float]] = []
         self._drops = 0
         self._lines = 0
@@ -151,11 +163,11 @@ class Troubles:
 
     @property
     def now(self) -> float:
-        """The machine's time [s]."""
+        """Virtual time of the machine [s]."""
         return self._machine.now
 
     def advance(self, seconds: float) -> None:
-        """Let the machine's time pass [s]; what is due on the way happens at its exact time."""
+        """Advance the machine's time [s]. Faults that become due meanwhile begin at their exact times."""
         end = self.now + seconds
         while self._ahead:
             times = [fault.when.seconds for fault in self._ahead if fault.when.seconds is not None]
@@ -171,28 +183,28 @@ class Troubles:
             self._begin_due()
 
     def lines_written(self, lines: int) -> None:
-        """So many more program lines were written."""
+        """Count further program lines that were written."""
         self._lines += lines
         if lines and self._ahead:
             self._begin_due()
 
     def dropped(self) -> bool:
-        """Whether connections are to be closed now; each drop is told once."""
+        """Return True if connections are to be closed now. Each drop is reported once."""
         drops, self._drops = self._drops, 0
         return drops > 0
 
     @property
     def frozen(self) -> bool:
-        """Whether nothing is answered now."""
+        """True if nothing is answered now."""
         return any(self._lasts("freeze"))
 
     @property
     def busy(self) -> bool:
-        """Whether lines are answered with a NUL now, and not executed."""
+        """True if lines are answered with a NUL now, and not executed."""
         return any(self._lasts("busy"))
 
     def spoil(self, reply: bytes) -> tuple[bytes, float]:
-        """What becomes of a reply: its bytes, and how late it goes out [s]."""
+        """Return the bytes of a reply after garbling, and the delay with which it is sent [s]."""
         if not self._begun or not reply:
             return reply, 0.0
         delay = 0.0
@@ -209,7 +221,7 @@ class Troubles:
         return (self.now < since + fault.seconds for fault, since in self._begun if fault.kind == kind)
 
     def _begin_due(self, now: float | None = None) -> None:
-        """Begin what is due; `now` [s] is the exact time where the machine's has been rounded."""
+        """Begin the faults that are due. `now` [s] is the exact time, if the machine's own is rounded."""
         now = self.now if now is None else max(now, self.now)
         due = [fault for fault in self._ahead if fault.when.is_due(now, self._lines)]
         self._ahead = [fault for fault in self._ahead if fault not in due]
@@ -235,7 +247,10 @@ class Troubles:
                 self._begun.append((fault, self.now))
 
     def _random(self) -> float:
-        """0 to 1, without 1; a linear congruence (Knuth's MMIX), so that no clock and no library has a say."""
+        """Return a random number in [0, 1).
+
+        A linear congruential generator (Knuth's MMIX) makes it independent of clocks and library versions.
+        """
         self._state = (self._state * 6364136223846793005 + 1442695040888963407) & _WORD
         return (self._state >> 11) / (1 << 53)
 

@@ -1,4 +1,4 @@
-"""One Turbo PMAC: what its ports may ask of it, and its time."""
+"""One simulated Turbo PMAC: its time, and the commands of its ports."""
 
 from __future__ import annotations
 
@@ -30,31 +30,37 @@ _MOST_WORDS = 1000
 
 
 class Companion(Protocol):
-    """Something outside of the controller that lives in its time, such as the machines around the robot."""
+    """Something outside of the controller that runs in its time, such as the machines around the robot."""
 
     @property
     def next_event(self) -> float:
-        """When it has something to do next [s]; -inf for now."""
+        """Time of its next event [s]; -inf for now."""
         ...
 
     def handle(self) -> None:
-        """Do what is due."""
+        """Handle the events that are due."""
         ...
 
 
 class Machine:
-    """One Turbo PMAC after `$$$***`; `commissioning` has machines that are ready.
+    """One Turbo PMAC after `$$$***`. `commissioning` makes machines that are ready.
 
-    It has no clock: time passes by `advance`, from event to event. It has no ports either: a port is a number
-    that comes with a line, and has its own addressing (#, &) and its own open buffer.
+    The machine has no clock: `advance` moves its time from event to event. It has no connections either: a
+    port is a number that comes with a line, with its own addressing (#, &) and its own open buffer.
 
     Attributes:
+        record: records the motions; None for no recording.
+        variables: variables and memory.
+        under_way: motors that move by themselves, not with a coordinate system, by number.
         motors: by number, 1 to 32.
         systems: coordinate systems by number, 1 to 16.
-        programs: PROG buffers by number.
+        ports: ports by number.
         plcs: the PLCs.
-        companions: what lives in its time beside it.
-        unknown_words: words of programs that were skipped, in the order of their first use.
+        buffers: PROG, PLC and rotary buffers.
+        programs: PROG buffers by number.
+        background: interpreter of the lines that programs send (CMD).
+        unknown_words: number of uses of each word that programs skipped, in the order of first use.
+        companions: things outside of the controller that run in its time.
     """
 
     def __init__(self, *, record: Recorder | None = None) -> None:
@@ -85,21 +91,21 @@ class Machine:
 
     @property
     def now(self) -> float:
-        """The virtual time [s]."""
+        """Virtual time [s]."""
         return self._now
 
     @property
     def servo_period(self) -> float:
-        """The time between servo interrupts [s] (TSRM 43), not below 0.05 ms: no such controller keeps up."""
+        """Time between servo interrupts [s] (TSRM 43), at least 0.05 ms: no such controller is faster."""
         return max(self.variables.i[10] / 8_388_608.0, 0.05) * 1e-3
 
     @property
     def interrupt(self) -> float:
-        """The time between real-time interrupts [s]: I8 + 1 servo periods."""
+        """Time between real-time interrupts [s]: I8 + 1 servo periods."""
         return (min(max(self.variables.i[8], 0.0), 255.0) + 1.0) * self.servo_period
 
     def advance(self, seconds: float) -> None:
-        """Let time pass [s]: motions, PLCs and programs do what they do in it."""
+        """Advance the time [s], and run motions, PLCs and programs meanwhile."""
         end = self._now + seconds
         while (when := self._next_event()) <= end:
             self._now = max(when, self._now)
@@ -137,7 +143,7 @@ class Machine:
     # ports
 
     def command(self, line: str, port: int = 0) -> Reply:
-        """Execute a line, or store it in the buffer that is open on this port."""
+        """Execute a line, or store it in the buffer that is open on its port."""
         on = self.ports.get(port) or self._port(port)
         if not on.open and (asked := questions(line)):
             return answered(self, on, asked)
@@ -148,12 +154,12 @@ class Machine:
         return controls.control_reply(self, character, self._port(port))
 
     def respond(self, line: str, port: int = 0) -> bytes:
-        """`command`, and the reply as bytes, framed as I3 and I6 say."""
+        """Execute a line as `command` does, and return the reply as bytes, framed according to I3 and I6."""
         reply = self.command(line, port)
         return framed(reply, int(self.variables.i[3]), int(self.variables.i[6]))
 
     def messages(self, port: int = 0) -> tuple[str, ...]:
-        """What programs have sent (SEND) since this port last asked; it comes without a request."""
+        """Return the texts that programs have sent (SEND) since the last call for this port."""
         self._port(port)
         sent = tuple(self._messages[port])
         self._messages[port].clear()
@@ -167,7 +173,7 @@ class Machine:
         return self.ports[number]
 
     def run(self, number: int, single_step: bool = False) -> None:
-        """R or S in a coordinate system.
+        """Execute R, or S for a single step, in a coordinate system.
 
         Raises:
             Refusal: ERR010 to ERR017; ERR015 while a PROG or PLC is open (TSRM 381).
@@ -176,30 +182,36 @@ class Machine:
             raise Refusal(NO_PROGRAM)
         self.systems[number].run(single_step)
 
-    # what programs reach
+    # for programs
 
     def say(self, text: str) -> None:
-        """SEND: to every port (the controller sends to the port that the word names; assumed)."""
+        """Execute SEND: send a text to every port (assumed; the controller sends to the named one)."""
         for messages in self._messages.values():
             messages.append(text)
 
     def queue(self, text: str, system: int, motor: int = 1) -> None:
-        """CMD: a line for the background interpreter, and what it addresses."""
+        """Execute CMD: give a line to the background interpreter.
+
+        Args:
+            text: the line.
+            system: the coordinate system that the line addresses.
+            motor: the motor that the line addresses.
+        """
         self.background.put(text, system, motor)
 
     def unknown(self, word: str) -> None:
-        """A word of a program that is skipped."""
+        """Count a word of a program that is skipped."""
         if word in self.unknown_words or len(self.unknown_words) < _MOST_WORDS:
             self.unknown_words[word] = self.unknown_words.get(word, 0) + 1
 
     def switch_plcs(self, name: str, numbers: Sequence[int]) -> None:
-        """ENABLE, DISABLE, PAUSE or RESUME PLCs."""
+        """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs."""
         self.plcs.switch(name, numbers)
 
-    # what its parts tell it
+    # for its parts
 
     def changed(self, motors: Sequence[Motor]) -> None:
-        """Motors move otherwise from now on."""
+        """Record that motors move differently from now on."""
         if self.record is None:
             return
         for motor in motors:
@@ -212,18 +224,18 @@ class Machine:
                 self.record.stands(self._now, motor.number, motor.stand)
 
     def defined(self) -> None:
-        """Axis definitions have changed: only coordinate systems with motors have anything to do."""
+        """Update the coordinate systems in use after a change of axis definitions: those with motors."""
         self._used = tuple(system for system in self.systems.values() if system.motors)
 
     def system_of(self, motor: Motor) -> CoordinateSystem | None:
-        """The coordinate system that a motor is defined in."""
+        """Return the coordinate system in which a motor is defined; None without one."""
         for system in self.systems.values():
             if motor.number in system.definitions:
                 return system
         return None
 
     def tripped(self, motor: Motor, cause: str) -> None:
-        """A motor meets a limit or has a fatal following error."""
+        """Handle a limit or a fatal following error of a motor."""
         trips.tripped(self, motor, cause)
 
     def _variable_changed(self, number: int) -> None:
@@ -232,41 +244,47 @@ class Machine:
         if number == 5:
             self.plcs.changed()
 
-    # what happens to it
+    # faults, reset and power-up
 
     def fault_amplifier(self, motor: int) -> None:
-        """The amplifier of a motor reports a fault."""
+        """Set an amplifier fault on a motor, and kill it."""
         self.motors[motor].amplifier_fault = True
         trips.kill(self, self.motors[motor])
 
     def clear_fault(self, motor: int) -> None:
-        """The amplifier is well again, so that the loop can be closed."""
+        """Clear the amplifier fault of a motor, so that its loop can be closed."""
         self.motors[motor].amplifier_fault = False
 
     def set_limit_switch(self, motor: int, side: int, on: bool) -> None:
-        """A limit switch of a motor opens or closes; `side` is +1 or -1. Ixx24 bit 17 makes it not be looked at."""
+        """Set the state of a limit switch of a motor. Ixx24 bit 17 disables the switches.
+
+        Args:
+            motor: its number.
+            side: +1 or -1.
+            on: True if the switch is hit.
+        """
         trips.switch(self.motors[motor], side, on)
         trips.look(self, self.motors[motor])
 
     def disturb(self, motor: int, counts: float) -> None:
-        """Something holds the motor `counts` away from where it would be: a following error."""
+        """Hold a motor a number of counts away from its commanded position, which is a following error."""
         self.motors[motor].disturbance = counts
         trips.look(self, self.motors[motor])
 
     def reset(self) -> None:
-        """What `$$$` does: power-up with what was saved. Time goes on, ports keep nothing."""
+        """Execute `$$$`: restart with the saved state. Time continues; ports lose their state."""
         self._power_up(self._saved)
 
     def initialise(self) -> None:
-        """What `$$$***` does: everything at its default. What was saved stays saved."""
+        """Execute `$$$***`: restart with defaults. The saved state is kept."""
         self._power_up(None)
 
     def save(self) -> None:
-        """SAVE."""
+        """Execute SAVE."""
         self._saved = saved(self.variables, self.programs, self.plcs, self.systems)
 
     def _power_up(self, kept: Saved | None) -> None:
-        """Switch off and on, with what SAVE has kept or with defaults."""
+        """Restart with a saved state, or with defaults (None)."""
         self.variables.initialise()
         self.buffers.forget()
         self.ports.clear()
@@ -283,20 +301,20 @@ class Machine:
         self.plcs.changed()
         self.changed(list(self.motors.values()))
 
-    # for those who look
+    # for observers
 
     def positions(self, times: Array | None = None, motors: Sequence[int] | None = None) -> Array:
-        """Commanded positions [counts] of `motors` (all that have an axis, if none are named).
+        """Return commanded positions of motors [counts].
 
         Args:
-            times: (N,) instants [s]: any, with a recorder, since it records, and not later than now; None for now.
-            motors: their numbers.
+            times: (N,) [s], between the start of the recording and now. They need a recorder. None for now.
+            motors: their numbers; None for all motors with an axis.
 
         Returns:
             (len(motors),), or (N, len(motors)) for `times`.
 
         Raises:
-            ValueError: for instants in the future, or in the past without a recorder.
+            ValueError: for times in the future, or for times without a recorder.
         """
         numbers = (
             motors

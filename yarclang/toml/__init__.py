@@ -1,1 +1,1 @@
-"""TOML files that people write: their text, the places of their keys and values, and the findings about their form."""
+"""TOML files that users write: text, positions of keys and values, and findings about their form."""

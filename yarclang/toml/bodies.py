@@ -1,4 +1,4 @@
-"""Bodies in TOML files: which keys belong to a shape, and the shape of a table. Lengths become m."""
+"""Bodies in TOML files: the keys of each shape, and the shape of a table. Lengths are converted to m."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from yarclang.transforms import constant
 SimpleShape = Box | Sphere | Cylinder | Capsule
 
 MESHES = (".stl", ".obj", ".dae", ".ply")
-"""Endings of the names of mesh files."""
+"""Suffixes of mesh files."""
 
 SIZES: Mapping[str, tuple[str, ...]] = {
     "box": ("size",),
@@ -40,23 +40,29 @@ class Sized(Protocol):
 
     @property
     def size(self) -> Sequence[float] | None:
-        """The edges of a box."""
+        """Edges of a box."""
         ...
 
     @property
     def radius(self) -> float | None:
-        """Of a sphere, a cylinder, a capsule."""
+        """Radius of a sphere, cylinder or capsule."""
         ...
 
     @property
     def length(self) -> float | None:
-        """Of a cylinder, or of a capsule without its caps."""
+        """Length of a cylinder, or of a capsule without its caps."""
         ...
 
 
 @frozen
 class Keys:
-    """The keys of a shape, or of what else decides on keys: `what` it is in words, those that it needs, and those that it may have."""
+    """The keys of a shape, or of another rule.
+
+    Attributes:
+        what: the shape or rule in words.
+        needed: the required keys.
+        optional: the optional keys.
+    """
 
     what: str
     needed: Sequence[str]
@@ -70,14 +76,17 @@ def has_its_keys(
     every: Sequence[str],
     dropped: Collection[Path],
 ) -> bool:
-    """Whether a table has the keys of its shape or rule, and none of another's; findings where it hasn't.
+    """Check that a table has the keys of its shape or rule, and none of another's; report findings.
 
     Args:
         table: the table.
-        place: its file, the form of that, and where it stands.
-        keys: those that it should have.
-        every: those of any shape or rule.
-        dropped: the keys that had the wrong form, which was said.
+        place: its file, the schema of the file, and its path.
+        keys: the keys that it should have.
+        every: the keys of any shape or rule.
+        dropped: the keys with a wrong form, which was reported already.
+
+    Returns:
+        True if the keys are right.
     """
     file, document, path = place
     sound = True
@@ -85,7 +94,7 @@ def has_its_keys(
         given, at = getattr(table, key) is not None, (*path, key)
         if key in keys.needed and not given:
             sound = False
-            # what is required of every such table, or had the wrong form, was said
+            # Keys that every such table needs, or that have a wrong form, were reported already.
             if key not in table.required and at not in dropped:
                 missing_mistake(document, at, f", which {keys.what} needs").tell(file)
         elif given and key not in keys.needed and key not in keys.optional:
@@ -97,7 +106,13 @@ def has_its_keys(
 
 
 def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
-    """A shape without a file [m], of a table that has its keys, in lengths of `unit` [m]."""
+    """Return a shape without a file [m].
+
+    Args:
+        shape: name of the shape.
+        table: a table that has its keys.
+        unit: unit of lengths in the table [m].
+    """
     if shape == "box":
         return Box(constant(np.array(table.size) * unit))
     radius, length = (table.radius or 0.0) * unit, (table.length or 0.0) * unit
@@ -111,7 +126,14 @@ def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
 
 
 def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath) -> Mesh | None:
-    """The mesh of a file in lengths of `unit` [m], which is there and isn't empty; None with a finding, or where there is no unit."""
+    """Return the mesh of a file that exists and isn't empty; None with a finding, or without a unit.
+
+    Args:
+        name: name of the file, relative to the folder.
+        unit: unit of lengths in the file [m]; None if it isn't known.
+        place: the TOML file, and the path of the name in it.
+        folder: folder of the TOML file.
+    """
     file, path = place
     if FilePath(name).suffix.lower() not in MESHES:
         message = f"{name[:80]} isn't the name of a mesh."

@@ -1,6 +1,6 @@
-"""Small changes of a TOML text: of a value, a table, an entry of an array of tables. All else stays as it is, to the byte.
+"""Small changes of a TOML text: of a value, a table, or an entry of an array of tables.
 
-Each change is read back, and is refused where it would say anything else than what was meant.
+All other bytes stay as they are. Each change is read back, and refused if its meaning isn't the intended one.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ _BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 
 class ChangeError(ValueError):
-    """The file is written in a form that a small change can't reach: somebody has to change it by hand."""
+    """The form of the file doesn't allow a small change: the user has to edit it."""
 
 
 def printed(value: object) -> str:
-    """Return a value as TOML, in one line: a text, a truth value, a number, a list or a table of such.
+    """Return a value as TOML, in one line: a text, a boolean, a number, or a list or table of such values.
 
     Raises:
-        ChangeError: TOML has no such value.
+        ChangeError: if TOML has no such value.
     """
     if isinstance(value, bool):
         return "true" if value else "false"
@@ -45,18 +45,18 @@ def printed(value: object) -> str:
 
 
 def with_value(source: SourceFile, path: Path, value: object) -> str:
-    """Return the text with another value; a key that isn't there becomes the last one of its table, which is made where it isn't there either.
+    """Return the text with another value. A new key becomes the last one of its table, added if needed.
 
     Args:
         source: a text that tomllib accepts.
-        path: of the value.
-        value: that it has then.
+        path: path of the value.
+        value: the new value.
 
     Raises:
-        ChangeError: the file's form doesn't allow it.
+        ChangeError: if the form of the file doesn't allow the change.
     """
     places = find_places(source)
-    lines = source.text.split("\n")  # a carriage return stays at its line's end
+    lines = source.text.split("\n")  # carriage returns stay at the ends of lines
     if span := places.values.get(path):
         behind = lines[span.end_line - 1][span.end_column - 1 :]
         before = lines[span.line - 1][: span.column - 1]
@@ -73,15 +73,16 @@ def with_value(source: SourceFile, path: Path, value: object) -> str:
 
 
 def with_table(source: SourceFile, path: Path, values: Mapping[str, object]) -> str:
-    """Return the text with a new table at its end; a path that ends in a number is that of a new entry of an array of tables.
+    """Return the text with a new table at its end.
 
     Args:
         source: a text that tomllib accepts.
-        path: of the table, which isn't there yet.
-        values: of its keys.
+        path: path of the table, which doesn't exist yet. If it ends in a number, the table is a new entry of
+            an array of tables.
+        values: values of its keys.
 
     Raises:
-        ChangeError: the file's form doesn't allow it.
+        ChangeError: if the form of the file doesn't allow the change.
     """
     text = source.text
     ending = "\r\n" if "\r\n" in text else "\n"
@@ -100,10 +101,10 @@ def without(source: SourceFile, path: Path) -> str:
 
     Args:
         source: a text that tomllib accepts.
-        path: of what goes.
+        path: path of the key, table or entry to remove.
 
     Raises:
-        ChangeError: the file's form doesn't allow it, or nothing is there.
+        ChangeError: if the form of the file doesn't allow the change, or if the path doesn't exist.
     """
     places = find_places(source)
     lines = source.text.split("\n")
@@ -126,7 +127,7 @@ def without(source: SourceFile, path: Path) -> str:
 
 
 def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
-    """Return the line (from 1) behind which a table takes another key; None where it has no header of its own."""
+    """Return the line (from 1) after which a new key of a table is added; None if the table has no header."""
     if not table:
         tops = [span.end_line for path, span in places.values.items() if len(path) == 1]
         return max(tops, default=0)
@@ -138,7 +139,17 @@ def _last_line(places: Places, lines: Sequence[str], table: Path) -> int | None:
 
 
 def _checked(old: str, new: str, path: Path, value: object) -> str:
-    """Return the new text if it says what the old one does, but for what is at `path` (None: nothing)."""
+    """Return the new text, if it differs from the old one only by the value at a path.
+
+    Args:
+        old: the text before the change.
+        new: the text after the change.
+        path: path of the change.
+        value: the new value; None if it was removed.
+
+    Raises:
+        ChangeError: if it differs otherwise.
+    """
     try:
         wanted, found = tomllib.loads(old), tomllib.loads(new)
         _put(wanted, path, value)
@@ -158,7 +169,7 @@ def _put(data: dict[str, Any], path: Path, value: object) -> None:
     last = path[-1]
     if value is None:
         del here[last]
-        # the last entry of an array of tables takes the array with it
+        # The removal of the last entry of an array of tables removes the array.
         if not here and isinstance(last, int):
             _put(data, path[:-1], None)
     elif isinstance(last, int) and last == len(here):

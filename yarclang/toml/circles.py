@@ -1,4 +1,4 @@
-"""Things that hang on each other."""
+"""Circular dependencies."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 
 def circles(parents: Mapping[str, str]) -> Iterator[list[str]]:
-    """The circles of what hangs on each other, by what each hangs on: each once."""
+    """Yield each circle of dependencies once, from the parent of each name."""
     seen: set[str] = set()
     for start in parents:
         path: list[str] = []

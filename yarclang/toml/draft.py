@@ -1,4 +1,4 @@
-"""Reading the tables of a TOML file: what pydantic says of them, in words for the user."""
+"""Reader of the tables of a TOML file, which turns errors of pydantic into findings for the user."""
 
 from __future__ import annotations
 
@@ -19,7 +19,16 @@ D = TypeVar("D", bound=Document)
 
 @frozen
 class Mistake:
-    """What is wrong with the form of the file, where."""
+    """A mistake in the form of a file.
+
+    Attributes:
+        code: code of the finding.
+        path: path of the key.
+        message: its message.
+        help: its remedy.
+        at_key: True if it is at the key, not at the value.
+        subject: subject of the finding.
+    """
 
     code: str
     path: Path
@@ -29,30 +38,36 @@ class Mistake:
     subject: Subject | None = None
 
     def tell(self, file: TomlFile) -> None:
-        """Adds the mistake to the findings of the file."""
+        """Add the mistake to the findings of the file."""
         file.say(self.code, self.path, self.message, self.help, self.subject, at_key=self.at_key)
 
 
 @frozen
 class Draft(Generic[D]):
-    """A file as far as it can be read: `table` lacks what is `dropped`, each with a mistake."""
+    """A file as far as it can be read.
+
+    Attributes:
+        table: its content, without the dropped keys.
+        dropped: the keys with a wrong form.
+        mistakes: the mistakes, at least one for each dropped key.
+    """
 
     table: D
     dropped: frozenset[Path]
     mistakes: tuple[Mistake, ...]
 
     def tell(self, file: TomlFile) -> None:
-        """Adds the mistakes to the findings of the file."""
+        """Add the mistakes to the findings of the file."""
         for mistake in self.mistakes:
             mistake.tell(file)
 
 
 def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
-    """The tables of a file, without the keys whose values have the wrong form.
+    """Read the tables of a file, without the keys whose values have the wrong form.
 
     Args:
-        data: what tomllib made of the file; bad keys are taken out of it.
-        document: the form that the file should have.
+        data: the file as read by tomllib. Wrong keys are removed from it.
+        document: schema of the file.
     """
     mistakes: list[Mistake] = []
     dropped: set[Path] = set()
@@ -62,7 +77,7 @@ def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
     except ValidationError as error:
         mistakes = [_mistake(document, data, detail, excused) for detail in error.errors(include_url=False)]
         dropped = {_prune(data, mistake.path) for mistake in mistakes}
-        table = document.model_validate(data)  # what is left has no error: no key depends on another here
+        table = document.model_validate(data)  # no error is left, since no key depends on another
     for missing in _missing(table):
         if missing not in dropped and missing not in excused:
             mistakes.append(missing_mistake(document, missing))
@@ -70,7 +85,7 @@ def read_draft(data: dict[str, Any], document: type[D]) -> Draft[D]:
 
 
 def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excused: set[Path]) -> Mistake:
-    """The words for one error of pydantic."""
+    """Return the mistake for one error of pydantic. A misspelled required key is added to `excused`."""
     path: Path = tuple(detail["loc"])
     kind: str = detail["type"]
     name, value, context = spoken(path), detail.get("input"), detail.get("ctx", {})
@@ -111,13 +126,13 @@ _TYPES = {
 
 
 def _wanted(document: type[Document], path: Path) -> str | None:
-    """What a table says that its key takes; an entry of a list has only its type."""
+    """Return the description of a key's values from its table; None without one, or for a list's entry."""
     key = path[-1]
     return _table_at(document, path[:-1]).wanted.get(key) if isinstance(key, str) else None
 
 
 def _unknown_key(document: type[Document], data: dict[str, Any], path: Path, excused: set[Path]) -> Mistake:
-    """The words for a key that the table doesn't have; a required key that was meant is excused."""
+    """Return the mistake for an unknown key. A misspelled required key is added to `excused`."""
     *above, key = path
     table = _table_at(document, tuple(above))
     fields = tuple(table.model_fields)
@@ -140,7 +155,7 @@ def _table_at(document: type[Document], path: Path) -> type[Table]:
 
 
 def _missing(document: Document) -> Iterator[Path]:
-    """The required keys that aren't there."""
+    """Yield the paths of missing required keys."""
     tables: list[tuple[Path, Table]] = [((), document)]
     for key in document.tables:
         content = getattr(document, key)
@@ -155,7 +170,7 @@ def _missing(document: Document) -> Iterator[Path]:
 
 
 def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mistake:
-    """Return the words for a required key that isn't there; `why` ends the sentence."""
+    """Return the mistake for a missing required key; `why` ends its first sentence."""
     key = str(path[-1])
     example = document.examples.get(key)
     if len(path) == 1 and example is not None and example.startswith("it "):
@@ -167,7 +182,7 @@ def missing_mistake(document: type[Document], path: Path, why: str = "") -> Mist
 
 
 def _prune(data: dict[str, Any], path: Path) -> Path:
-    """Takes the innermost key of `path` out of the data; a list of values goes as a whole. Returns the key's path."""
+    """Remove the innermost key of `path` from the data, and return its path. A list is removed as a whole."""
     end = max(at for at, part in enumerate(path) if isinstance(part, str)) + 1
     *above, key = path[:end]
     here: Any = data
@@ -178,25 +193,25 @@ def _prune(data: dict[str, Any], path: Path) -> Path:
 
 
 def spoken(path: Path) -> str:
-    """A path in words: `K[3] of [actuation]`, entries counted from 1 as the joints are."""
+    """Return a path in words: `K[3] of [actuation]`. Entries count from 1, as joints do."""
     last = _key_of(path)
     name = str(path[last]) + "".join(f"[{part + 1}]" for part in path[last + 1 :] if isinstance(part, int))
     return f"{name} of {table_of(path)}" if last else name
 
 
 def table_of(path: Path) -> str:
-    """Return the table of a key in words; nothing for a key at the top of the file."""
+    """Return the table of a key in words; empty for a key at the top of the file."""
     last = _key_of(path)
     return table_name(path[:last]) if last else ""
 
 
 def _key_of(path: Path) -> int:
-    """Return where in a path its key stands; behind it are only numbers of entries."""
+    """Return the index of the key in a path, which only numbers of entries follow."""
     return max(at for at, part in enumerate(path) if isinstance(part, str))
 
 
 def table_name(path: Path) -> str:
-    """A table in words: `[joints.J1]`, or `[[obstacles]] number 2`."""
+    """Return a table in words: `[joints.J1]`, or `[[obstacles]] number 2`."""
     if len(path) > 1 and isinstance(path[1], int):
         return f"[[{path[0]}]] number {path[1] + 1}"
     return f"[{'.'.join(str(part) for part in path)}]"
@@ -208,7 +223,7 @@ def _table(path: Path) -> str:
 
 
 def _shown(value: Any) -> str:
-    """A value as a message prints it, cut where it is long."""
+    """Return a value as a message shows it, cut if it is long."""
     if isinstance(value, int) and abs(value) >= 10**15:
         return "a whole number of more than 15 digits"
     text = f'"{value}"' if isinstance(value, str) else repr(value)

@@ -1,4 +1,4 @@
-"""A TOML file with the places of its values, and the findings about it."""
+"""A TOML file with the positions of its values, and the findings about it."""
 
 from __future__ import annotations
 
@@ -14,7 +14,13 @@ from yarclang.toml.places import Path, Places
 
 @dataclass(slots=True)
 class TomlFile:
-    """The file, and what is to say about it."""
+    """A TOML file and the findings about it.
+
+    Attributes:
+        source: its text.
+        places: positions of its keys and values.
+        findings: the findings so far.
+    """
 
     source: SourceFile
     places: Places
@@ -30,7 +36,16 @@ class TomlFile:
         *,
         at_key: bool = False,
     ) -> None:
-        """Adds a finding at the value of a key, or at the key."""
+        """Add a finding at the value of a key, or at the key.
+
+        Args:
+            code: its code.
+            path: path of the key.
+            message: its message.
+            remedy: its help.
+            subject: its subject.
+            at_key: True if it is at the key.
+        """
         span = self.places.of_key(path) if at_key else self.places.of_value(path)
         self.findings.append(Diagnostic(code, message, self.source, span, remedy, subject=subject))
 
@@ -38,7 +53,19 @@ class TomlFile:
 def right_length(
     file: TomlFile, path: Path, values: Sequence[object], size: int, what: str, per: str
 ) -> bool:
-    """Whether a list has one entry a joint (or a motor); else a finding."""
+    """Check that a list has one entry per joint or motor; report a finding.
+
+    Args:
+        file: the file.
+        path: path of the list.
+        values: the list.
+        size: number of joints or motors.
+        what: an entry in words.
+        per: "joint" or "motor".
+
+    Returns:
+        True if the length is right.
+    """
     if len(values) == size:
         return True
     last = path[-1]
@@ -49,7 +76,7 @@ def right_length(
 
 
 def did_you_mean(name: str, names: Iterable[str]) -> tuple[str, Name]:
-    """Return the help line for a name that isn't one of `names`, and the name as the subject of the finding."""
+    """Return the help for a name that isn't one of `names`, and the name as the subject of the finding."""
     known = sorted(names)
     near = difflib.get_close_matches(name, known, 1, 0.6)
     shown = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")

@@ -1,6 +1,6 @@
-"""Where each key and value of a TOML text stands: tomllib gives the values without their places.
+"""Positions of the keys and values of a TOML text, since tomllib returns values without positions.
 
-The text must be one that tomllib accepts; so the scanner checks nothing and only keeps count.
+tomllib must accept the text. Therefore the scanner checks nothing, and only finds positions.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
 Path = tuple[str | int, ...]
-"""Keys from the top of the file: strings, and positions (from 0) in arrays."""
+"""Keys from the top of the file: strings, and indices (from 0) in arrays."""
 
 _BARE_END = frozenset(" \t\n=.]#,}")
 _SCALAR_END = frozenset("\n#,]}")
@@ -19,17 +19,22 @@ _SCALAR_END = frozenset("\n#,]}")
 
 @frozen
 class Places:
-    """The places of a TOML text: of each key, or of the header that makes a table, and of each value."""
+    """The positions of the keys and values of a TOML text.
+
+    Attributes:
+        keys: position of each key, or of the header of a table.
+        values: position of each value.
+    """
 
     keys: dict[Path, Span]
     values: dict[Path, Span]
 
     def of_value(self, path: Path) -> Span:
-        """The value at `path`, or what encloses it most closely."""
+        """Return the position of the value at `path`, or of the innermost value or key that encloses it."""
         return self._nearest(path, (self.values, self.keys))
 
     def of_key(self, path: Path) -> Span:
-        """The key at `path`, or the key that encloses it most closely."""
+        """Return the position of the key at `path`, or of the innermost key that encloses it."""
         return self._nearest(path, (self.keys, self.values))
 
     def _nearest(self, path: Path, tables: tuple[dict[Path, Span], ...]) -> Span:
@@ -41,14 +46,14 @@ class Places:
 
 
 def find_places(source: SourceFile) -> Places:
-    """The places of all keys and values of a text that tomllib accepts."""
+    """Return the positions of all keys and values of a text that tomllib accepts."""
     scanner = _Scanner(source.text.replace("\r\n", "\n"))
     scanner.document()
     return Places(scanner.keys, scanner.values)
 
 
 class _Scanner:
-    """One pass over the text. Every method leaves `at` behind what it has read."""
+    """Scanner of a text in one pass. Every method leaves `at` after the text that it has read."""
 
     def __init__(self, text: str) -> None:
         self.text = text
@@ -70,7 +75,7 @@ class _Scanner:
                 self.pair(table)
 
     def header(self) -> Path:
-        """`[a.b]` or `[[a.b]]`; the path of its table, with the count in an array of tables."""
+        """Read `[a.b]` or `[[a.b]]`; return the path of its table, with the index in an array of tables."""
         array = self.text.startswith("[[", self.at)
         self.at += 2 if array else 1
         self.skip()
@@ -86,16 +91,18 @@ class _Scanner:
         return path
 
     def pair(self, table: Path) -> None:
-        """`key = value`."""
+        """Read `key = value`."""
         path = self.key(table, resolve=False)
         self.at += 1  # the equals sign
         self.skip()
         self.value(path)
 
     def key(self, table: Path, *, resolve: bool) -> Path:
-        """A key, dotted or not, up to the equals sign or bracket behind it.
+        """Read a key, dotted or not, up to the equals sign or bracket after it, and return its path.
 
-        `resolve` makes a header's parts speak of the last table where they name an array of tables.
+        Args:
+            table: path of the table.
+            resolve: True in a header, where the name of an array of tables means its last table.
         """
         path = table
         while True:
@@ -146,7 +153,7 @@ class _Scanner:
             self.pair(path)
 
     def more(self, closing: str) -> bool:
-        """Whether an item follows; reads the commas before it, or the closing bracket."""
+        """Read the commas before an item, or the closing bracket; return True if an item follows."""
         self.skip()
         while self.text.startswith(",", self.at):
             self.at += 1
@@ -157,7 +164,7 @@ class _Scanner:
         return True
 
     def string(self) -> str:
-        """A string of any of the four kinds; its text, escapes left as they are written."""
+        """Read a string of any of the four kinds; return its text, with escapes as they are written."""
         quote = self.text[self.at]
         long = self.text.startswith(quote * 3, self.at)
         mark = quote * 3 if long else quote
@@ -167,12 +174,12 @@ class _Scanner:
             self.at += 2 if quote == '"' and self.text[self.at] == "\\" else 1
         content = self.text[start : self.at]
         self.at += len(mark)
-        while long and self.text.startswith(quote, self.at):  # up to two quotes may stand before the end
+        while long and self.text.startswith(quote, self.at):  # a long string may end in up to two quotes
             self.at += 1
         return content
 
     def skip(self) -> None:
-        """Blanks, line ends and comments."""
+        """Skip blanks, line ends and comments."""
         while self.at < len(self.text):
             if self.text[self.at] == "#":
                 end = self.text.find("\n", self.at)

@@ -1,4 +1,4 @@
-"""Bytes to a TOML text and its data, or one finding that says why not."""
+"""Reader of TOML files: from bytes to a text and its data, or to one finding."""
 
 from __future__ import annotations
 
@@ -14,7 +14,12 @@ _LARGEST_FILE = 20_000_000
 
 
 def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
-    """The text of a file, or why there is none (without a place, unless it is in that very file)."""
+    """Return the text of a file, or a finding, which has a position only if it is inside of the file.
+
+    Args:
+        path: the file.
+        remedy: help of the finding for a file that can't be read.
+    """
     name = (path.name or str(path))[:80]
     try:
         if path.is_dir():
@@ -34,7 +39,7 @@ def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
 
 
 def parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
-    """The data of a TOML text, or what is wrong with it."""
+    """Return the data of a TOML text, or a finding."""
     import tomllib
 
     remedy = "Correct the TOML at this place."

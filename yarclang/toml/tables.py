@@ -1,4 +1,4 @@
-"""What the forms of TOML files share: strict tables, and numbers within reason. Imports pydantic; import it late."""
+"""Base classes of schemas of TOML files: strict tables, bounded numbers. Imports pydantic; import it late."""
 
 from __future__ import annotations
 
@@ -8,20 +8,23 @@ from typing import Annotated, ClassVar
 from pydantic import BaseModel, ConfigDict, Field
 
 LARGEST = 1e12
-"""No number is larger, whatever its unit: beyond it, sums and products lose their digits."""
+"""Largest number, in any unit. Sums and products of larger ones lose digits."""
 LEAST = 1e-6
-"""The least size, speed, acceleration, jerk, tolerance."""
+"""Least size, speed, acceleration, jerk and tolerance."""
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Field(ge=LEAST, le=LARGEST)]
 
 
 class Table(BaseModel):
-    """A table of a file: strict types, no other keys.
+    """A table of a file, with strict types and no other keys.
 
-    A required key is optional to pydantic and stands in `required`: so that a file with one bad value can still be checked in all
-    that doesn't depend on it. `wanted` says in words what a key takes, where its type alone doesn't.
-    Validators are built when first used: only that of the whole file is.
+    Required keys are optional for pydantic, so that the rest of a file with one bad value can still be
+    checked. Validators are built at their first use: only that of the whole file is needed.
+
+    Attributes:
+        required: the required keys.
+        wanted: descriptions of the values of keys, if their type alone isn't clear.
     """
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, defer_build=True)
@@ -30,7 +33,12 @@ class Table(BaseModel):
 
 
 class Document(Table):
-    """A whole file. `tables` has the table, or the kind of table, below each key; `examples` shows what to add where a key is missing."""
+    """A whole file.
+
+    Attributes:
+        tables: the table, or the kind of table, of each key.
+        examples: text to add for missing keys.
+    """
 
     tables: ClassVar[Mapping[str, type[Table]]] = {}
     examples: ClassVar[Mapping[str, str]] = {}

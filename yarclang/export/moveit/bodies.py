@@ -1,4 +1,4 @@
-"""What robot.toml hangs on the flange, as links of a URDF: frames and mounted tools, which the robot's own URDF doesn't have."""
+"""Frames and mounted tools of robot.toml as links of a URDF, since the robot's own URDF doesn't have them."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ class Bodies:
     """Links on the flange.
 
     Attributes:
-        frames: flange_from_frame (4, 4) [m] by the link's name.
-        tools: mounted tools by the link's name; their shapes are placed on the flange.
+        frames: flange_from_frame (4, 4) [m], by the name of the link.
+        tools: mounted tools, by the name of the link. Their shapes are placed in the flange.
     """
 
     frames: Mapping[str, Array]
@@ -23,16 +23,20 @@ class Bodies:
 
     @property
     def links(self) -> tuple[str, ...]:
-        """The names of all links."""
+        """Names of all links."""
         return *self.frames, *self.tools
 
     def link_of(self, body: str) -> str:
-        """Return the link of a body of the robot: a tool's, or the link's own name."""
+        """Return the name of the link of a body of the robot: that of a tool, or of the body itself."""
         return next((link for link, tool in self.tools.items() if tool.name == body), body)
 
 
 def bodies_of(robot: Robot, urdf: Urdf) -> Bodies:
-    """Return the links for a robot's frames and mounted tools: their names in lower case, with `_frame` and `_body` where a link or joint of the URDF is called so."""
+    """Return the links for the frames and mounted tools of a robot.
+
+    Links have their names in lower case, with `_frame` or `_body` if a link or joint of the URDF has that
+    name.
+    """
     taken = {name.lower() for name in (*urdf.links, *urdf.joints)}
 
     def named(name: str, ending: str) -> str:

@@ -1,4 +1,4 @@
-"""A robot's description for readers on the same computer: its URDF as ROS reads it, with the files of its meshes where they are."""
+"""Description of a robot for readers on the same computer: its URDF for ROS, with meshes at their places."""
 
 from __future__ import annotations
 
@@ -14,7 +14,14 @@ from yarclang.robot.model import Robot
 
 @frozen
 class Described:
-    """A URDF as text, and its links {B}, {FLANGE} and {TCP} (the flange if the robot has no {TCP})."""
+    """A description.
+
+    Attributes:
+        urdf: the text.
+        base: its link {B}.
+        flange: its link {FLANGE}.
+        tool: its link {TCP}; the flange for a robot without a {TCP}.
+    """
 
     urdf: str
     base: str
@@ -23,10 +30,14 @@ class Described:
 
 
 def described(robot: Robot) -> Result[Described]:
-    """Return a robot's URDF with meshes as file URIs, its frames and mounted tools as links, and only the robot's axes as joints that move.
+    """Return the URDF of a robot.
+
+    Its meshes are file URIs, the robot's frames and mounted tools are links, and only the axes are moving
+    joints.
 
     Returns:
-        None with an error if the robot's files can't be read; a mesh that is missing is a finding, and keeps its name.
+        The description; None, with an error, if the files of the robot can't be read. A missing mesh is a
+        finding, and keeps its name.
     """
     read = urdf_of(robot)
     if isinstance(read, Diagnostic):

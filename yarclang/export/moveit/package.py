@@ -1,4 +1,4 @@
-"""A robot as a package of ROS with MoveIt's configuration: all its files as bytes."""
+"""A robot as a ROS package with MoveIt's configuration: all its files as bytes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*", re.ASCII)
 
 
 def package_of(robot: Robot) -> Result[Package]:
-    """Return MoveIt's configuration of a robot; None with findings if ROS can't have it."""
+    """Return MoveIt's configuration of a robot; None, with findings, if it isn't possible."""
     findings = list(_names(robot))
     read = urdf_of(robot)
     if isinstance(read, Diagnostic):
@@ -51,7 +51,7 @@ def package_of(robot: Robot) -> Result[Package]:
 
 
 def _names(robot: Robot) -> list[Diagnostic]:
-    """Findings about names that ROS can't have."""
+    """Return findings about names that ROS doesn't allow."""
     found = []
     for what, name in (("robot", robot.name), *(("joint", name) for name in robot.joint_names)):
         if not _NAME.fullmatch(name):
@@ -63,7 +63,7 @@ def _names(robot: Robot) -> list[Diagnostic]:
 
 
 def urdf_of(robot: Robot) -> tuple[Urdf, str, str] | Diagnostic:
-    """Return a robot's URDF, and the links that are {B} and {FLANGE}; a finding if the files aren't as they were read."""
+    """Return the URDF of a robot, and its links {B} and {FLANGE}; a finding if the files have changed."""
     table = read_text(robot.folder / "robot.toml", "Name a folder with a robot.toml.")
     if isinstance(table, Diagnostic):
         return table
@@ -119,7 +119,7 @@ _SLACK = 1e-9
 
 
 def check_motors(robot: Robot) -> Iterator[Diagnostic]:
-    """Yield a warning for each motor that reaches its speed limit before the joints that turn it reach theirs."""
+    """Yield a warning for each motor that reaches its speed limit before its joints reach theirs."""
     actuation = robot.actuation
     speeds = robot.limits.velocity / robot.axis_units
     turns = np.abs(actuation.gear[:, None] * actuation.coupling)

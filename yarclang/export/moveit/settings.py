@@ -1,4 +1,4 @@
-"""MoveIt's YAML files: limits of the joints, the solver of the inverse kinematics, controllers of ROS 1 and ROS 2."""
+"""YAML files of MoveIt: joint limits, solver of inverse kinematics, controllers of ROS 1 and ROS 2."""
 
 from __future__ import annotations
 
@@ -10,15 +10,18 @@ from yarclang.robot.model import Robot
 
 HEAD = "# Written by yarc export for MoveIt."
 ACTION_1 = "joint_trajectory_action"
-"""The action of ROS-Industrial's drivers."""
+"""Action of ROS-Industrial's drivers."""
 CONTROLLER_2, ACTION_2 = "joint_trajectory_controller", "follow_joint_trajectory"
 
 VELOCITY_SHARE, ACCELERATION_SHARE = 0.9, 0.6
-"""Of the limits, for MoveIt's plans: their accelerations jump, and what goes smoothly through the same points needs up to 1.4 times as much between them."""
+"""Shares of the limits for MoveIt's plans.
+
+The accelerations of the plans jump. A smooth motion through their points needs up to 1.4 times as much.
+"""
 
 
 def settings_files(robot: Robot) -> dict[str, str]:
-    """Return the texts of the files by their paths in the package."""
+    """Return the texts of the files, by their paths in the package."""
     return {
         "config/joint_limits.yaml": _limits(robot),
         "config/kinematics.yaml": _kinematics(robot),
@@ -58,7 +61,7 @@ def _kinematics(robot: Robot) -> str:
         "  kinematics_solver_search_resolution: 0.005",
         "  kinematics_solver_timeout: 0.05",
     ]
-    # with fewer than six joints not every pose has a solution
+    # With fewer than six joints, not every pose has a solution.
     return "\n".join([*lines, *["  position_only_ik: true"] * (robot.size < 6)]) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""The SRDF: planning group, end effector, named states, and the pairs of links that MoveIt must not look at."""
+"""The SRDF: planning group, end effector, named states, and the pairs of links that MoveIt must not check."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, s
         robot: the robot.
         urdf: its URDF.
         ends: the links {B} and {FLANGE}.
-        bodies: what is added on the flange.
-        scene: the pairs of bodies that are checked; MoveIt is left with just these.
+        bodies: links on the flange.
+        scene: the pairs of bodies to check. All others are disabled.
     """
     base, flange = ends
     root = next(link for link in urdf.links if link not in {joint.child for joint in urdf.joints.values()})
@@ -70,16 +70,16 @@ def srdf_text(robot: Robot, urdf: Urdf, ends: tuple[str, str], bodies: Bodies, s
 
 
 def urdf_name(urdf: Urdf) -> str:
-    """Return the name of the robot in its URDF, which the SRDF must have as well."""
-    assert urdf.root is not None  # a sound one has a root
+    """Return the name of the robot in its URDF, which the SRDF must have, too."""
+    assert urdf.root is not None  # a sound URDF has a root
     return urdf.root.attributes.get("name", "")
 
 
 def disabled_pairs(robot: Robot, bodies: Bodies, scene: Scene) -> list[tuple[str, str, str]]:
-    """Return the pairs of links that aren't checked against each other, in alphabetical order, and why.
+    """Return the pairs of links that aren't checked, in alphabetical order, with the reason.
 
-    MoveIt's words for it: Adjacent (they meet in a joint, or never move against each other), Default (they touch in HOME), User
-    (robot.toml allows it).
+    MoveIt's reasons are: Adjacent (they meet in a joint, or never move relative to each other), Default (they
+    touch in HOME), User (allowed in robot.toml).
     """
     joints = {body.name: body.joint for body in scene.bodies}
     checked = {frozenset(scene.names(pair)) for pair in range(len(scene.pairs.first))}

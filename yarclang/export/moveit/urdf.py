@@ -1,4 +1,7 @@
-"""The robot's URDF for ROS: the same text in version 1.0, its meshes by the package's name, and links for what robot.toml hangs on the flange."""
+"""The URDF of a robot for ROS: its text in version 1.0, with names of meshes in the package, and added links.
+
+The links are those of the frames and mounted tools of robot.toml.
+"""
 
 from __future__ import annotations
 
@@ -23,12 +26,12 @@ from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.transforms import roll_pitch_yaw
 
 Edit = tuple[int, int, str]
-"""Begin and end of what is replaced, and by what."""
+"""Start and end of the replaced text, and the new text."""
 
 FOLDER = "urdf"
 _PLAIN = re.compile(r"[A-Za-z0-9_.\-/]+", re.ASCII)
 _GREY = '<material name="yarclang_grey"><color rgba="0.8 0.82 0.85 1"/></material>'
-"""Without a material RViz draws in red."""
+"""Material of added bodies. RViz draws bodies without a material in red."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENCODING = re.compile(r"""^(\s*<\?xml[^>]*?\sencoding\s*=\s*)(["']).*?\2""", re.DOTALL)
 _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
@@ -37,14 +40,14 @@ _FILENAME = re.compile(r"""(\sfilename\s*=\s*)(["'])(.*?)\2""", re.DOTALL)
 def exported_urdf(
     robot: Robot, urdf: Urdf, package: str, ends: tuple[str, str], bodies: Bodies
 ) -> Result[dict[str, bytes]]:
-    """Return the URDF and its meshes by their paths in the package; with an error if a mesh that is checked can't be read.
+    """Return the URDF and its meshes, by their paths in the package, with a finding for each unreadable mesh.
 
     Args:
         robot: the robot.
         urdf: its URDF.
-        package: the package's name.
+        package: name of the package.
         ends: the links {B} and {FLANGE}.
-        bodies: what is added on the flange.
+        bodies: links to add on the flange.
     """
     meshes = PackageMeshes(robot, package)
     text = urdf_text(urdf, ends[1], bodies, meshes)
@@ -56,18 +59,19 @@ def exported_urdf(
 def urdf_text(
     urdf: Urdf, flange: str, bodies: Bodies, meshes: MeshNames, axes: frozenset[str] | None = None
 ) -> str:
-    """Return a URDF as all of ROS reads it.
+    """Return a URDF that all versions of ROS read.
 
     Args:
-        urdf: a sound one.
+        urdf: a sound URDF.
         flange: the link {FLANGE}.
-        bodies: what is added on the flange.
-        meshes: names the files of the meshes; what of them is missing is said there.
-        axes: for a text that is only drawn: the joints that move. All others are fixed at zero, where the robot has them, and links without visual shapes look like their
-            collision shapes. None: joints and links stay as they are.
+        bodies: links to add on the flange.
+        meshes: names the files of the meshes, and collects findings about missing ones.
+        axes: for a text that is only drawn: the joints that move. All others are fixed at zero, as in the
+            robot, and links without visual shapes get their collision shapes. None to keep joints and links
+            as they are.
     """
     text, root = urdf.text, urdf.root
-    assert root is not None  # a sound one has a root
+    assert root is not None  # a sound URDF has a root
     edits = [_version(text, root)]
     if axes is not None:
         others = (joint for name, joint in urdf.joints.items() if name not in axes)
@@ -81,7 +85,7 @@ def urdf_text(
     added = "".join(f"{line}\n" for line in _added(flange, bodies, meshes))
     end = _COMMENT.sub(lambda found: " " * len(found[0]), text).rindex("</")
     text = f"{text[:end]}{added}{text[end:]}"
-    # the text is UTF-8, whatever its first line says
+    # The text is written as UTF-8, so that its declaration has to say this.
     return _ENCODING.sub(r'\1"UTF-8"', text, count=1)
 
 
@@ -91,13 +95,13 @@ def _fixed(text: str, joint: Element) -> Edit:
 
 
 def _version(text: str, root: Element) -> Edit:
-    """The root's tag with the version that all of ROS reads; what later ones have is written otherwise."""
+    """Return the change of the root's version to 1.0, which all of ROS reads; later elements are replaced."""
     tag = text[root.start : root.end]
     return root.start, root.end, re.sub(r"""(\sversion\s*=\s*)(["']).*?\2""", r'\1"1.0"', tag)
 
 
 def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
-    """The collision shapes of a link as visual ones."""
+    """Return the change that adds the collision shapes of a link as visual ones."""
     lines = []
     for body in link.all("collision"):
         geometry = body.first("geometry")
@@ -114,7 +118,10 @@ def _seen(urdf: Urdf, link: Element, meshes: MeshNames) -> Edit:
 
 
 def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
-    """Yield the changes of a <visual> or <collision>: the name of its mesh; a capsule, which version 1.0 doesn't have, becomes three bodies."""
+    """Yield the changes of a <visual> or <collision>.
+
+    The name of a mesh is replaced. A capsule, which version 1.0 doesn't have, becomes three bodies.
+    """
     geometry = body.first("geometry")
     shape = geometry.children[0] if geometry is not None and geometry.children else None
     if shape is None:
@@ -128,7 +135,7 @@ def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
     elif shape.tag == "capsule":
         masked = _COMMENT.sub(lambda found: " " * len(found[0]), urdf.text[body.start :])
         ending = re.search(rf"</{body.tag}\s*>", masked)
-        assert ending is not None  # it has a child, so it ends with a tag of its own
+        assert ending is not None  # an element with a child has an end tag
         capsule = Capsule(float(shape.attributes["radius"]), float(shape.attributes["length"]))
         material = _material(body.first("material"))
         placed = placed_at(urdf, body.first("origin"))
@@ -136,7 +143,7 @@ def _body(urdf: Urdf, body: Element, meshes: MeshNames) -> Iterator[Edit]:
             f"<{body.tag}>{_origin(pose)}<geometry>{_geometry(simple, meshes)}</geometry>{material}</{body.tag}>"
             for simple, pose in _simple(capsule, placed)
         )
-        # what lies inside goes with it
+        # the whole element is replaced
         yield body.start, body.start + ending.end(), new
 
 
@@ -151,14 +158,14 @@ def _material(material: Element | None) -> str:
 
 
 class MeshNames(ABC):
-    """Names the files of meshes, as they are asked for.
+    """Gives names to the files of meshes on request.
 
     Args:
-        robot: whose URDF names them.
+        robot: the robot whose URDF uses them.
 
     Attributes:
-        robot: likewise.
-        findings: what is said of meshes that are missing.
+        robot: the robot.
+        findings: findings about missing meshes.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -166,7 +173,7 @@ class MeshNames(ABC):
         self.robot = robot
 
     def url(self, filename: str) -> str | None:
-        """Return the name of a mesh of the URDF; None with a finding if there is no such file."""
+        """Return the new name of a mesh, by its name in the URDF; None, with a finding, without a file."""
         path = mesh_path(filename, (self.robot.folder / self.robot.urdf).parent)
         if path is None:
             self._lost(filename, "there is no such file")
@@ -175,7 +182,7 @@ class MeshNames(ABC):
 
     @abstractmethod
     def url_of(self, path: Path) -> str | None:
-        """Return the name of a mesh file; None with a finding if it can't be used."""
+        """Return the new name of a mesh file; None, with a finding, if it can't be used."""
 
     def _lost(self, name: str, reason: str) -> None:
         message = f"the mesh {name[:100]!r} isn't exported: {reason}"
@@ -185,7 +192,7 @@ class MeshNames(ABC):
 
 
 class FileMeshes(MeshNames):
-    """Names meshes by URIs of the files where they are, for readers on the same computer."""
+    """Names meshes by the URIs of their files, for readers on the same computer."""
 
     def url_of(self, path: Path) -> str | None:
         """Return the URI of a mesh file."""
@@ -196,10 +203,10 @@ class FileMeshes(MeshNames):
 
 
 class PackageMeshes(MeshNames):
-    """The mesh files of a package of ROS.
+    """Names meshes in a ROS package, and collects their files.
 
     Attributes:
-        files: their bytes, by their paths in the package.
+        files: contents of the files, by their paths in the package.
     """
 
     def __init__(self, robot: Robot, package: str) -> None:
@@ -209,7 +216,7 @@ class PackageMeshes(MeshNames):
         self._places: dict[Path, str] = {}
 
     def url_of(self, path: Path) -> str | None:
-        """Return how the package names a mesh file."""
+        """Return the package URL of a mesh file; None, with a finding, if it can't be read."""
         path = path.resolve()
         if path not in self._places:
             place = self._place(path)
@@ -222,7 +229,7 @@ class PackageMeshes(MeshNames):
         return f"package://{self._package}/{self._places[path]}"
 
     def _place(self, path: Path) -> str:
-        """The path of a file in the package: as in the robot's folder, if it is in there and has a plain name."""
+        """Return the path of a file in the package: that in the robot's folder, if its names are plain."""
         folder = self.robot.folder.resolve()
         if path.is_relative_to(folder):
             inside = str(PurePosixPath(path.relative_to(folder)))
@@ -236,7 +243,7 @@ class PackageMeshes(MeshNames):
 
 
 def _added(flange: str, bodies: Bodies, meshes: MeshNames) -> Iterator[str]:
-    """The lines of the links on the flange."""
+    """Yield the lines of the links on the flange."""
     for link, pose in bodies.frames.items():
         yield f"  <link name={quoteattr(link)}/>"
         yield from _joint(link, flange, pose)
@@ -265,7 +272,7 @@ def _shapes(tool: Tool, meshes: MeshNames) -> Iterator[str]:
 
 
 def _simple(shape: Shape, pose: Array) -> Iterator[tuple[Shape, Array]]:
-    """Yield a shape as shapes that URDF has: a capsule is a cylinder with two spheres."""
+    """Yield the shapes and poses of a shape in a URDF: a capsule becomes a cylinder and two spheres."""
     if not isinstance(shape, Capsule):
         yield shape, pose
         return

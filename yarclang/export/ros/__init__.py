@@ -1,1 +1,1 @@
-"""A program's certified motion as trajectories for ROS."""
+"""Export of the certified motion of a program as trajectories for ROS."""

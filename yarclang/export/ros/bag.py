@@ -1,4 +1,4 @@
-"""Trajectories as a bag of ROS 1."""
+"""Writer of trajectories as a bag of ROS 1."""
 
 from __future__ import annotations
 
@@ -12,21 +12,23 @@ from yarclang.export.ros.writing import SECOND, between_json, facts
 from yarclang.progress import go_on
 
 TOPIC = "/joint_path_command"
-"""ROS-Industrial's drivers listen here."""
+"""Topic to which ROS-Industrial's drivers listen."""
 ABOUT, BETWEEN = "/yarc/about", "/yarc/between"
 
 
 def write_bag(path: Path, made: Exported) -> None:
-    """Write a bag: the trajectories on `TOPIC`, at the times at which they begin if no wait takes time; JSON texts on `ABOUT` (what it was made of,
-    what is proved) and `BETWEEN` (what lies between).
+    """Write a bag.
+
+    It has the trajectories on `TOPIC`, at the times at which they begin if waits take no time. JSON texts are
+    on `ABOUT` (origin and proof of the trajectories) and on `BETWEEN` (events between them).
 
     Args:
-        path: of a file that isn't there yet.
+        path: a file that doesn't exist yet.
         made: the trajectories.
 
     Raises:
-        ImportError: the package rosbags isn't installed.
-        OSError: the file can't be written.
+        ImportError: if the package rosbags isn't installed.
+        OSError: if the file can't be written.
     """
     from rosbags.rosbag1 import Writer
     from rosbags.typesys import Stores, get_typestore
@@ -85,5 +87,8 @@ def write_bag(path: Path, made: Exported) -> None:
 
 
 def _stamp(time: float) -> int:
-    """The stamp [ns] of a time [s] since the start, which is at 1 s: 0 means "not known" in ROS."""
+    """Return the stamp [ns] of a time [s] since the start.
+
+    The start is at 1 s, because 0 means "not known" in ROS.
+    """
     return SECOND + round(time * SECOND)

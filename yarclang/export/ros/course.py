@@ -1,6 +1,6 @@
-"""What a certified text does, as stretches of motion without a stop between them, and what lies between.
+"""Course of a certified text: stretches of motion without a stop, and the events between them.
 
-All of it comes from the judge's own reading of the text.
+It is made from the judge's own reading of the text.
 """
 
 from __future__ import annotations
@@ -23,10 +23,15 @@ from yarclang.units import MS
 
 @frozen
 class Between:
-    """Something that a trajectory cannot say.
+    """An event that can't be part of a trajectory.
 
-    `before` is the number of stretches that end before it. `time` [s] counts from the start of the stretch with that
-    number if it happens during the motion; None if it happens while the robot stands.
+    Attributes:
+        kind: its kind.
+        place: the command, by its title.
+        what: the event, in words.
+        before: number of stretches that end before it.
+        time: time after the start of stretch `before` (counted from 0), if it happens during this motion [s];
+            None if it happens while the robot stands.
     """
 
     kind: Kind
@@ -37,7 +42,7 @@ class Between:
 
     @property
     def text(self) -> str:
-        """One line for people: where, when, what."""
+        """One line for the user: command, time, event."""
         when = (
             "" if self.time is None else f" {self.time:.6f} s after the start of trajectory {self.before + 1}"
         )
@@ -46,11 +51,17 @@ class Between:
 
 @frozen(eq=False)
 class Path:
-    """The executed path: cubic pieces, those of all stretches one after the other.
+    """The executed path: S cubic pieces, for all stretches one after the other.
 
-    Piece s belongs to stretch `stretch[s]`, and begins `begin[s]` [s] after the start of that stretch with position
-    `x`, velocity `v` and acceleration `a` (S, n) [rad or m, per s, per s^2]; `jerk` (S, n) is constant in the piece. The last piece
-    of each stretch is the rest after its end, which has no length.
+    The last piece of each stretch is the rest after its end, which has no duration.
+
+    Attributes:
+        stretch: (S,) index of the stretch of each piece.
+        begin: (S,) start of each piece after the start of its stretch [s].
+        x: (S, n) position at the start [rad or m].
+        v: (S, n) velocity at the start [rad/s or m/s].
+        a: (S, n) acceleration at the start [rad/s^2 or m/s^2].
+        jerk: (S, n) constant jerk of the piece [rad/s^3 or m/s^3].
     """
 
     stretch: NDArray[np.intp]
@@ -62,11 +73,16 @@ class Path:
 
     @property
     def last(self) -> NDArray[np.intp]:
-        """The number of the rest piece of each stretch."""
+        """Index of the last piece of each stretch, which is at rest."""
         return np.flatnonzero(np.append(np.diff(self.stretch) > 0, True))
 
     def at(self, piece: NDArray[np.intp], offset: Array) -> tuple[Array, Array, Array]:
-        """Return position, velocity and acceleration (N, n) in pieces (N,), `offset` (N,) [s] after their begins."""
+        """Return position, velocity and acceleration (N, n) in pieces.
+
+        Args:
+            piece: (N,) indices of the pieces.
+            offset: (N,) times after their starts [s].
+        """
         t = offset[:, None]
         x, v, a, jerk = (one[piece] for one in (self.x, self.v, self.a, self.jerk))
         return x + t * (v + t * (a / 2 + t * jerk / 6)), v + t * (a + t * jerk / 2), a + t * jerk
@@ -74,7 +90,13 @@ class Path:
 
 @frozen(eq=False)
 class Course:
-    """A program for other drivers: the path of all stretches, when each of them begins [s] if no wait takes time, and what lies between."""
+    """A program for other drivers.
+
+    Attributes:
+        path: path of all stretches.
+        starts: time at which each stretch begins if waits take no time [s].
+        between: events between and during the stretches.
+    """
 
     path: Path
     starts: tuple[float, ...]
@@ -82,7 +104,7 @@ class Course:
 
     @property
     def size(self) -> int:
-        """The number of stretches."""
+        """Number of stretches."""
         return len(self.starts)
 
 
@@ -91,9 +113,9 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
 
     Args:
         content: the text as the judge reads it.
-        mapped: the same text's lines, for the names of commands.
-        robot: whom it is for.
-        names: the program's names of the controller's variables.
+        mapped: the lines of the text, for the titles of commands.
+        robot: the robot of the program.
+        names: names of the controller's variables in the program.
     """
     made = _Making(
         mapped,
@@ -109,7 +131,7 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
 
 
 class _Making:
-    """A course while it is made."""
+    """Builder of a course."""
 
     def __init__(
         self,
@@ -125,14 +147,14 @@ class _Making:
         self._starts: list[float] = []
         self._open = False
         self._clock = 0.0
-        # of each sequence: control points, segment time, stretch, begin in the stretch
+        # for each sequence: control points, segment time, stretch, start in the stretch
         self._control: list[Array] = []
         self._segment: list[float] = []
         self._stretch: list[int] = []
         self._begin: list[float] = []
 
     def take(self, item: Run | Dwelt | Put | Barred | Stood, place: float) -> None:
-        """Take the next item of the text, which begins `place` [s] after the program's start."""
+        """Add the next item of the text, which begins `place` [s] after the start of the program."""
         match item:
             case Run():
                 self._run(item, place)
@@ -157,7 +179,7 @@ class _Making:
         self._segment.append(run.segment)
         self._stretch.append(stretch)
         self._begin.append(self._clock)
-        for put in run.puts:  # a move line begins the segment of its number in the sequence
+        for put in run.puts:  # the k-th move line of a sequence begins its k-th segment
             time = self._clock + int(np.searchsorted(run.lines, put.line)) * run.segment
             self._between.append(
                 Between("set", self._place(put.line), self._put(put.variable, put.value), stretch, time)
@@ -173,7 +195,7 @@ class _Making:
         self._open = False
 
     def _place(self, line: int) -> str:
-        """The command that a line of the text belongs to."""
+        """Return the title of the command to which a line of the text belongs."""
         at = bisect.bisect_right(self._firsts, line) - 1
         command = self._stretches[at].command if at >= 0 else None
         return command.title if command is not None else ""
@@ -206,7 +228,7 @@ class _Making:
         self._open = False
 
     def done(self) -> Course:
-        """Return the course of all that was taken."""
+        """Return the course of all items."""
         return Course(self._path(), tuple(self._starts), tuple(self._between))
 
     def _path(self) -> Path:
@@ -227,7 +249,7 @@ class _Making:
         step = h[:, None]
         x, v = (f0 + 4.0 * f1 + f2) / 6.0, (f2 - f0) / (2.0 * step)
         a, jerk = (f2 - 2.0 * f1 + f0) / step**2, (f3 - 3.0 * f2 + 3.0 * f1 - f0) / step**3
-        # the rest after each stretch
+        # a piece at rest after each stretch
         behind = np.flatnonzero(np.append(np.diff(stretch) > 0, True))
         end = begin[behind] + h[behind]
         final, none = f3[behind], np.zeros((len(behind), size))

@@ -1,4 +1,4 @@
-"""A certified program as trajectories: the way through this folder."""
+"""Conversion of a certified program to trajectories, by the modules of this folder."""
 
 from __future__ import annotations
 
@@ -22,23 +22,31 @@ from yarclang.progress import tell
 from yarclang.robot.model import Array, Robot
 
 _LISTED = 5
-"""So many things between trajectories are listed in the warning; the file has all."""
+"""Number of events between trajectories that the warning lists. The file has all of them."""
 
 
 _SHARES = 1.0, 0.98, 0.9, 0.5
-"""Way-points are chosen for such a share of the tolerance: the next one is only tried if the proof of those before was not tight enough."""
+"""Shares of the tolerance for which way-points are chosen. The next share is tried if the proof fails."""
 
 
 @frozen(eq=False)
 class Wishes:
-    """What is wanted: the `tolerance` of each joint [rad or m]; `straight` to keep it by straight lines between way-points as well."""
+    """Options of the export.
+
+    Attributes:
+        tolerance: tolerance of each joint [rad or m].
+        straight: True if straight lines between way-points must also keep the tolerance.
+    """
 
     tolerance: float
     straight: bool = False
 
     @property
     def kinds(self) -> tuple[Interpolation, ...]:
-        """The interpolations that keep the tolerance. Way-points with accelerations make ros_control interpolate by quintics."""
+        """The interpolations that must keep the tolerance.
+
+        ros_control uses quintics, because the way-points have accelerations.
+        """
         return ("linear", "cubic", "quintic") if self.straight else ("cubic", "quintic")
 
 
@@ -47,15 +55,15 @@ class Exported:
     """A program's motion as trajectories.
 
     Attributes:
-        program: the name of its file.
-        fingerprint: SHA-256 of what the program does, as its controller text says.
+        program: name of its file.
+        fingerprint: SHA-256 of the program, from the header of its controller text.
         seal: SHA-256 of the controller text.
-        robot: whom it is for.
-        wishes: the tolerance and the interpolations.
-        points: the way-points of all trajectories, one after the other.
-        starts: when each trajectory begins [s] if no wait takes time.
-        placed: what lies between them, by the number of trajectories that end before it.
-        proved: of each interpolation, how far each joint (n,) is from the executed path at most [rad or m].
+        robot: the robot of the program.
+        wishes: the options.
+        points: way-points of all trajectories, one after the other.
+        starts: time at which each trajectory begins if waits take no time [s].
+        placed: events between and during them, by the number of trajectories that end before.
+        proved: largest deviation of each joint (n,) from the executed path [rad or m], by interpolation.
     """
 
     program: str
@@ -70,33 +78,37 @@ class Exported:
 
     @property
     def size(self) -> int:
-        """The number of trajectories."""
+        """Number of trajectories."""
         return len(self.starts)
 
     @property
     def worst(self) -> float:
-        """The largest deviation of any joint by any of the interpolations [rad or m]."""
+        """Largest deviation of any joint by any interpolation [rad or m]."""
         return max((float(one.max()) for one in self.proved.values()), default=0.0)
 
     def trajectory(self, number: int) -> Points:
-        """Return the way-points of one trajectory, from 0."""
+        """Return the way-points of a trajectory, by its number from 0."""
         first, last = np.searchsorted(self.points.stretch, [number, number + 1])
         return self.points.take(np.arange(first, last))
 
     def before(self, number: int) -> tuple[Between, ...]:
-        """Return what happens before trajectory `number`, from 0, begins and after the one before has ended; the last number: after all."""
+        """Return the events between a trajectory, by its number from 0, and the one before.
+
+        For the number of trajectories, return the events after all of them.
+        """
         return tuple(one for one in self.placed.get(number, ()) if one.time is None)
 
     def during(self, number: int) -> tuple[Between, ...]:
-        """Return what happens during a trajectory."""
+        """Return the events during a trajectory, by its number from 0."""
         return tuple(one for one in self.placed.get(number, ()) if one.time is not None)
 
 
 def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
-    """Make trajectories of a certified program.
+    """Convert a certified program to trajectories.
 
     Returns:
-        The trajectories, with a warning if something lies between them; None if the program moves nothing.
+        The trajectories, with a warning if there are events between or during them; None, with an error, for
+        a program without motion.
     """
     robot, content = compiled.plan.robot, compiled.certificate.text
     names = {output.signal.variable: output.signal.name for output in compiled.program.outputs}
@@ -134,12 +146,12 @@ def exported(compiled: Compiled, wishes: Wishes) -> Result[Exported]:
 
 
 def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
-    """What lies between trajectories, by the number of those that end before."""
+    """Return events by the number of trajectories that end before."""
     return {number: tuple(few) for number, few in groupby(between, lambda one: one.before)}
 
 
 def _watched(program: Program) -> list[Diagnostic]:
-    """What nobody watches while a driver carries a trajectory out."""
+    """Return a warning about inputs that aren't watched while a driver executes a trajectory."""
     found = [one.name for one in program.watches] + [one.name for one in searches_of(program)]
     names = ", ".join(dict.fromkeys(found))
     if not names:
@@ -149,7 +161,7 @@ def _watched(program: Program) -> list[Diagnostic]:
 
 
 def _told(course: Course) -> list[Diagnostic]:
-    """What a trajectory cannot say, as one warning."""
+    """Return one warning about all events that can't be part of a trajectory."""
     if not course.between:
         return []
     words = {

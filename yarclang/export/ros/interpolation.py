@@ -1,8 +1,9 @@
-"""How a driver interpolates between way-points, and the largest difference of two polynomials.
+"""Interpolation of drivers between way-points, and the largest difference of two polynomials.
 
-ros_control's joint_trajectory_controller joins way-points by straight lines where they have positions alone, by cubics where they have
-velocities as well, and by quintics where they have accelerations too (ros_controllers and ros2_controllers, `sampleSplineWithTimeBounds` and
-`interpolate_between_points`). Each of these is at most of degree 5, as is its difference from the executed cubic.
+The joint_trajectory_controller of ros_control joins way-points by straight lines if they have only positions,
+by cubics if they also have velocities, and by quintics if they also have accelerations (ros_controllers and
+ros2_controllers, `sampleSplineWithTimeBounds` and `interpolate_between_points`). All are of degree 5 or less,
+as is their difference from the executed cubic.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ def coefficients(kind: Interpolation, first: State, second: State, length: Array
     """Return the polynomials between pairs of way-points.
 
     Args:
-        kind: of the interpolation.
-        first: the way-points at which the polynomials begin.
-        second: those at which they end.
-        length: (N,) the time between them [s].
+        kind: kind of the interpolation.
+        first: way-points at the starts of the polynomials.
+        second: way-points at their ends.
+        length: (N,) time between them [s].
 
     Returns:
-        (6, N, n), the coefficients of the powers of the time since the first way-point [s].
+        (6, N, n) coefficients of the powers of the time since the first way-point [s].
     """
     t = length[:, None]
     (x0, v0, a0), (x1, v1, a1) = first, second
@@ -57,7 +58,12 @@ def coefficients(kind: Interpolation, first: State, second: State, length: Array
 
 
 def values(powers: Array, offset: Array) -> State:
-    """Evaluate polynomials with coefficients `powers` (6, N, n) at times `offset` (N,) [s]: values and the first two derivatives."""
+    """Return values and two derivatives of polynomials.
+
+    Args:
+        powers: (6, N, n) coefficients.
+        offset: (N,) times [s].
+    """
     t = offset[:, None]
     c0, c1, c2, c3, c4, c5 = powers
     return (
@@ -70,17 +76,18 @@ def values(powers: Array, offset: Array) -> State:
 def largest(first: State, second: State, length: Array, halvings: int) -> Array:
     """Bound the absolute values of polynomials of degree 5 or less on intervals.
 
-    Such a polynomial is known by its value and two derivatives at both ends, and lies in the convex hull of its Bernstein coefficients. Each
-    halving of the interval brings the hull to a quarter of its distance from the polynomial.
+    Such a polynomial is given by its value and two derivatives at both ends, and is within the convex hull of
+    its Bernstein coefficients. Each halving of the interval reduces the distance of the hull from the
+    polynomial to a quarter.
 
     Args:
-        first: values and derivatives at the begins (N, n).
-        second: those at the ends.
-        length: (N,) of the intervals [s].
-        halvings: how often each interval is halved.
+        first: values and derivatives at the starts (N, n).
+        second: values and derivatives at the ends (N, n).
+        length: (N,) durations of the intervals [s].
+        halvings: number of halvings of each interval.
 
     Returns:
-        (N, n).
+        (N, n) bounds.
     """
     t = length[:, None]
     (e0, d0, dd0), (e1, d1, dd1) = first, second
@@ -105,7 +112,7 @@ def largest(first: State, second: State, length: Array, halvings: int) -> Array:
 
 
 def _halves(piece: Array) -> tuple[Array, Array]:
-    """The Bernstein coefficients (6, N, n) of both halves of an interval, by de Casteljau's rule."""
+    """Return the Bernstein coefficients (6, N, n) of both halves of intervals (de Casteljau's algorithm)."""
     left, right = [piece[0]], [piece[-1]]
     while len(piece) > 1:
         piece = (piece[:-1] + piece[1:]) / 2.0

@@ -1,6 +1,7 @@
-"""The proof that a driver which follows way-points stays near the executed path.
+"""Proof that a driver that follows way-points stays near the executed path.
 
-It takes the numbers that are written, and the path as the judge has read it; how the way-points were chosen makes no difference.
+It uses the written numbers, and the path as the judge has read it. It doesn't depend on the choice of
+way-points.
 """
 
 from __future__ import annotations
@@ -14,22 +15,22 @@ from yarclang.robot.model import Array
 
 _HALVINGS = 5
 _ROWS = 50_000
-"""Intervals that are looked at at once."""
+"""Number of intervals that are examined at once."""
 
 
 def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
-    """Bound how far an interpolation between way-points is from a path at the same time.
+    """Bound the distance of an interpolation between way-points from a path at equal times.
 
-    Between two neighbouring times of the union of way-points and knots both are polynomials, and so is their difference; its bound is
-    that of its Bernstein coefficients.
+    Between neighbouring times of way-points and knots, both are polynomials, and so is their difference,
+    which is bounded by its Bernstein coefficients.
 
     Args:
         path: the executed path.
-        points: the way-points of all its stretches, at least two of each.
-        kind: of the interpolation.
+        points: way-points of all its stretches, at least two for each.
+        kind: kind of the interpolation.
 
     Returns:
-        (n,) of each joint [rad or m].
+        (n,) bound for each joint [rad or m].
     """
     worst = np.zeros(path.x.shape[1])
     time = points.time * NS
@@ -44,7 +45,7 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
     for begin in range(0, len(inside), _ROWS):
         few = slice(begin, begin + _ROWS)
         rows, own, here = inside[few], piece[few], point[few]
-        # the rest after the last knot is driven to by the last interval, which ends within a nanosecond
+        # The last interval leads to the rest after the last knot, and ends within a nanosecond of it.
         here = np.where(np.append(np.diff(points.stretch) > 0, True)[here], here - 1, here)
         ends = tuple((points.x[k], points.v[k], points.a[k]) for k in (here, here + 1))
         powers = coefficients(kind, ends[0], ends[1], time[here + 1] - time[here])
@@ -56,7 +57,7 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         first, second = differences
         length = at[rows + 1] - at[rows]
         found = largest(first, second, length, 1)
-        # what is reached at an end is no less than the bound that is sought: only what may exceed that is looked at closely
+        # Differences at ends are lower bounds of the result: only intervals that may exceed them are refined.
         np.maximum(worst, np.abs(first[0]).max(axis=0), out=worst)
         close = (found > worst).any(axis=1)
         if close.any():

@@ -1,4 +1,4 @@
-"""Way-points of a path, as few as keep every interpolation within a tolerance."""
+"""Choice of way-points of a path: few points with which every interpolation is within a tolerance."""
 
 from __future__ import annotations
 
@@ -12,17 +12,21 @@ from yarclang.progress import tell
 from yarclang.robot.model import Array
 
 NS = 1e-9
-"""A nanosecond [s]: times of ROS are whole ones."""
+"""One nanosecond [s], the unit of times in ROS."""
 DECIMALS = 10, 9, 8
 """Decimals of positions, velocities and accelerations."""
 _RESERVE = 1e-3
-"""This share of the tolerance is left: the proof cuts the motion at other places, so that its hulls are others, and candidates stand on whole nanoseconds, which knots don't."""
+"""Share of the tolerance that is left as a reserve.
+
+The proof cuts the motion at other times, so that its hulls are different, and candidates are at multiples of
+a nanosecond, unlike knots.
+"""
 _FINER = 3.0
-"""For straight lines, segments are cut so that a piece may be about this many times longer."""
+"""For straight lines, about how many times a candidate interval is shorter than the tolerance allows."""
 _UNITS = 8
-"""Intervals of the first choice are cut into so many parts for the second one."""
+"""Number of parts into which intervals of the first choice are cut for the second one."""
 _ROWS = 3_000
-"""Pieces that are looked at at once: bounds the memory."""
+"""Number of pieces that are examined at once, which bounds memory."""
 
 Rows = NDArray[np.intp]
 Mask = NDArray[np.bool_]
@@ -30,7 +34,15 @@ Mask = NDArray[np.bool_]
 
 @frozen(eq=False)
 class Points:
-    """Way-points of all stretches, in order: `stretch` (N,) their stretch, `time` (N,) [ns] since its start, `x`, `v`, `a` (N, n)."""
+    """Way-points of all stretches, in order.
+
+    Attributes:
+        stretch: (N,) index of the stretch.
+        time: (N,) time since the start of the stretch [ns].
+        x: (N, n) positions [rad or m].
+        v: (N, n) velocities [rad/s or m/s].
+        a: (N, n) accelerations [rad/s^2 or m/s^2].
+    """
 
     stretch: Rows
     time: NDArray[np.int64]
@@ -44,14 +56,14 @@ class Points:
 
 
 def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> Points:
-    """Choose way-points on a path, so few that every interpolation of `kinds` stays within a tolerance of the path at the same time.
+    """Choose few way-points on a path with which several interpolations are within a tolerance of the path.
 
-    Neighbouring intervals are joined while the joined one keeps the tolerance; then the longest allowed step from each
-    of the places that are left is found, and the way-points follow these steps.
+    Neighbouring intervals are joined as long as the joined one keeps the tolerance. Then the longest allowed
+    step from each remaining place is found, and the way-points follow these steps.
 
     Args:
         path: the executed path.
-        tolerance: of each joint [rad or m].
+        tolerance: tolerance of each joint, at equal times [rad or m].
         kinds: the interpolations.
     """
     candidates = _candidates(path, tolerance, "linear" in kinds)
@@ -63,7 +75,7 @@ def sampled(path: Path, tolerance: float, kinds: tuple[Interpolation, ...]) -> P
 
 
 def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
-    """Return places for way-points: the path's knots and, for straight lines, places between them."""
+    """Return candidates for way-points: the knots of the path and, for straight lines, points between."""
     count = len(path.begin)
     parts = np.ones(count, dtype=np.intp)
     if straight and count:
@@ -77,7 +89,7 @@ def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
     behind = np.append(path.begin[1:], 0.0)[piece]
     time = np.where(own > 0, begin + (behind - begin) * own / parts[piece], begin)
     whole = np.rint(time / NS).astype(np.int64)
-    # the last point must not come before the robot is at rest
+    # The last point must not be before the robot is at rest.
     rest = np.isin(piece, path.last)
     whole[rest] = np.ceil(time[rest] / NS - 1e-3).astype(np.int64)
     x, v, a = path.at(piece, np.where(rest, 0.0, whole * NS - begin))
@@ -86,7 +98,7 @@ def _candidates(path: Path, tolerance: float, straight: bool) -> Points:
 
 
 class _Fits:
-    """Says of intervals between candidates whether all interpolations keep the tolerance in them."""
+    """Checks if all interpolations keep the tolerance in intervals between candidates."""
 
     def __init__(self, points: Points, tolerance: float, kinds: tuple[Interpolation, ...]) -> None:
         self.points = points
@@ -94,7 +106,12 @@ class _Fits:
         self._time = points.time * NS
 
     def __call__(self, first: Rows, second: Rows) -> Mask:
-        """Return which intervals (I,), from candidates `first` to candidates `second` of the same stretch, keep the tolerance."""
+        """Return True (I,) for each interval that keeps the tolerance.
+
+        Args:
+            first: (I,) candidates at the starts of the intervals.
+            second: (I,) candidates at their ends, in the stretch of the start.
+        """
         sound = np.ones(len(first), dtype=np.bool_)
         ends = np.cumsum(second - first)
         begin = 0
@@ -127,7 +144,10 @@ class _Fits:
 
 
 def _joined(fits: _Fits) -> Rows:
-    """Return a choice of candidates in which no two neighbouring intervals of a stretch can become one: at most about twice as many as are needed."""
+    """Return a choice of candidates in which no two neighbouring intervals of a stretch can be joined.
+
+    These are at most about twice as many as needed.
+    """
     stretch = fits.points.stretch
     count = len(stretch)
     fixed = np.ones(count, dtype=np.bool_)
@@ -151,19 +171,19 @@ def _joined(fits: _Fits) -> Rows:
 
 
 def _stepped(fits: _Fits, chosen: Rows) -> Rows:
-    """Return the candidates that are met by going as far as is allowed from each, among parts of the chosen intervals."""
+    """Return the candidates of steps that are as long as allowed, among parts of the chosen intervals."""
     stretch = fits.points.stretch
     places = _parts(chosen, np.minimum(np.diff(chosen), _UNITS))
     within = np.flatnonzero(stretch[places[:-1]] == stretch[places[1:]])
     unfit = within[~fits(places[within], places[within + 1])]
-    if unfit.size:  # a part of a sound interval nearly always is sound as well
+    if unfit.size:  # rare: a part of a sound interval is nearly always sound
         parts = np.ones(len(places) - 1, dtype=np.intp)
         parts[unfit] = np.diff(places)[unfit]
         places = _parts(places, parts)
     of = stretch[places]
     last = np.searchsorted(of, of, side="right") - 1
     most = np.minimum(last - np.arange(len(places)), 4 * _UNITS)
-    # steps of `low` parts are sound; longer ones than `high` aren't looked at
+    # Steps of `low` parts are sound; steps of more than `high` parts aren't tried.
     low, high = np.minimum(most, 1), most.copy()
     while (open_ := np.flatnonzero(low < high)).size:
         tell("choosing way-points", int(np.count_nonzero(low >= high)), len(places))
@@ -181,7 +201,7 @@ def _stepped(fits: _Fits, chosen: Rows) -> Rows:
 
 
 def _parts(places: Rows, parts: Rows) -> Rows:
-    """Return places with the intervals between them cut into numbers of parts."""
+    """Return places with each interval between them cut into a number of parts."""
     which = np.repeat(np.arange(len(parts)), parts)
     own = np.arange(len(which)) - np.repeat(np.cumsum(parts) - parts, parts)
     return np.append(places[which] + own * np.diff(places)[which] // parts[which], places[-1])

@@ -15,11 +15,14 @@ from yarclang.progress import go_on
 Version = Literal[1, 2]
 
 SECOND = 1_000_000_000
-"""Nanoseconds."""
+"""One second [ns]."""
 
 
 def yaml_text(made: Exported, version: Version) -> str:
-    """Return the trajectories as YAML documents, each a trajectory_msgs/JointTrajectory as `rostopic pub -f` reads them; all else is in comments."""
+    """Return the trajectories as YAML documents, for `rostopic pub -f`.
+
+    Each is a trajectory_msgs/JointTrajectory. All other information is in comments.
+    """
     lines = [f"# {line}" for line in about(made)]
     for at in range(made.size):
         go_on()
@@ -36,7 +39,7 @@ def yaml_text(made: Exported, version: Version) -> str:
 
 
 def json_text(made: Exported, version: Version) -> str:
-    """Return the trajectories as a JSON object, with what lies between them."""
+    """Return the trajectories as a JSON object, with the events between and during them."""
     parts: list[dict[str, Any]] = []
     for at in range(made.size):
         go_on()
@@ -59,7 +62,7 @@ def json_text(made: Exported, version: Version) -> str:
 
 
 def facts(made: Exported) -> dict[str, Any]:
-    """Return what the trajectories were made of, and what is proved of them, as plain data."""
+    """Return origin and proof of the trajectories as plain data."""
     return {
         "program": made.program,
         "program_sha256": made.fingerprint,
@@ -76,7 +79,7 @@ def facts(made: Exported) -> dict[str, Any]:
 
 
 def about(made: Exported) -> Iterator[str]:
-    """Yield lines that say what the trajectories were made of, and what is proved of them."""
+    """Yield lines about origin and proof of the trajectories."""
     unit = " or ".join(dict.fromkeys(facts(made)["units"]))
     yield f"{_line(made.program)}: the motion that yarcc has certified, as trajectory_msgs/JointTrajectory"
     yield f"program {made.fingerprint}, controller text {made.seal}"
@@ -131,7 +134,7 @@ def _trajectory(made: Exported, points: Points, version: Version) -> Iterator[st
 
 
 def between_json(one: Between) -> dict[str, Any]:
-    """Return what lies between trajectories, or happens during one, as plain data."""
+    """Return an event between or during trajectories as plain data."""
     time = {} if one.time is None else {"time_s": round(one.time, 9)}
     return {"kind": one.kind, "command": one.place, "what": one.what, **time}
 
@@ -141,5 +144,5 @@ def _doing(one: Between) -> str:
 
 
 def _line(said: str) -> str:
-    """A text on one line of a comment."""
+    """Return a text that fits on one line of a comment."""
     return "".join(letter if letter.isprintable() else "?" for letter in said)

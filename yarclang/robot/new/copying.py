@@ -1,9 +1,9 @@
-"""Copy a URDF into a robot folder: the same text, with its meshes beside it.
+"""Copy a URDF into a robot folder: its text, with its meshes beside it.
 
-Collision meshes are required: one that is missing (`lookup.py`), is no mesh, or is somebody else's file
-(`meshes.py`) is an error. If the user allows missing ones, their <collision> is removed from the copy, so
-that the copy is truthful. Visual meshes are optional: one that can't be copied is left out, and pictures show
-the collision shapes of its link.
+Collision meshes are required: one that is missing (`lookup.py`), isn't a mesh, or isn't from the URDF's
+package (`meshes.py`) is an error. If the user allows missing ones, their <collision> is removed from the
+copy, so that the copy is truthful. Visual meshes are optional: one that can't be copied is left out, and
+pictures show the collision shapes of its link.
 """
 
 from __future__ import annotations
@@ -32,16 +32,19 @@ LARGE = 5_000_000
 """Size of a collision mesh [bytes] above which only its hull is copied, since each command reads the file."""
 
 LARGEST_VISUAL = 20_000_000
-"""Largest visual mesh that is copied [bytes]: pictures draw none with that many triangles."""
+"""Largest visual mesh that is copied [bytes]. Pictures can't draw larger ones."""
 
 
 @frozen
 class UrdfCopy:
-    """The copy's text, its meshes (name in the folder, content), and the differences from the original.
+    """A copy of a URDF, and its differences from the original.
 
-    `hulls` are the large collision meshes of which only the convex hull was copied; nothing else of them is
-    used. `without` are the links that lost a collision mesh, with the mesh's name. `unseen` are the names of
-    visual meshes that weren't copied, with the reasons.
+    Attributes:
+        text: text of the copy.
+        meshes: names in the folder and contents of its meshes.
+        without: links that lost a collision mesh, with the names of these meshes.
+        unseen: names of visual meshes that weren't copied, with the reasons.
+        hulls: large collision meshes of which only the convex hull was copied, which is all that is used.
     """
 
     text: str
@@ -120,7 +123,7 @@ def _copy_visuals(
         surroundings: the folders that meshes may come from.
         collisions: content and name of each collision mesh; a file that is also a visual mesh isn't copied
             twice.
-        edits: begin, end and new text of each change of the copy; added to.
+        edits: start, end and new text of each change of the copy. Changes are added to it.
 
     Returns:
         The meshes (name in the folder, content), and those that weren't copied, each with the reason.
@@ -170,11 +173,11 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
     """Return a mesh's content; empty, with a finding, if the file must not be copied.
 
     Args:
-        urdf: findings go to it.
+        urdf: the URDF, which collects findings.
         mesh: the element that names the file.
-        path: of the file.
+        path: the file.
         surroundings: the folders that it may come from.
-        before: the size of the meshes copied before [bytes].
+        before: size of the meshes copied before [bytes].
     """
     name = mesh.attributes.get("filename", "")
     shown = shown_name(name)
@@ -216,7 +219,7 @@ def _free(name: str, taken: set[str]) -> str:
 
 
 def _filename(text: str, mesh: Element) -> tuple[int, int]:
-    """Return begin and end of the value of a mesh's filename, with its quotes."""
+    """Return start and end of the value of a mesh's filename, with its quotes."""
     match = re.compile(r"""\sfilename\s*=\s*("[^"]*"|'[^']*')""").search(text, mesh.start, mesh.end)
     assert match is not None  # the element was read from this text
     return match.span(1)

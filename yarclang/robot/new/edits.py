@@ -16,7 +16,7 @@ class Edits:
         self.notes: list[str] = []
 
     def text(self) -> str:
-        """Return the text with all edits; of nested edits, the outer one counts."""
+        """Return the text with all edits. Of nested edits, the outer one applies."""
         parts, at = [], 0
         for (start, end), new in sorted(self._edits.items(), key=lambda edit: (edit[0][0], -edit[0][1])):
             if start >= at:

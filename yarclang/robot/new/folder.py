@@ -26,7 +26,14 @@ from yarclang.toml.reading import read_text
 
 @frozen
 class Arm:
-    """A URDF with the chain that is the robot, and notes about what was mended in it."""
+    """A URDF with the chain that is the robot.
+
+    Attributes:
+        path: the file.
+        urdf: its content, after mending.
+        chain: the chain.
+        notes: sentences about the mending.
+    """
 
     path: Path
     urdf: Urdf
@@ -36,10 +43,14 @@ class Arm:
 
 @frozen
 class NewRobot:
-    """The files of a robot folder: robot.toml, the URDF under its name, and meshes by their names in the
-    folder.
+    """The files of a robot folder.
 
-    `homes` are the joint positions that could be HOME, the best first; robot.toml has the first.
+    Attributes:
+        sketch: the values of robot.toml.
+        toml: text of robot.toml.
+        urdf: the copy of the URDF with its meshes.
+        arm: the URDF and its chain.
+        homes: joint positions that could be HOME, the best first. robot.toml has the first.
     """
 
     sketch: Sketch
@@ -55,8 +66,12 @@ class NewRobot:
 
 @frozen
 class Question:
-    """A question about a robot that only its maker can answer: the option that answers it, the text, and the
-    value by rule.
+    """A question about a robot that only its maker can answer.
+
+    Attributes:
+        option: the option that answers it.
+        text: the question.
+        rule: the value without an answer.
     """
 
     option: str
@@ -189,7 +204,7 @@ def make(
     Args:
         arm: the URDF and its chain.
         given: the values that are known; the others follow from rules.
-        name: of the robot.
+        name: name of the robot.
         title: one line about it.
         said: True for base, and for tip, if the user chose it.
         meshes: folders that meshes may come from, besides the URDF's own package.

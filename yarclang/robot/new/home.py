@@ -30,9 +30,9 @@ BENT = 0.6
 def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
     """Return positions that could be HOME, in deg and mm, the best first; a given one is the only one.
 
-    First comes all joints at zero, if that is well within limits and not near a singularity; then fixed joint
-    positions that are, those nearest to zero first, in round numbers. The caller finds out which of them
-    touch nothing.
+    All joints at zero come first, if this position is well within limits and not near a singularity. Then
+    follow positions from a fixed list for which this is true, those nearest to zero first, in round numbers.
+    The caller checks them for collisions.
     """
     if given.home is not None:
         return (Said(given.home, "given"),)
@@ -42,7 +42,7 @@ def homes(chain: Chain, sketch: Sketch, given: Given) -> tuple[Said, ...]:
     wanted = np.clip(np.zeros(chain.size), middle - half, middle + half)
     tries = np.vstack([wanted, middle + INNER * (within(chain, _limits(sketch, units), TRIES) - middle)])
     coarse = np.round(tries / units / ROUND) * ROUND * units
-    # use round numbers where the range is wide enough for them
+    # Use round numbers if the range is wide enough for them.
     tries = np.where(np.abs(coarse - middle) <= half, coarse, tries)
     values = smallest_singular_values(chain, tries, np.eye(4))
     good = values >= BENT * np.quantile(values, 0.75)

@@ -18,7 +18,7 @@ from yarclang.robot.urdf_shapes import mesh_path, mesh_places
 from yarclang.robot.urdf_xml import Element
 
 _SHOWN = 80
-"""Characters of a file's name in a message."""
+"""Most characters of a file's name in a message."""
 
 _DEEPEST = 32
 """The largest number of folders at the end of a name that are compared."""
@@ -26,7 +26,13 @@ _DEEPEST = 32
 
 @frozen
 class Missing:
-    """A collision mesh that is missing: the link that needs it, its name, and the element that names it."""
+    """A missing collision mesh.
+
+    Attributes:
+        link: the link that needs it.
+        name: its name.
+        element: the element that names it.
+    """
 
     link: str
     name: str
@@ -82,12 +88,11 @@ class Lookup:
         return [one for one in named if self.path(one.name) is None]
 
     def report(self, urdf: Urdf, missing: Sequence[Missing]) -> None:
-        """Add the finding about missing collision meshes: their names, where they were searched for, and the
-        remedy.
+        """Add the finding about missing collision meshes, with their names and the searched folders.
 
         Args:
-            urdf: the finding goes to it.
-            missing: at least one.
+            urdf: the URDF, which collects the finding.
+            missing: the meshes, at least one.
         """
         names = {one.name: one.link for one in missing}
         each = [f"{shown_name(name)} of {shown_name(link)}" for name, link in names.items()]
@@ -98,7 +103,7 @@ class Lookup:
         urdf.say("Y1357", message, f"{self._looked(names)} {_REMEDY}", missing[0].element, "filename")
 
     def _looked(self, names: Iterable[str]) -> str:
-        """Return sentences that say where names were searched for."""
+        """Return sentences about the folders in which names were searched for."""
         said: dict[str, None] = {}
         below = listed([str(one) for one in self._packages.paths], 3)
         also = f" and below {below}" if below else ""
@@ -135,7 +140,7 @@ _REMEDY = (
 
 
 def shown_name(name: str) -> str:
-    """Return a file's name as shown in messages."""
+    """Return a file's name as messages show it."""
     plain = printable(name)
     return plain if len(plain) <= _SHOWN else f"...{plain[-_SHOWN:]}"
 

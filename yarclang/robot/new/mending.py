@@ -1,4 +1,4 @@
-"""Mend what URDFs from elsewhere contain and a robot's own URDF must not: in the text, before it is read.
+"""Mend the text of a URDF from elsewhere before it is read: content that a robot's own URDF must not have.
 
 Only changes that preserve the meaning are made, or that affect only pictures, and each change is reported.
 """
@@ -32,7 +32,12 @@ _REFERENCES = {"parent": "link", "child": "link", "mimic": "joint"}
 
 @frozen
 class Mended:
-    """The text, and a sentence for each change in it."""
+    """A mended text.
+
+    Attributes:
+        source: the text.
+        notes: one sentence for each change.
+    """
 
     source: SourceFile
     notes: tuple[str, ...]

@@ -59,8 +59,8 @@ def read_mesh(path: Path) -> bytes:
     """Return the content of a mesh file.
 
     Raises:
-        NoMeshError: it isn't a mesh, or isn't an ordinary file, or is too large.
-        OSError: it can't be read.
+        NoMeshError: if it isn't a mesh, isn't an ordinary file, or is too large.
+        OSError: if it can't be read.
     """
     kind = path.suffix.lower()
     if kind not in MESHES:
@@ -85,7 +85,7 @@ def read_mesh(path: Path) -> bytes:
 
 
 def _damage(kind: str, content: bytes) -> str:
-    """Return the end of a sentence that says how a file is damaged; empty if its content doesn't show it."""
+    """Return the end of a sentence about the damage of a file; empty if its content doesn't show any."""
     if not content:
         return ": it is empty"
     if content.startswith(_LFS):

@@ -23,7 +23,8 @@ class Packages:
     """The packages around a URDF and below given folders, by the names in their package.xml.
 
     Args:
-        urdf: the URDF's file; the package that contains it, and the folders beside that package, count.
+        urdf: the URDF's file. The package that contains it, and the folders beside this package, are
+            searched.
         paths: folders with packages, in the order of preference.
     """
 

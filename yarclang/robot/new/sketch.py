@@ -29,9 +29,7 @@ SLOW = {"deg": 60.0, "mm": 100.0}
 """Guessed velocity limits [deg/s, mm/s]."""
 
 FASTEST = {"deg": 50.0 / DEG, "mm": 10.0 / MM}
-"""Velocity limit above which a value isn't a limit: files contain such numbers if none is known [deg/s,
-mm/s].
-"""
+"""Largest velocity that counts as a limit [deg/s, mm/s]. Files have larger ones if no limit is known."""
 
 WIDEST = {"deg": 100 * 360.0, "mm": 100_000.0}
 """Position limit beyond which a value isn't a limit [deg, mm]."""
@@ -46,7 +44,13 @@ Origin = Literal["urdf", "given", "guess"]
 
 @frozen
 class Said:
-    """A value, its origin, and a note with its unit or the reason for a guess."""
+    """A value of robot.toml.
+
+    Attributes:
+        value: the value.
+        origin: its origin.
+        note: its unit, or the reason for a guess.
+    """
 
     value: tuple[float, ...]
     origin: Origin
@@ -57,8 +61,17 @@ class Said:
 class Given:
     """The values that the user gives.
 
-    Tuples have one entry for each joint, or one for all of them; None if nothing is given. `position` has the
-    pairs of limits of joints by their names, `tcp` is x y z [mm] roll pitch yaw [deg] relative to the flange.
+    Tuples have one entry for each joint, or one for all of them. None stands for a value that isn't given.
+
+    Attributes:
+        position: position limits [deg, mm], by the joints' names.
+        velocity: velocity limits [deg/s, mm/s].
+        acceleration: acceleration limits [deg/s^2, mm/s^2].
+        jerk: jerk limits [deg/s^3, mm/s^3].
+        counts: encoder counts per deg or mm.
+        home: HOME [deg, mm].
+        tcp: x y z [mm] roll pitch yaw [deg] in the flange.
+        motors: numbers of the motors.
     """
 
     position: Mapping[str, tuple[float, float]] = field(default_factory=dict)
@@ -75,8 +88,15 @@ class Given:
 class JointSketch:
     """The table of a joint.
 
-    `position` is None for a continuous joint; `acceleration` and `jerk` are None if [ramps] gives them.
-    `unit` is deg or mm.
+    Attributes:
+        name: name of the joint.
+        kind: kind of the joint in the URDF.
+        unit: deg or mm.
+        position: position limits; None for a continuous joint.
+        velocity: velocity limit.
+        acceleration: acceleration limit; None if [ramps] gives it.
+        jerk: jerk limit; None if [ramps] gives it.
+        effort: effort limit of the URDF [N m or N]; 0 if it isn't known.
     """
 
     name: str
@@ -91,7 +111,22 @@ class JointSketch:
 
 @frozen
 class Sketch:
-    """All of a robot.toml except HOME, which depends on the geometry."""
+    """All values of a robot.toml except HOME, which depends on the geometry.
+
+    Attributes:
+        name: name of the robot.
+        title: one line about it.
+        urdf: name of the URDF's copy.
+        made_from: name of the original URDF.
+        chain: the arm.
+        base_said: True if there is no doubt about the base.
+        tip_said: True if there is no doubt about the flange.
+        joints: tables of the joints.
+        tcp: the frame TCP on the flange.
+        gear: encoder counts per deg or mm.
+        motors: numbers of the motors.
+        motor_velocity: velocity limits of the motors [counts/ms].
+    """
 
     name: str
     title: str
@@ -148,7 +183,7 @@ def sketch(
 
 
 def unit_of(joint: Joint) -> str:
-    """Return `mm` for a sliding joint, `deg` for one that turns."""
+    """Return `mm` for a prismatic joint, `deg` for a revolute one."""
     return "mm" if joint.kind == "prismatic" else "deg"
 
 
@@ -191,7 +226,7 @@ def _tcp(urdf: Urdf, chain: ArmChain, given: Given) -> Said:
 
 
 def _place(urdf: Urdf, flange: str, link: str) -> tuple[float, ...]:
-    """Return the place of a link that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
+    """Return the pose of a link that is fixed to the flange: x y z [mm] roll pitch yaw [deg]."""
     import numpy as np
 
     from yarclang.robot.chain import joints_between
@@ -223,7 +258,7 @@ def _one(values: Sequence[float] | None, at: int, size: int) -> Said | None:
 
 
 def _rounded_down(value: float) -> float:
-    """Round a limit down to 1e-6, so that it never gets wider except in the last bits of a conversion."""
+    """Round a limit down to a multiple of 1e-6, so that it never gets wider, apart from conversion errors."""
     near = round(value, 4)
     return near if abs(value - near) < 1e-9 * max(1.0, abs(value)) else math.floor(value * 1e6) / 1e6
 

@@ -11,10 +11,10 @@ from yarclang.robot.kinds import DEFAULT, kind_of
 from yarclang.robot.new.sketch import EASE, RISE, JointSketch, Said, Sketch
 
 MARK = "guess:"
-"""Begins the comment of a value that has to be checked; whoever checks it deletes the comment."""
+"""Start of the comment of a value that has to be checked. The user deletes the comment after the check."""
 
 MARKED = re.compile(r"^(?!\s*#)(.*?)\s*#.*?\bguess:\s*(.*)$")
-"""Matches a line with the mark after a value: the value, and what was guessed."""
+"""Matches a line with the mark after a value: the value, and the guess."""
 
 _HEAD = """\
 # {name}, made by yarc robot new from {made_from}.
@@ -128,7 +128,7 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
 
 
 def guesses(text: str) -> tuple[tuple[int, str, str], ...]:
-    """Return the marks that are left in a robot.toml: line number, the value's line, what was guessed."""
+    """Return the marks that are left in a robot.toml: line number, line of the value, and the guess."""
     found = ((number, MARKED.match(line)) for number, line in enumerate(text.splitlines(), 1))
     return tuple((number, match[1].strip(), match[2].strip()) for number, match in found if match)
 

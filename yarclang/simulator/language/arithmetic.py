@@ -1,4 +1,4 @@
-"""What expressions are worth: variables, operators, functions and comparisons (TSRM 23, PUM 233)."""
+"""Evaluation of expressions: variables, operators, functions and comparisons (TSRM 23, PUM 233)."""
 
 from __future__ import annotations
 
@@ -8,18 +8,18 @@ from collections.abc import Callable
 from typing import Protocol
 
 LARGEST = 2.0**100
-"""Values stay within this; what the controller itself does beyond its range is not known (assumed to saturate)."""
+"""Largest absolute value. Larger values saturate (assumed; the controller's behaviour isn't known)."""
 
 
 class Scope(Protocol):
-    """Where variables are read and written: all of the controller's, seen from one coordinate system."""
+    """All variables of the controller, as one coordinate system sees them."""
 
     def read(self, letter: str, index: int) -> float:
-        """The value of a variable, `letter` one of I, P, Q, M."""
+        """Return the value of a variable; `letter` is I, P, Q or M."""
         ...
 
     def write(self, letter: str, index: int, value: float) -> None:
-        """Give a variable a value."""
+        """Assign a value to a variable."""
         ...
 
 
@@ -29,12 +29,12 @@ Data = float | Expression
 
 
 def value_of(data: Data, scope: Scope) -> float:
-    """The value of a constant or an expression."""
+    """Return the value of a constant or an expression."""
     return data(scope) if callable(data) else data
 
 
 def bounded(value: float) -> float:
-    """A value within what the controller can hold; what isn't a number becomes 0 (assumed)."""
+    """Limit a value to the range of the controller. NaN becomes 0 (assumed)."""
     if -LARGEST <= value <= LARGEST:
         return value
     if math.isnan(value):
@@ -43,7 +43,7 @@ def bounded(value: float) -> float:
 
 
 def variable(letter: str, index: Data) -> Expression:
-    """The value of a variable."""
+    """Return an expression for the value of a variable."""
     if callable(index):
         return lambda scope: scope.read(letter, int(index(scope)))
     number = int(index)
@@ -51,19 +51,19 @@ def variable(letter: str, index: Data) -> Expression:
 
 
 def combined(function: Callable[[float, float], float], left: Expression, right: Expression) -> Expression:
-    """A function of two expressions."""
+    """Return an expression that applies a function to two expressions."""
     return lambda scope: bounded(function(left(scope), right(scope)))
 
 
 def _quotient(left: float, right: float) -> float:
-    """Division by zero saturates (assumed)."""
+    """Divide. Division by zero saturates (assumed)."""
     if right == 0.0:
         return math.copysign(LARGEST, left) if left else 0.0
     return left / right
 
 
 def _modulo(left: float, right: float) -> float:
-    """For n > 0 from 0 to n; for n < 0 from -n to n (PUM 233)."""
+    """Return the remainder for n = `right`: from 0 to n for n > 0, from -|n| to |n| for n < 0 (PUM 233)."""
     if right == 0.0:
         return 0.0
     if right > 0.0:
@@ -72,14 +72,14 @@ def _modulo(left: float, right: float) -> float:
 
 
 def called(name: str, inner: Expression) -> Expression:
-    """A function of an expression; angles are in degrees where I15 is 0."""
+    """Return an expression that calls a function. Angles are in degrees if I15 is 0."""
 
     def evaluate(scope: Scope) -> float:
         unit = math.pi / 180.0 if scope.read("I", 15) == 0.0 else 1.0
         try:
             return bounded(_FUNCTIONS[name](inner(scope), unit, scope))
         except (ValueError, OverflowError, ZeroDivisionError):
-            # what lies outside of a function's range gives 0 (assumed)
+            # An argument outside of a function's domain gives 0 (assumed).
             return 0.0
 
     return evaluate

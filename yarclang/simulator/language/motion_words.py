@@ -1,4 +1,4 @@
-"""The words that only motion programs and rotaries hold: moves, modes, pauses, jumps (TSRM 421-424 and index)."""
+"""Words of motion programs and rotaries only: moves, modes, pauses, jumps (TSRM 421-424 and index)."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ _LABEL = re.compile(r"\d{1,6}")
 
 
 def motion_word(reader: Reader) -> Statement | None:
-    """The statement that begins here, or None where none does.
+    """Read the statement that begins here; None if there is none.
 
     Raises:
-        Refusal: ERR003, where a statement begins and goes on badly.
+        Refusal: ERR003 if a statement begins correctly but continues wrongly.
     """
     if found := reader.match(_MODE):
         return Mode(_MODES.get(found[0], found[0]))
@@ -77,7 +77,7 @@ def motion_word(reader: Reader) -> Statement | None:
 
 
 def _with_arguments(reader: Reader, jump: Jump) -> Jump:
-    """Arguments of a subprogram: letters with data, for READ. They stay in the text and are not passed on."""
+    """Read the arguments of a subprogram (for READ): letters with data. They have no effect."""
     while not reader.ended and reader.rest[0].isalpha() and not reader.match(_ASSIGNED):
         here = reader.at
         reader.at += 1
@@ -89,7 +89,7 @@ def _with_arguments(reader: Reader, jump: Jump) -> Jump:
 
 
 def _letter(reader: Reader) -> Statement | None:
-    """A single letter with data: an axis, F, N, or M (which calls PROG 1001)."""
+    """Read a single letter with data: an axis, F, N, or M (which calls PROG 1001)."""
     letter = reader.rest[:1]
     if not letter:
         return None
@@ -114,7 +114,7 @@ def _vector_only(reader: Reader) -> Statement | None:
 
 
 def _vector(reader: Reader) -> bool:
-    """Circle vectors, read and left out."""
+    """Read circle vectors and ignore them; return True if there were any."""
     any_read = False
     while not reader.ended and reader.rest[0] in _VECTOR:
         at = reader.at
@@ -128,7 +128,7 @@ def _vector(reader: Reader) -> bool:
 
 
 def _axis_words(reader: Reader) -> list[tuple[str, Data, Data | None]]:
-    """Letters of axes with data; circle vectors among them are read and left out."""
+    """Read letters of axes with data. Circle vectors among them are ignored."""
     words: list[tuple[str, Data, Data | None]] = []
     while not reader.ended:
         letter = reader.rest[0]

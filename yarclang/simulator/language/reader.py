@@ -1,7 +1,7 @@
-"""A text that is read: constants, lists, expressions and conditions (TSRM 23, PUM 233).
+"""Reader of constants, lists, expressions and conditions in a text (TSRM 23, PUM 233).
 
-Text comes without blanks and in upper case. What is read becomes a function of a `Scope`, so that a
-program that is executed many times is parsed once.
+The text is in upper case, without blanks. Expressions become functions of a `Scope`, so that a program that
+is executed many times is parsed once.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _COMPARATOR = re.compile(r"!=|!>|!<|!~|=|>|<|~")
 
 
 class Reader:
-    """A place in a text, and what can be read there. What doesn't fit is refused with ERR003."""
+    """A position in a text, from which it is read. Unexpected text is refused with ERR003."""
 
     def __init__(self, text: str, at: int = 0) -> None:
         self.text = text
@@ -41,54 +41,62 @@ class Reader:
 
     @property
     def ended(self) -> bool:
-        """Whether nothing is left."""
+        """True at the end of the text."""
         return self.at >= len(self.text)
 
     @property
     def rest(self) -> str:
-        """What is left."""
+        """The rest of the text."""
         return self.text[self.at :]
 
     def takes(self, word: str) -> bool:
-        """Whether `word` comes next; if so, it is read."""
+        """Read `word` if it is next; return True if it was."""
         if self.text.startswith(word, self.at):
             self.at += len(word)
             return True
         return False
 
     def match(self, pattern: re.Pattern[str]) -> re.Match[str] | None:
-        """What fits the pattern here, read."""
+        """Read text that matches the pattern here, and return the match; None without one."""
         found = pattern.match(self.text, self.at)
         if found:
             self.at = found.end()
         return found
 
     def expect(self, word: str) -> None:
-        """Read `word`, or refuse."""
+        """Read `word`.
+
+        Raises:
+            Refusal: ERR003 if it isn't next.
+        """
         if not self.takes(word):
             raise Refusal(DATA)
 
     def has_data(self) -> bool:
-        """Whether a constant or a parenthesis comes next."""
+        """Return True if a constant or a parenthesis is next."""
         rest = self.text[self.at : self.at + 2].lstrip("+-")
         return bool(rest) and (rest[0].isdigit() or rest[0] in ".$(")
 
     def constant(self) -> float:
-        """A number with its sign."""
+        """Read a number with its sign."""
         sign = -1.0 if self.takes("-") else 1.0
         if sign > 0:
             self.takes("+")
         return sign * self._number()
 
     def whole(self) -> int:
-        """Digits."""
+        """Read an integer without a sign."""
         found = self.match(_DIGITS)
         if not found:
             raise Refusal(DATA)
         return int(found[0])
 
     def numbers(self, largest: int) -> tuple[int, ...]:
-        """`1`, `1,3` or `1..4`; refused beyond `largest`."""
+        """Read a list of integers: `1`, `1,3` or `1..4`.
+
+        Raises:
+            Refusal: ERR003 without a list, or for an integer beyond `largest`.
+        """
         found = self.match(_NUMBERS)
         if not found:
             raise Refusal(DATA)
@@ -101,7 +109,7 @@ class Reader:
         return tuple(numbers)
 
     def data(self) -> Data:
-        """A constant, or an expression in parentheses (with a sign before it)."""
+        """Read a constant, or an expression in parentheses, which may have a sign."""
         sign = 1.0
         at = self.at
         if self.takes("-"):
@@ -116,7 +124,7 @@ class Reader:
         return self.constant()
 
     def index(self) -> Data:
-        """The number of a variable: a whole number, or an expression in parentheses."""
+        """Read the number of a variable: an integer, or an expression in parentheses."""
         if self.takes("("):
             inner = self.expression()
             self.expect(")")
@@ -124,7 +132,7 @@ class Reader:
         return float(self.whole())
 
     def expression(self) -> Expression:
-        """Sums of products; * / % & bind tighter than + - | ^ (PUM 233)."""
+        """Read a sum of products; * / % & bind tighter than + - | ^ (PUM 233)."""
         self._deeper()
         left = self._product()
         while (sign := self._next()) and sign in "+-|^":
@@ -134,7 +142,7 @@ class Reader:
         return left
 
     def condition(self) -> Condition:
-        """Comparisons with AND and OR between them, AND first."""
+        """Read comparisons with AND and OR between them; AND binds tighter."""
         self._deeper()
         any_of = [self._conjunction()]
         while self.takes("OR"):

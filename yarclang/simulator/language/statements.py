@@ -1,6 +1,6 @@
-"""The statements that a buffer can hold: motion programs, rotaries and PLCs (TSRM 31, 421-424 and index).
+"""The statements of motion programs, rotaries and PLCs (TSRM 31, 421-424 and index).
 
-What they do is the business of `programs`.
+`programs` executes them.
 """
 
 from __future__ import annotations
@@ -10,22 +10,22 @@ from dataclasses import dataclass
 from yarclang.simulator.language.arithmetic import Condition, Data
 
 AXES = "ABCUVWXYZ"
-"""In the order of Q1 to Q9 in a kinematic program."""
+"""The axes, in the order of Q1 to Q9 in a kinematic program."""
 
 LAST_PLC = 31
-"""The largest number of a PLC."""
+"""Largest number of a PLC."""
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Axis words: letter, position, and for PVT its velocity."""
+    """Axis words of a move: letter, position, and velocity for PVT."""
 
     words: tuple[tuple[str, Data, Data | None], ...]
 
 
 @dataclass(frozen=True, slots=True)
 class Mode:
-    """A move mode; `time` is that of PVT [ms]."""
+    """A move mode; `time` is that of PVT moves [ms]."""
 
     name: str
     time: Data | None = None
@@ -41,7 +41,7 @@ class Attribute:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """ABS, INC (of `axes`, or all), FRAX and NOFRAX."""
+    """ABS, INC or FRAX of `axes` (empty for all), or NOFRAX."""
 
     name: str
     axes: str
@@ -49,7 +49,7 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Pset:
-    """The axes stand at these positions from now on."""
+    """PSET: new positions of axes, without a motion."""
 
     words: tuple[tuple[str, Data], ...]
 
@@ -64,7 +64,15 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class Assign:
-    """`letter` `index` to `last` take a value; `synchronous` ones wait for the next move."""
+    """An assignment to one variable, or to several.
+
+    Attributes:
+        letter: I, P, Q or M.
+        index: number of the variable, or of the first one.
+        value: the value.
+        synchronous: operator of an assignment that waits for the next move (==, &=, |=, ^=); empty otherwise.
+        last: number of the last variable; None for a single one.
+    """
 
     letter: str
     index: Data
@@ -75,7 +83,7 @@ class Assign:
 
 @dataclass(frozen=True, slots=True)
 class If:
-    """IF, WHILE, AND, OR: `name` and the condition."""
+    """IF, WHILE, AND or OR (`name`) with a condition."""
 
     name: str
     condition: Condition
@@ -90,7 +98,7 @@ class Plain:
 
 @dataclass(frozen=True, slots=True)
 class Jump:
-    """GOTO, GOSUB (a label) and CALL (a program and a label in it)."""
+    """GOTO or GOSUB (to a label), CALL (to a program and a label in it), or G, M, T or D."""
 
     name: str
     to: Data
@@ -98,14 +106,14 @@ class Jump:
 
 @dataclass(frozen=True, slots=True)
 class Label:
-    """N or O and a number."""
+    """A label: N or O and a number."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class Say:
-    """SEND (to the host; SEND^ a control character) and CMD (to the interpreter): text with quotes taken off."""
+    """SEND (a text to the host; SEND^ a control character) or CMD (a line to the interpreter); no quotes."""
 
     name: str
     text: str
@@ -113,7 +121,7 @@ class Say:
 
 @dataclass(frozen=True, slots=True)
 class Plcs:
-    """ENABLE, DISABLE, PAUSE or RESUME of PLCs."""
+    """ENABLE, DISABLE, PAUSE or RESUME (`name`) of PLCs."""
 
     name: str
     numbers: tuple[int, ...]
@@ -121,7 +129,7 @@ class Plcs:
 
 @dataclass(frozen=True, slots=True)
 class Home:
-    """HOME or HOMEZ of motors, in a program."""
+    """HOME or HOMEZ (`name`) of motors, in a program."""
 
     name: str
     motors: tuple[int, ...]
@@ -129,7 +137,7 @@ class Home:
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """ADDRESS#n&n: what CMD of a PLC addresses."""
+    """ADDRESS#n&n: the motor and coordinate system that CMD of a PLC addresses."""
 
     motor: int | None
     system: int | None
@@ -137,7 +145,7 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class Skipped:
-    """A word that the controller knows and this machine doesn't act on."""
+    """A word that a real controller executes, but the simulator skips."""
 
     name: str
     words: int = 1
@@ -166,7 +174,7 @@ _NOT_IN_ROTARY = ("ELSE", "ENDIF", "ENDWHILE", "WAIT", "RETURN")
 
 
 def cost(statement: Statement) -> int:
-    """The words of buffer that a statement takes: one each value (TUM 337), one a keyword (assumed)."""
+    """Return the words of a buffer that a statement takes: 1 per value (TUM 337), 1 per keyword (assumed)."""
     match statement:
         case Move(words=words):
             return sum(1 if velocity is None else 2 for _, _, velocity in words)
@@ -183,7 +191,7 @@ def cost(statement: Statement) -> int:
 
 
 def in_rotary(statement: Statement) -> bool:
-    """Whether a rotary takes it: branches, loops and labels aren't for it (PSRM 273); the error is assumed."""
+    """Return True if a rotary can hold a statement: no branch, loop or label (PSRM 273)."""
     if isinstance(statement, If | Jump | Label):
         return False
     return not (isinstance(statement, Plain) and statement.name in _NOT_IN_ROTARY)

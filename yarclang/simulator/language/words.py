@@ -1,6 +1,6 @@
-"""Lines as words: blanks and comments taken off, and the statements that motion programs, rotaries and PLCs hold.
+"""Parser of lines: removes blanks and comments, and reads statements of motion programs, rotaries and PLCs.
 
-Words of motion programs alone are in `motion_words`.
+Words of motion programs only are in `motion_words`.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from yarclang.simulator.language.statements import (
 from yarclang.simulator.network.reply import Refusal
 
 _PLAIN_NUMBER = r"[+-]?(?:\d{1,20}(?:\.\d{0,20})?|\.\d{1,20})"
-"""Within the range of values and of lengths, so that there is nothing to refuse."""
+"""Pattern of a number that is certainly within the allowed range and length."""
 _SIMPLE_MOVE = re.compile(rf"(?:[A-CU-Z]{_PLAIN_NUMBER})+\Z")
 _AXIS_WORD = re.compile(rf"([A-CU-Z])({_PLAIN_NUMBER})")
 _ASSIGNMENT = re.compile(r"(?=[IPQM](?:\d+(?:\.\.\d+)?|\(.*?\)+)(?:[&|^=]?=))([IPQM])")
@@ -42,9 +42,9 @@ _SHORT = {"ENDI": "ENDIF", "ENDW": "ENDWHILE", "RET": "RETURN", "BSTART": "BLOCK
 
 
 def cleaned(line: str) -> str:
-    """Upper case without blanks and comments, but what stands in quotes as it is.
+    """Return a line in upper case, without blanks and comments. Text in quotes isn't changed.
 
-    `;` begins a comment; so does `//` (the download tools strip both; facts 4).
+    `;` and `//` begin a comment. Download tools remove both (facts 4).
     """
     if '"' not in line and ";" not in line and "/" not in line:
         return "".join(line.split()).upper()
@@ -59,17 +59,21 @@ def cleaned(line: str) -> str:
 
 
 def simple_move(text: str) -> Move | None:
-    """A line that is nothing but axis letters with constants: most lines are."""
+    """Return the move of a line that has only axis letters with constants, as most lines; None for others."""
     if not _SIMPLE_MOVE.match(text):
         return None
     return Move(tuple((axis, float(number), None) for axis, number in _AXIS_WORD.findall(text)))
 
 
 def read_statement(reader: Reader, plc: bool) -> Statement | None:
-    """The statement that begins here, or None (and nothing read) where none does.
+    """Read the statement that begins here; None if there is none, and nothing is read.
+
+    Args:
+        reader: the text and the position in it.
+        plc: True for a PLC, False for a motion program or rotary.
 
     Raises:
-        Refusal: ERR003, where a statement begins and goes on badly.
+        Refusal: ERR003 if a statement begins correctly but continues wrongly.
     """
     at = reader.at
     statement = _shared(reader) or (_plc_word(reader) if plc else motion_word(reader))
@@ -79,7 +83,7 @@ def read_statement(reader: Reader, plc: bool) -> Statement | None:
 
 
 def _shared(reader: Reader) -> Statement | None:
-    """What both motion programs and PLCs hold."""
+    """Read a statement that motion programs and PLCs share."""
     if reader.match(_ASSIGNMENT):
         return _assignment(reader)
     for name in ("IF", "WHILE", "AND", "OR"):
@@ -108,7 +112,7 @@ def _shared(reader: Reader) -> Statement | None:
 
 
 def _assignment(reader: Reader) -> Statement:
-    """`P1=5`, `P1..6=0`, `M1==1` (waits for the next move)."""
+    """Read an assignment: `P1=5`, `P1..6=0`, or `M1==1`, which waits for the next move."""
     letter = reader.text[reader.at - 1]
     index = reader.index()
     last = int(found[1]) if not callable(index) and (found := reader.match(_RANGE)) else None

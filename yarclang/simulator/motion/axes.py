@@ -20,14 +20,19 @@ _GROUPS = ("XYZ", "UVW")
 
 @dataclass(frozen=True, slots=True)
 class AxisDefinition:
-    """Counts of a motor: the sum of `terms` (axis, counts per axis unit), and `offset` [counts]."""
+    """Position of a motor as a sum of axis positions.
+
+    Attributes:
+        terms: axis and counts per axis unit of each term.
+        offset: constant term [counts].
+    """
 
     terms: tuple[tuple[str, float], ...]
     offset: float
 
     @property
     def text(self) -> str:
-        """As the controller reports it."""
+        """The definition as the controller reports it."""
         parts = [f"{'' if scale == 1.0 else printed(scale)}{axis}" for axis, scale in self.terms]
         if self.offset:
             parts.append(printed(self.offset))
@@ -35,10 +40,10 @@ class AxisDefinition:
 
 
 def axis_definition(text: str) -> AxisDefinition | None:
-    """Read what stands behind `#1->`; None for 0, which takes a definition away.
+    """Parse the text after `#1->`; None for 0, which removes a definition.
 
     Raises:
-        Refusal: ERR003 for more than three axes, or axes that may not be summed.
+        Refusal: ERR003 for a text that isn't a definition, or for axes that may not be summed.
     """
     if text == "0":
         return None
@@ -66,19 +71,30 @@ def axis_definition(text: str) -> AxisDefinition | None:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """All definitions of a coordinate system: counts (n,) = `matrix` (n, 9) of axis positions + `offset` (n,)."""
+    """All axis definitions of a coordinate system. Motor positions are `matrix` @ axis positions + `offset`.
+
+    Attributes:
+        motors: numbers of the n motors.
+        matrix: (n, 9) [counts per axis unit].
+        offset: (n,) [counts].
+    """
 
     motors: tuple[int, ...]
     matrix: Array
     offset: Array
 
     def counts(self, axes: Array) -> Array:
-        """Motor positions [counts] of axis positions (9,)."""
+        """Return the motor positions (n,) [counts] for axis positions (9,)."""
         counts: Array = self.matrix @ axes + self.offset
         return counts
 
     def matched(self, counts: Array, axes: Array) -> Array:
-        """Axis positions (9,) of motor positions (PMATCH); axes without a motor keep what they have."""
+        """Return the axis positions (9,) for motor positions (PMATCH).
+
+        Args:
+            counts: (n,) motor positions [counts].
+            axes: (9,) axis positions before; axes without a motor keep theirs.
+        """
         used = np.flatnonzero(np.any(self.matrix != 0.0, axis=0))
         result = axes.copy()
         if len(used):
@@ -91,7 +107,7 @@ class Axes:
 
 
 def axes_of(definitions: Sequence[tuple[int, AxisDefinition]]) -> Axes:
-    """The matrix of the definitions (motor, definition), in the order given."""
+    """Return the axes of motors and their definitions, in the order given."""
     matrix = np.zeros((len(definitions), len(AXES)))
     offset = np.zeros(len(definitions))
     for row, (_, item) in enumerate(definitions):

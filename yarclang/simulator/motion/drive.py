@@ -1,4 +1,4 @@
-"""What moves the motors of a coordinate system: one piece after another, at the pace of its time base."""
+"""The drive of a coordinate system, which moves its motors piece by piece at the rate of its time base."""
 
 from __future__ import annotations
 
@@ -13,28 +13,28 @@ from yarclang.simulator.motion.pieces import Array, Motion, Piece, Standing, Tra
 from yarclang.simulator.motion.timebase import TimeMap, slew
 
 _PIECES = 4
-"""How many pieces the control points of a spline reach: so many are looked at closely behind one that may trip."""
+"""Number of pieces that a control point of a spline affects. As many are examined after a suspect one."""
 
 
 class Surroundings(Protocol):
-    """What a drive needs of the machine."""
+    """The machine as a drive sees it."""
 
     @property
     def now(self) -> float:
-        """[s]."""
+        """Virtual time [s]."""
         ...
 
     def tripped(self, motor: Motor, cause: str) -> None:
-        """A motor has met a limit, or a fatal following error."""
+        """Handle a limit or a fatal following error of a motor."""
         ...
 
     def changed(self, motors: Sequence[Motor]) -> None:
-        """Motors move otherwise from now on: for the recorder."""
+        """Record that motors move differently from now on."""
         ...
 
 
 class Watch:
-    """Looks whether the motors of a coordinate system trip on its pieces. Most pieces are far from anything."""
+    """Finds the pieces on which motors of a coordinate system trip. Most pieces are far from any limit."""
 
     def __init__(self, motors: list[Motor]) -> None:
         self.motors = motors
@@ -42,12 +42,12 @@ class Watch:
         self._suspect = 0
 
     def look_again(self) -> None:
-        """What may trip a motor has changed."""
+        """Update the bounds after a change of limits or switches."""
         self._bounds = None
         self._suspect = _PIECES
 
     def first_trip(self, piece: Piece) -> tuple[float, Motor, str] | None:
-        """The first time [s] within a piece at which a motor trips, which, and why."""
+        """Return the first time [s] in a piece at which a motor trips, the motor, and the cause; or None."""
         least, most, fastest = self._bounds or self._bound()
         low, high, speed = piece.reach()
         if ((low < least) | (high > most) | (speed > fastest)).any():
@@ -58,7 +58,7 @@ class Watch:
         return first_trip(piece, self.motors)
 
     def _bound(self) -> tuple[Array, Array, Array]:
-        """Positions [counts] and speeds [counts/s] (n,) at which nothing trips: least, most, fastest."""
+        """Return bounds (n,) within which no motor trips: least and most [counts], speed [counts/s]."""
         limits = [motor.limits() for motor in self.motors]
         slack = [
             motor.fatal_limit() - abs(motor.disturbance) if not any(motor.switches.values()) else 0.0
@@ -74,16 +74,17 @@ class Watch:
 
 
 class Drive:
-    """Executes pieces with the motors of coordinate system `number`; the %, H and R commands set its pace.
+    """Executes pieces with the motors of coordinate system `number`. The %, H and R commands set its rate.
 
     Attributes:
-        motors: in the order of their numbers.
-        map: program time against real time.
-        piece: what is executed; None while nothing is.
-        begin: its beginning in program time [s].
-        end: where the motors stand behind the last piece (n,) [counts].
-        held: whether H holds.
-        held_at: where the motors came to rest in a hold (n,) [counts]; None until then.
+        motors: its motors, in the order of their numbers.
+        percent: the override [%].
+        map: program time as a function of real time.
+        piece: the piece that is executed; None without one.
+        begin: start of that piece in program time [s].
+        end: positions of the motors after the last piece (n,) [counts].
+        held: True in a hold (H), and on the way to it.
+        held_at: positions at which the motors came to rest in a hold (n,) [counts]; None until then.
     """
 
     def __init__(self, number: int, variables: list[float], outside: Surroundings) -> None:
@@ -94,7 +95,7 @@ class Drive:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up: no motors."""
+        """Return to the state at power-up: no motors."""
         self.percent = 100.0
         self.map = TimeMap(since=self._outside.now, program=0.0)
         self.piece: Piece | None = None
@@ -103,7 +104,7 @@ class Drive:
         self.connect([])
 
     def connect(self, motors: list[Motor]) -> None:
-        """These are its motors from now on; nothing moves."""
+        """Use other motors from now on. They don't move."""
         self.motors = motors
         self.held_at: Array | None = None
         self.end: Array = np.zeros(len(motors))
@@ -112,17 +113,17 @@ class Drive:
         self._watch = Watch(motors)
         self._last: tuple[float, tuple[Array, Array]] | None = None
 
-    # what the motors do
+    # motion of the motors
 
     @property
     def motion(self) -> Motion:
-        """What the motors do now."""
+        """The current motion of the motors."""
         if self.piece is None:
             return Standing(self.end)
         return Travel(self.piece, self.begin, self.map)
 
     def place(self, time: float) -> tuple[Array, Array]:
-        """Positions [counts] and velocities [counts/s] of all motors at an instant [s]."""
+        """Return positions [counts] and velocities [counts/s] of all motors at a time [s]."""
         if self._last is not None and self._last[0] == time:
             return self._last[1]
         found = self.motion.at(time)
@@ -130,20 +131,20 @@ class Drive:
         return found
 
     def places(self) -> Array:
-        """Where all motors are commanded to be now (n,) [counts], whoever moves them."""
+        """Return the commanded positions of all motors now (n,) [counts], including motions of their own."""
         now = self._outside.now
         return np.array([motor.place(now)[0] for motor in self.motors])
 
     # pieces
 
     def start_here(self) -> None:
-        """The next piece begins where the motors are, unless they come from another piece."""
+        """Let the next piece begin at the motors' positions, unless they come from another piece."""
         if any(motor.driver is None or motor.driver[0] is not self for motor in self.motors):
             self.end = self.places()
             self.begin = self.map.program_time(self._outside.now)
 
     def execute(self, piece: Piece) -> None:
-        """Begin a piece at this instant."""
+        """Begin a piece now."""
         self.piece = piece
         self._last = None
         if any(motor.driver is None for motor in self.motors):
@@ -153,20 +154,20 @@ class Drive:
         self._outside.changed(self.motors)
 
     def _take(self) -> None:
-        """The motors follow the pieces."""
+        """Let the motors follow the pieces."""
         if self.piece is not None:
             for index, motor in enumerate(self.motors):
                 motor.profile = motor.trip = None
                 motor.driver = self, index
 
     def _time(self) -> None:
-        """Find out when the piece ends, and when a motor trips on it."""
+        """Compute the times at which the piece ends, and at which a motor trips on it."""
         if self.piece is not None:
             self._ends_at = self.map.instant(self.begin + self.piece.duration)
             self._trips_at = math.inf if self._trip is None else self.map.instant(self.begin + self._trip[0])
 
     def stand(self) -> None:
-        """No piece comes: the motors stand at `end`."""
+        """Let the motors stand at `end`, without a piece."""
         self._forget()
         for motor, place in zip(self.motors, self.end, strict=True):
             if motor.driver is not None and motor.driver[0] is self:
@@ -175,7 +176,7 @@ class Drive:
         self._outside.changed(self.motors)
 
     def leave(self) -> None:
-        """The motors are moved, or stopped, by something else: no hold any more, and time goes on at its pace."""
+        """Leave the motors to something else. A hold ends, and the time base has its rate again."""
         self._forget()
         self.held, self.held_at = False, None
         rate = self.percent / 100.0
@@ -188,28 +189,28 @@ class Drive:
         self._ends_at = self._trips_at = math.inf
 
     def look_again(self) -> None:
-        """What may trip a motor has changed."""
+        """Examine the current piece again after a change of limits or switches."""
         self._watch.look_again()
         if self.piece is not None:
             self._trip = self._watch.first_trip(self.piece)
             self._time()
 
-    # pace
+    # rate
 
     def override(self, percent: float) -> None:
-        """The % command: the time base goes there at Isx94."""
+        """Execute %: change the rate of the time base, with the slew rate Isx94."""
         self.percent = percent
         if not self.held:
             self._pace(percent / 100.0, self._slew_of_override)
 
     def hold(self) -> None:
-        """H: the time base goes to 0 at Isx95, on the path."""
+        """Execute H: reduce the rate of the time base to 0, with the slew rate Isx95."""
         if not self.held:
             self.held = True
             self._pace(0.0, self._slew_of_hold)
 
     def go_on(self) -> None:
-        """R behind a hold: the time base goes back at Isx95."""
+        """Execute R after a hold: restore the rate of the time base, with the slew rate Isx95."""
         self.held, self.held_at = False, None
         self._take()
         self._pace(self.percent / 100.0, self._slew_of_hold)
@@ -223,7 +224,7 @@ class Drive:
             self._outside.changed(self.motors)
 
     def _stand_held(self) -> None:
-        """The hold is reached: motors may be jogged away."""
+        """Stand in a hold. Motors may be jogged away from then on."""
         self.held_at = self.places()
         if self.piece is not None:
             for motor in self.motors:
@@ -233,14 +234,14 @@ class Drive:
 
     @property
     def next_event(self) -> float:
-        """When something is to be done here [s]."""
+        """Time of its next event [s]."""
         when = min(self._ends_at, self._trips_at)
         if self.held and self.held_at is None:
             when = min(when, self.map.settled)
         return when
 
     def handle(self) -> bool:
-        """Do what is due now; True where the piece has ended, and another may begin."""
+        """Handle the events that are due; return True if the piece has ended, and another may begin."""
         now = self._outside.now
         if self.held and self.held_at is None and now >= self.map.settled:
             self._stand_held()

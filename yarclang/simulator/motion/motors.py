@@ -1,7 +1,7 @@
-"""A motor: where it is told to be, where it is, and the motions of its own (jog, home, abort).
+"""A motor: its commanded and actual position, and the motions of its own (jog, home, abort).
 
-The motor follows with a lag: its following error is the commanded velocity times `LAG`, plus what
-somebody holds it away (`disturbance`). At rest it stands where it is told to.
+The motor follows with a lag: its following error is the commanded velocity times `LAG`, plus a `disturbance`.
+At rest, without a disturbance, it stands at its commanded position.
 """
 
 from __future__ import annotations
@@ -24,27 +24,49 @@ from yarclang.simulator.motion.pieces import (
 )
 
 LAG = 0.5e-3
-"""Following error by velocity [s]: about one servo cycle, as of a motor with feedforward (assumed)."""
+"""Following error divided by velocity [s]: about one servo cycle, as with feedforward (assumed)."""
 
 WATCHED = frozenset({11, 13, 14})
-"""The Ixx that say when a motor trips; Ixx24 counts as a switch opens or closes."""
+"""The Ixx whose change may trip a motor. Ixx24 is read when a switch changes."""
 
 
 class Driver(Protocol):
-    """What moves the motor, and all others of its coordinate system."""
+    """Moves a motor together with all others of its coordinate system."""
 
     @property
     def motion(self) -> Motion:
-        """What they do now."""
+        """The current motion of the motors."""
         ...
 
     def place(self, time: float) -> tuple[Array, Array]:
-        """Positions and velocities of all its motors."""
+        """Return positions [counts] and velocities [counts/s] of all its motors at a time [s]."""
         ...
 
 
 class Motor:
-    """Motor `number`. `variables` are all I-variables; `under_way` has the motors that move by themselves, by number."""
+    """One motor.
+
+    Attributes:
+        number: 1 to 32.
+        variables: all I-variables.
+        under_way: the motors with a motion of their own, by number.
+        stand: position at which it stands without a motion [counts].
+        profile: motion of its own: jog, home or abort.
+        driver: drive of its coordinate system that moves it, and its index there.
+        closed: True in closed loop.
+        enabled: True if the amplifier is enabled.
+        homed: True after a home search.
+        homing: True during a home search.
+        aborting: True during an abort.
+        amplifier_fault: True if the amplifier reports a fault.
+        fatal_error: True after a fatal following error.
+        limit_stop: True after a stop at a limit.
+        data_error: status bit "data block error".
+        disturbance: distance at which it is held from its commanded position [counts].
+        switches: states of its limit switches, by side (+1, -1).
+        before_jog: position before the last jog [counts].
+        trip: time at which its own motion trips [s], and the cause.
+    """
 
     def __init__(self, number: int, variables: list[float], under_way: dict[int, Motor]) -> None:
         self.number = number
@@ -53,7 +75,7 @@ class Motor:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up: open loop, at 0, not homed."""
+        """Return to the state at power-up: open loop, at 0, not homed."""
         self.stand = 0.0
         self.profile: Profile | None = None
         self.driver: tuple[Driver, int] | None = None
@@ -72,26 +94,26 @@ class Motor:
         self.trip: tuple[float, str] | None = None
 
     def tuning(self, number: int) -> float:
-        """Ixx`number` of this motor."""
+        """Return Ixx`number` of this motor."""
         return self.variables[100 * self.number + number]
 
     @property
     def activated(self) -> bool:
-        """Ixx00."""
+        """True if it is activated (Ixx00)."""
         return self.tuning(0) != 0.0
 
     @property
     def jogging(self) -> bool:
-        """Whether a motion of its own isn't finished."""
+        """True during a motion of its own."""
         return self.profile is not None
 
     @property
     def unit(self) -> float:
-        """One count in the units of the position registers: Ixx08 32."""
+        """One count in the units of the position registers: Ixx08 times 32."""
         return max(self.tuning(8), 1.0) * 32.0
 
     def place(self, time: float) -> tuple[float, float]:
-        """Commanded position [counts] and velocity [counts/s] at an instant [s]."""
+        """Return the commanded position [counts] and velocity [counts/s] at a time [s]."""
         if self.profile is not None:
             position, velocity = self.profile.at(time)
             return float(position[0]), float(velocity[0])
@@ -102,26 +124,27 @@ class Motor:
         return self.stand, 0.0
 
     def actual(self, time: float) -> float:
-        """Where the motor is [counts]."""
+        """Return the actual position [counts] at a time [s]."""
         position, velocity = self.place(time)
         return position - LAG * velocity - self.disturbance
 
     def following_error(self, time: float) -> float:
-        """Commanded less actual position [counts]."""
+        """Return the commanded position minus the actual position [counts] at a time [s]."""
         return LAG * self.place(time)[1] + self.disturbance
 
     def limits(self) -> tuple[float, float]:
-        """Least and largest position [counts]: Ixx14 and Ixx13, 0 for none (TSRM 96-97)."""
+        """Return the least and largest position [counts]: Ixx14 and Ixx13; 0 is no limit (TSRM 96-97)."""
         most, least = self.tuning(13), self.tuning(14)
         return least or -math.inf, most or math.inf
 
     def fatal_limit(self) -> float:
-        """Ixx11 [counts], infinite for 0."""
+        """Return the limit of the following error [counts]: Ixx11, infinite for 0."""
         return self.tuning(11) / 16.0 or math.inf
 
     def tripped(self, position: float, velocity: float) -> str | None:
-        """What stops the motor at a commanded position [counts] and velocity [counts/s]: a limit that
-        it moves away from, or its following error.
+        """Return the cause that stops the motor at a commanded position [counts] and velocity [counts/s].
+
+        It is "limit" if the motor moves beyond a limit, "fatal" for its following error, or None.
         """
         error = LAG * velocity + self.disturbance
         if abs(error) > self.fatal_limit():
@@ -135,7 +158,7 @@ class Motor:
         return None
 
     def set_limits(self, time: float) -> tuple[bool, bool]:
-        """Whether the positive and the negative limit are set, by position or by switch."""
+        """Return two flags: the positive and the negative limit is set, by position or by switch."""
         least, most = self.limits()
         actual = self.actual(time)
         return actual > most or self.switches[1], actual < least or self.switches[-1]
@@ -143,7 +166,7 @@ class Motor:
     # motions of its own
 
     def hold(self, time: float) -> None:
-        """Stand where it is commanded now."""
+        """Stand at the commanded position of a time [s]."""
         position = self.place(time)[0]
         self.profile = self.driver = self.trip = None
         self.under_way.pop(self.number, None)
@@ -151,7 +174,7 @@ class Motor:
         self.homing = self.aborting = False
 
     def close(self, time: float) -> None:
-        """Close the loop, where the motor is."""
+        """Close the loop at the actual position."""
         if not self.closed:
             self.stand = self.actual(time)
             self.disturbance = 0.0
@@ -159,14 +182,20 @@ class Motor:
         self.fatal_error = False
 
     def kill(self, time: float) -> None:
-        """Open the loop and switch the amplifier off; a brake holds the motor (assumed)."""
+        """Open the loop and disable the amplifier. A brake holds the motor (assumed)."""
         self.hold(time)
         self.stand -= self.disturbance
         self.disturbance = 0.0
         self.closed = self.enabled = False
 
     def jog_to(self, time: float, target: float, speed: float | None = None) -> None:
-        """Go to a position [counts]; a motor that moves stops first (assumed)."""
+        """Jog to a position. A motor that moves stops first (assumed).
+
+        Args:
+            time: start [s].
+            target: the position [counts].
+            speed: [counts/s]; None for the jog speed.
+        """
         position, velocity = self.place(time)
         pieces: list[Piece] = []
         if velocity:
@@ -177,7 +206,7 @@ class Motor:
         self._start(time, pieces, target if speed > 0.0 else position)
 
     def jog(self, time: float, direction: int) -> None:
-        """Go on at jog speed, without an end."""
+        """Jog without an end, in `direction` +1 or -1."""
         position, velocity = self.place(time)
         speed = direction * self._jog_speed()
         pieces = self._speed_up(position, velocity, speed)
@@ -185,7 +214,7 @@ class Motor:
         self._start(time, pieces, position)
 
     def jog_stop(self, time: float) -> None:
-        """Stop as Ixx19, 20 and 21 say."""
+        """Stop with the ramp of Ixx19, Ixx20 and Ixx21."""
         position, velocity = self.place(time)
         if not velocity:
             self.hold(time)
@@ -194,7 +223,7 @@ class Motor:
         self._start(time, pieces, _end(pieces, position))
 
     def abort(self, time: float) -> None:
-        """Stop at Ixx15 (TSRM 73)."""
+        """Stop at the deceleration Ixx15 (TSRM 73)."""
         position, velocity = self.place(time)
         if not velocity or not self.closed:
             self.hold(time)
@@ -205,12 +234,13 @@ class Motor:
             duration, np.array([[position], [velocity], [-math.copysign(rate, velocity) / 2.0], [0.0]])
         )
         self._start(time, [piece], float(piece.position(duration)[0]))
-        # it stops already; a stop that takes no time is over
+        # The motor stops already and can't trip. A stop that takes no time has ended.
         self.aborting, self.trip = self.profile is not None, None
 
     def home(self, time: float) -> None:
-        """Search home: the flag is found at position 0, at Ixx23, and stays the zero of the positions (assumed; Ixx26 isn't
-        looked at).
+        """Search home at the speed Ixx23.
+
+        The flag is at position 0, which stays the zero of the positions (assumed). Ixx26 is ignored.
         """
         self.jog_to(time, 0.0, abs(self.tuning(23)) * 1e3)
         self.homing, self.homed = True, False
@@ -218,12 +248,12 @@ class Motor:
             self.arrive()
 
     def zero(self, time: float) -> None:
-        """HMZ: the position here is 0, and the motor is homed."""
+        """Execute HMZ: make the current position 0 and the motor homed."""
         self.hold(time)
         self.stand, self.homed = 0.0, True
 
     def arrive(self) -> None:
-        """A motion of its own has ended."""
+        """End a motion of its own."""
         if self.profile is not None:
             self.stand = self.profile.target
         homed = self.homing
@@ -236,16 +266,16 @@ class Motor:
 
     @property
     def next_event(self) -> float:
-        """When a motion of its own ends or trips [s]."""
+        """Time at which a motion of its own ends or trips [s]."""
         end = self.profile.end if self.profile is not None else math.inf
         return min(end, self.trip[0]) if self.trip else end
 
     def jog_ramp(self) -> tuple[float, float, float]:
-        """Acceleration [counts/s^2], time and S-curve time [s]: Ixx19, Ixx20, Ixx21."""
+        """Return acceleration [counts/s^2], time and S-curve time [s] of jogs: Ixx19, Ixx20, Ixx21."""
         return self.tuning(19) * 1e6, self.tuning(20) * 1e-3, self.tuning(21) * 1e-3
 
     def rapid_speed(self) -> float:
-        """The speed of RAPID [counts/s]: Ixx22, or Ixx16 where Ixx90 is 1."""
+        """Return the speed of RAPID [counts/s]: Ixx22, or Ixx16 if Ixx90 is set."""
         return abs(self.tuning(16 if self.tuning(90) else 22)) * 1e3
 
     def _jog_speed(self) -> float:
@@ -269,7 +299,7 @@ class Motor:
             self.arrive()
 
     def look_again(self) -> None:
-        """What may trip the motor has changed; what stops it already goes on."""
+        """Compute the next trip again after a change of limits or switches. An abort isn't changed."""
         if self.profile is not None and not self.aborting:
             self.trip = self._first_trip(self.profile)
 
@@ -297,7 +327,13 @@ def _end(pieces: list[Piece], position: float) -> float:
 
 
 def first_trip(piece: Piece, motors: list[Motor], samples: int = 64) -> tuple[float, Motor, str] | None:
-    """The first time [s] within a piece at which a motor trips, which, and why."""
+    """Return the first time [s] in a piece at which a motor trips, the motor, and the cause; or None.
+
+    Args:
+        piece: the piece.
+        motors: its motors.
+        samples: number of intervals that are sampled. The time is then refined by bisection.
+    """
 
     def at(u: float) -> tuple[Motor, str] | None:
         for motor, position, velocity in zip(motors, piece.position(u), piece.velocity(u), strict=True):

@@ -1,4 +1,4 @@
-"""Motion as cubics: a piece for all motors of a move, and motions made of pieces, evaluated at any instant.
+"""Motion as cubics: pieces for all motors of a move, and motions of pieces, evaluated at any time.
 
 Nothing is integrated step by step: a position is the value of a polynomial.
 """
@@ -19,8 +19,11 @@ Array = NDArray[np.float64]
 
 
 class Piece:
-    """A cubic of `motors` positions [counts] over `duration` [s] of its own time: rows of
-    `coefficients` (4, n) are the powers 0 to 3.
+    """A cubic of n motor positions over its own time.
+
+    Args:
+        duration: its duration [s].
+        coefficients: (4, n) coefficients of the powers 0 to 3, in counts and s.
     """
 
     __slots__ = ("_coefficients", "_control", "duration")
@@ -32,9 +35,9 @@ class Piece:
 
     @classmethod
     def spline(cls, duration: float, control: tuple[Array, Array, Array, Array]) -> Piece:
-        """A segment of a uniform cubic B-spline with four control points (n,) (TUM 290).
+        """Return a segment of a uniform cubic B-spline with four control points (n,) [counts] (TUM 290).
 
-        The polynomial is worked out when somebody looks at it.
+        The polynomial is computed when it is needed.
         """
         piece = cls.__new__(cls)
         piece.duration = duration
@@ -44,7 +47,7 @@ class Piece:
 
     @property
     def coefficients(self) -> Array:
-        """(4, n), in counts and s."""
+        """Coefficients (4, n) of the powers 0 to 3, in counts and s."""
         if self._coefficients is None:
             c0, c1, c2, c3 = self._control
             h = self.duration
@@ -60,19 +63,19 @@ class Piece:
         return self._coefficients
 
     def position(self, u: float) -> Array:
-        """Positions (n,) [counts] at time `u` [s] of the piece."""
+        """Return positions (n,) [counts] at time `u` [s] of the piece."""
         c = self.coefficients
         position: Array = c[0] + u * (c[1] + u * (c[2] + u * c[3]))
         return position
 
     def velocity(self, u: float) -> Array:
-        """Velocities (n,) [counts/s] at time `u` [s] of the piece, in its own time."""
+        """Return velocities (n,) [counts/s] at time `u` [s] of the piece, in its own time."""
         c = self.coefficients
         velocity: Array = c[1] + u * (2.0 * c[2] + u * 3.0 * c[3])
         return velocity
 
     def shifted(self, u: float, duration: float) -> Piece:
-        """The part of the piece from `u` on."""
+        """Return the part of the piece from time `u` [s] on, with a duration [s]."""
         c = self.coefficients
         return Piece(
             duration,
@@ -87,31 +90,39 @@ class Piece:
         )
 
     def reach(self) -> tuple[Array, Array, Array]:
-        """Bounds of position [counts] and speed [counts/s] of each motor (n,): least, most, fastest.
+        """Return bounds (n,) of each motor: least and largest position [counts], largest speed [counts/s].
 
-        For a spline segment only what its last control point adds to the segments before it: whoever asks
-        looks at three more segments where this is too much.
+        For a spline segment, they cover only the change by its last control point. If they are too large, the
+        caller has to examine three more segments.
         """
         if self._coefficients is None:
             last, newest = self._control[2], self._control[3]
             return newest, newest, np.abs(newest - last) / self.duration
         h = self.duration
         c0, c1, c2, c3 = self._coefficients * np.array([[1.0], [h], [h**2], [h**3]])
-        # the control points of Bernstein's form
+        # control points of the Bernstein form
         points = np.array([c0, c0 + c1 / 3.0, c0 + (2.0 * c1 + c2) / 3.0, c0 + c1 + c2 + c3])
         speed = np.abs(np.diff(points, axis=0)).max(axis=0) * 3.0 / h if h else np.zeros(len(c0))
         return points.min(axis=0), points.max(axis=0), speed
 
 
 def standing(duration: float, position: Array) -> Piece:
-    """No motion for a while."""
+    """Return a piece without motion, with a duration [s]."""
     return Piece(duration, np.array([position, *np.zeros((3, len(position)))]))
 
 
 def ramp(position: Array, before: Array, after: Array, time: float, s_time: float) -> list[Piece]:
-    """From one velocity [counts/s] to another within `time` [s], with S-curves of `s_time` at both ends.
+    """Return pieces that change the velocity, with S-curves at both ends.
 
-    The distance is the mean of both velocities times `time`, for any S (TSRM 189: TA is the whole, TS each half).
+    The distance is the mean of both velocities times `time`, for any S-curve (TSRM 189: TA is the whole time,
+    TS the time of each S-curve).
+
+    Args:
+        position: (n,) at the start [counts].
+        before: (n,) velocity at the start [counts/s].
+        after: (n,) velocity at the end [counts/s].
+        time: duration [s].
+        s_time: time of each S-curve [s].
     """
     if time <= 0.0:
         return []
@@ -134,7 +145,7 @@ def ramp(position: Array, before: Array, after: Array, time: float, s_time: floa
 
 
 def steady(position: Array, velocity: Array, duration: float) -> Piece:
-    """Constant velocity."""
+    """Return a piece of constant velocity."""
     zero = np.zeros(len(position))
     return Piece(duration, np.array([position, velocity, zero, zero]))
 
@@ -142,10 +153,16 @@ def steady(position: Array, velocity: Array, duration: float) -> Piece:
 def trapezoid(
     start: float, end: float, speed: float, acceleration: float, time: float, s_time: float
 ) -> list[Piece]:
-    """A jog of one motor from rest to rest: `speed` [counts/s] unless the way is too short for it.
+    """Return the pieces of a jog of one motor from rest to rest.
 
-    Accelerating takes `time` or twice `s_time` [s], whichever is more, and longer where `acceleration`
-    [counts/s^2] asks for it (TSRM 73: Ixx19 limits Ixx20 and Ixx21).
+    Args:
+        start: position at the start [counts].
+        end: position at the end [counts].
+        speed: [counts/s]; lower if the distance is too short for it.
+        acceleration: its limit [counts/s^2], which may lengthen the acceleration (TSRM 73: Ixx19 limits Ixx20
+            and Ixx21).
+        time: time of the acceleration, or twice `s_time` if that is longer [s].
+        s_time: time of each S-curve [s].
     """
     way = end - start
     if way == 0.0:
@@ -166,23 +183,28 @@ def trapezoid(
 
 
 def ramp_time(change: float, acceleration: float, time: float, s_time: float) -> float:
-    """How long a change of velocity [counts/s] takes [s]."""
+    """Return the time [s] of a change of velocity [counts/s]; other arguments as in `trapezoid`."""
     return max(time, 2.0 * s_time, change / acceleration + s_time if acceleration > 0.0 else 0.0, 1e-6)
 
 
 def reached(way: float, speed: float, acceleration: float, time: float, s_time: float) -> float:
-    """The speed that is reached on a way [counts] from rest to rest."""
+    """Return the speed [counts/s] that is reached on a distance [counts] from rest to rest."""
     if speed * ramp_time(speed, acceleration, time, s_time) <= way:
         return speed
     fixed = max(time, 2.0 * s_time, 1e-6)
     if acceleration <= 0.0 or (way / fixed) / acceleration + s_time <= fixed:
         return way / fixed
-    # speed^2 / acceleration + speed s_time = way
+    # solution of speed^2 / acceleration + speed s_time = way
     return acceleration * (math.sqrt(s_time**2 + 4.0 * way / acceleration) - s_time) / 2.0
 
 
 def together(parts: Sequence[list[Piece]], stands: Array) -> list[Piece]:
-    """Motions of single motors as pieces of all of them; a motor that has arrived stands."""
+    """Join motions of single motors to pieces of all motors. A motor that has arrived stands.
+
+    Args:
+        parts: the pieces of each motor.
+        stands: (n,) positions of motors without pieces [counts].
+    """
     ends = sorted({0.0, *(t for part in parts for t in _ends(part))})
     pieces = []
     for begin, end in itertools.pairwise(ends):
@@ -210,15 +232,15 @@ def _from(part: list[Piece], begin: float, stand: float, duration: float) -> Arr
 
 
 class Motion(Protocol):
-    """Something that moves, or stands, from some instant on; it never changes."""
+    """A motion, or a standstill, as a function of time. It is immutable."""
 
     def at(self, time: float) -> tuple[Array, Array]:
-        """Positions (n,) [counts] and velocities [counts/s] at an instant [s]."""
+        """Return positions (n,) [counts] and velocities (n,) [counts/s] at a time [s]."""
         ...
 
 
 class Standing:
-    """Nothing moves."""
+    """A standstill."""
 
     __slots__ = ("_position", "_velocity")
 
@@ -226,13 +248,19 @@ class Standing:
         self._position = position
         self._velocity = np.zeros(len(position))
 
-    def at(self, time: float) -> tuple[Array, Array]:  # noqa: ARG002 - it is the same always
+    def at(self, time: float) -> tuple[Array, Array]:  # noqa: ARG002 - the result is constant
         """See `Motion`."""
         return self._position, self._velocity
 
 
 class Travel:
-    """A piece of a program, at the pace of the time base; `begin` [s] is its place in program time."""
+    """A piece of a program, at the rate of the time base.
+
+    Attributes:
+        piece: the piece.
+        begin: its start in program time [s].
+        map: program time as a function of real time.
+    """
 
     __slots__ = ("begin", "map", "piece")
 
@@ -248,7 +276,14 @@ class Travel:
 
 
 class Profile:
-    """Motion of one motor in real time from `begin` [s] on: jog, home, abort. The last piece may have no end."""
+    """A motion of one motor in real time: jog, home or abort.
+
+    Attributes:
+        begin: start [s].
+        pieces: its pieces; the last one may have no end.
+        end: end [s].
+        target: position after the last piece [counts].
+    """
 
     __slots__ = ("begin", "end", "pieces", "target")
 

@@ -1,4 +1,4 @@
-"""What motors have done: their motions, kept so that they can be evaluated at any past instant."""
+"""Recorder of the motions of motors, which can be evaluated at any past time."""
 
 from __future__ import annotations
 
@@ -10,14 +10,21 @@ from yarclang.simulator.motion.pieces import Array, Motion, Standing
 
 
 class Recorder:
-    """Keeps every motion of every motor. Memory grows with the motions: for tests, plots and training."""
+    """Records all motions of all motors, for tests, plots and training. Memory grows with the motions."""
 
     def __init__(self) -> None:
         self._times: dict[int, list[float]] = {}
         self._motions: dict[int, list[tuple[Motion, int]]] = {}
 
     def note(self, time: float, motor: int, motion: Motion, index: int) -> None:
-        """From `time` [s] on the motor is entry `index` of a motion."""
+        """Record a motion of a motor.
+
+        Args:
+            time: start [s].
+            motor: its number.
+            motion: the motion.
+            index: index of the motor in the motion.
+        """
         times = self._times.setdefault(motor, [])
         motions = self._motions.setdefault(motor, [])
         if times and times[-1] == time:
@@ -27,15 +34,15 @@ class Recorder:
             motions.append((motion, index))
 
     def stands(self, time: float, motor: int, position: float) -> None:
-        """From `time` [s] on the motor stands [counts]."""
+        """Record that a motor stands at a position [counts] from `time` [s] on."""
         self.note(time, motor, Standing(np.array([position])), 0)
 
     def positions(self, motor: int, times: Array) -> Array:
-        """Commanded positions (N,) [counts] at `times` (N,) [s]."""
+        """Return the commanded positions (N,) [counts] of a motor at `times` (N,) [s]."""
         return self._look(motor, times, 0)
 
     def velocities(self, motor: int, times: Array) -> Array:
-        """Commanded velocities (N,) [counts/s] at `times` (N,) [s]."""
+        """Return the commanded velocities (N,) [counts/s] of a motor at `times` (N,) [s]."""
         return self._look(motor, times, 1)
 
     def _look(self, motor: int, times: Array, which: int) -> Array:

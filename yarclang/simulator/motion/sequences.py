@@ -1,4 +1,7 @@
-"""Moves as pieces: SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend, RAPID (TSRM 98) doesn't."""
+"""Conversion of moves to pieces.
+
+SPLINE1 (TUM 289-290), LINEAR (TSRM 189, PUM 166) and PVT (TSRM 463) blend, RAPID (TSRM 98) doesn't.
+"""
 
 from __future__ import annotations
 
@@ -18,22 +21,28 @@ Events = tuple[Callable[[], None], ...]
 class Sequence(Protocol):
     """Blended moves of one mode, from rest to rest.
 
-    `stop` lets it take no more moves, and come to rest as it would without any.
+    Attributes:
+        stop: set to True to take no more moves, and to come to rest as after the last one.
+        end: (n,) positions at the end of the moves taken so far [counts].
     """
 
     stop: bool
     end: Array
 
     def next(self, steps: deque[Step]) -> tuple[Piece, Events] | None:
-        """The next piece and what happens as it begins, or None behind the last; moves that it needs are taken."""
+        """Return the next piece and the events at its start; None after the last piece.
+
+        Args:
+            steps: the calculated steps. Those that the piece needs are removed.
+        """
         ...
 
 
 class SplineSequence:
-    """SPLINE1: N moves of equal time take N + 2 times it.
+    """SPLINE1 moves: N moves of equal time t take (N + 2) t.
 
-    The control points are S, S, S, P1 ... PN, PN, PN, with S where the motors stand: segment k needs
-    move k + 1 as it begins. If that isn't there, or has another time, the end piece is begun.
+    The control points are S, S, S, P1 ... PN, PN, PN, where S is the position at which the motors stand.
+    Segment k needs move k + 1 as it begins. Without that move, or if it has another time, the end begins.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -62,9 +71,9 @@ class SplineSequence:
 
 
 class LinearSequence:
-    """LINEAR: constant velocities with a ramp of TA around each corner; a lone move takes TM + TA.
+    """LINEAR moves: constant velocities with a ramp of TA around each corner. A single move takes TM + TA.
 
-    A move is decided on as the one before it leaves its ramp.
+    A move is taken when the one before it leaves its ramp.
     """
 
     def __init__(self, stand: Array, first: Step) -> None:
@@ -95,7 +104,7 @@ class LinearSequence:
             corner_time, coast = follower.ramp, 0.0
         else:
             move = self._move
-            # a ramp longer than both of its moves allow is shortened (assumed)
+            # A ramp that is too long for the moves on both sides is shortened (assumed).
             corner_time = min(follower.ramp, 2.0 * move.time - move.ramp) if follower else move.ramp
             coast = max(move.time - (move.ramp + corner_time) / 2.0, 0.0)
         if coast > 0.0:
@@ -126,7 +135,7 @@ class LinearSequence:
 
 
 class PvtSequence:
-    """PVT: cubic from position and velocity to position and velocity."""
+    """PVT moves: cubics between positions with velocities."""
 
     def __init__(self, stand: Array, first: Step) -> None:
         del first
@@ -155,9 +164,14 @@ SEQUENCES: dict[str, Callable[[Array, Step], Sequence]] = {
 
 
 def rapid(motors: list[Motor], begin: Array, target: Array) -> list[Piece]:
-    """RAPID, which doesn't blend: each motor by itself, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
+    """Return the pieces of a RAPID move, which doesn't blend.
 
-    Both are places (n,) [counts]; no pieces where they are the same.
+    Each motor moves by itself, at its own speed (Ixx22, or Ixx16 with Ixx90 = 1; TSRM 98).
+
+    Args:
+        motors: the motors.
+        begin: (n,) positions at the start [counts].
+        target: (n,) positions at the end [counts]. If they equal those at the start, there are no pieces.
     """
     parts = [
         trapezoid(float(start), float(end), motor.rapid_speed(), *motor.jog_ramp())

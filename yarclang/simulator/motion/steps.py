@@ -1,4 +1,4 @@
-"""What the calculation of a program yields: steps, one for each move, pause or end."""
+"""Steps, which the calculation of a program yields: one for each move, pause or end."""
 
 from __future__ import annotations
 
@@ -15,9 +15,16 @@ StepKind = Literal["move", "dwell", "home", "stop", "end"]
 class Step:
     """One calculated step of a motion program.
 
-    For a move: its `mode` (LINEAR, RAPID, SPLINE1, PVT, DELAY), `target` (n,) [counts], and for PVT the
-    `velocity` there (n,) [counts/s]. `time` [s] is that of the move or of the pause; `ramp` [s] and
-    `s_ramp` [s] are TA and TS. `events` happen when the move begins to blend in: synchronous assignments.
+    Attributes:
+        kind: its kind.
+        mode: LINEAR, RAPID, SPLINE1, PVT or DELAY, for a move.
+        target: (n,) positions of the motors at its end [counts].
+        time: duration of the move or pause [s]; negative for HOMEZ.
+        ramp: TA [s].
+        s_ramp: TS [s].
+        velocity: (n,) at its end, for PVT [counts/s]; None is at rest.
+        motors: numbers of the motors of a home step.
+        events: synchronous assignments, to be made when the move begins to blend in.
     """
 
     kind: StepKind
@@ -32,5 +39,5 @@ class Step:
 
     @property
     def breaks(self) -> bool:
-        """Whether nothing behind it is calculated before it is done (TUM 341)."""
+        """True if it must be done before later steps are calculated (TUM 341)."""
         return self.kind != "move" or self.mode == "RAPID"

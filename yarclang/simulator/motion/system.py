@@ -1,4 +1,4 @@
-"""A coordinate system: runs a program, moves its motors, holds and stops them."""
+"""A coordinate system, which runs a program and moves, holds and stops its motors."""
 
 from __future__ import annotations
 
@@ -31,27 +31,32 @@ from yarclang.simulator.programs.calculation import Calculation
 from yarclang.simulator.state.registers import Seen
 
 _AWAY = 1.0
-"""Counts that a motor may have been moved during a hold (assumed)."""
+"""Distance by which a motor may have been moved during a hold [counts] (assumed)."""
 
 
 class Outside(drive.Surroundings, surroundings.Surroundings, Protocol):
-    """What a coordinate system needs of the machine."""
+    """The machine as a coordinate system sees it."""
 
     def defined(self) -> None:
-        """Axis definitions have changed."""
+        """Update the machine after a change of axis definitions."""
         ...
 
 
 class CoordinateSystem:
-    """Coordinate system `number`.
+    """One coordinate system.
 
     Attributes:
-        definitions: of axes, by motor.
-        calculation: where it is in its program.
-        ahead: steps that are calculated and not begun.
-        drive: what executes them.
-        running: whether a program runs (R), and whether by S.
-        dwell_until: the end of a DWELL [s]; infinite while there is none.
+        number: 1 to 16.
+        outside: the machine.
+        definitions: axis definitions by motor.
+        calculation: execution of its program.
+        ahead: steps that are calculated but not begun.
+        drive: executes the steps.
+        running: True while a program runs (R or S).
+        single_step: True if it runs by S.
+        resume_error: True if R was refused because motors were moved away in a hold.
+        limit_stop: True after a stop at a limit.
+        dwell_until: end of a DWELL [s]; infinite without one.
         homing: motors that a HOME of the program waits for.
     """
 
@@ -64,7 +69,7 @@ class CoordinateSystem:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up: no axes, no rotary, nothing runs."""
+        """Return to the state at power-up: no axes, no rotary, no running program."""
         self.definitions: dict[int, AxisDefinition] = {}
         self.calculation.clear()
         self.ahead.clear()
@@ -86,26 +91,26 @@ class CoordinateSystem:
 
     @property
     def dwelling(self) -> bool:
-        """Whether a DWELL isn't over."""
+        """True during a DWELL."""
         return self.dwell_until < math.inf
 
     @property
     def moving(self) -> bool:
-        """Whether a move, a pause or what was calculated isn't done."""
+        """True during a move, a pause or a home search."""
         return self.drive.piece is not None or self.dwelling or bool(self.homing)
 
     @property
     def busy(self) -> bool:
-        """Whether a program runs, or its last moves."""
+        """True while a program runs, or its last moves."""
         return self.running or self.moving
 
     # axes
 
     def define(self, motor: Motor, definition: AxisDefinition | None) -> None:
-        """Define a motor's axes, or take its definition away.
+        """Define the axes of a motor, or remove its definition (None).
 
         Raises:
-            Refusal: ERR001 while a program runs here.
+            Refusal: ERR001 while a program runs.
         """
         if self.running or self.drive.piece is not None:
             raise Refusal(BUSY_PROGRAM)
@@ -120,17 +125,17 @@ class CoordinateSystem:
         self.outside.defined()
 
     def pmatch(self) -> None:
-        """Axis positions from the motors' commanded positions."""
+        """Compute the axis positions from the commanded positions of the motors."""
         if self.motors:
             self.calculation.moves.match(self.drive.places())
 
     # commands
 
     def run(self, single_step: bool = False) -> None:
-        """R or S.
+        """Execute R, or S for a single step.
 
         Raises:
-            Refusal: ERR010 to ERR017, as facts 5.2 say.
+            Refusal: ERR010 to ERR017 (facts 5.2).
         """
         if not self.motors:
             raise Refusal(NO_MOTORS)
@@ -153,7 +158,11 @@ class CoordinateSystem:
             self._go_on()
 
     def _check_motors(self) -> None:
-        """Refuse to run with motors that can't move."""
+        """Check that all motors can move.
+
+        Raises:
+            Refusal: if one can't.
+        """
         now = self.outside.now
         if not all(motor.activated for motor in self.motors):
             raise Refusal(NOT_ACTIVATED)
@@ -165,7 +174,11 @@ class CoordinateSystem:
             raise Refusal(MOVE_IN_PROGRESS)
 
     def _resume(self) -> None:
-        """Behind a hold: the motors must stand where they were held."""
+        """Resume after a hold.
+
+        Raises:
+            Refusal: if a motor moves, isn't where it was held, or is open-loop.
+        """
         if any(motor.jogging for motor in self.motors):
             raise Refusal(MOVE_IN_PROGRESS)
         held_at = self.drive.held_at
@@ -180,12 +193,12 @@ class CoordinateSystem:
             self._go_on()
 
     def quit(self) -> None:
-        """Q: no more is calculated; what was calculated is moved."""
+        """Execute Q: stop calculating. Calculated moves are still made."""
         self.ahead.stop()
         self.running = self.running and self.moving
 
     def end_of_move(self) -> None:
-        r"""/: the executing move is the last one; R goes on with the next."""
+        r"""Execute /: stop after the current move. R continues with the next one."""
         self.ahead.stop()
         self._stopping = True
         if self._sequence is not None:
@@ -193,7 +206,7 @@ class CoordinateSystem:
         self.running = self.running and self.moving
 
     def abort(self) -> None:
-        """A: each motor stops at Ixx15, and open loops are closed."""
+        """Execute A: stop each motor at Ixx15, and close open loops."""
         now = self.outside.now
         for motor in self.motors:
             if motor.closed:
@@ -204,13 +217,13 @@ class CoordinateSystem:
         self.outside.changed(self.motors)
 
     def stop_program(self) -> None:
-        """The program ends, the motors stand where they are commanded to be."""
+        """End the program. The motors stand at their commanded positions."""
         for motor in self.motors:
             motor.hold(self.outside.now)
         self._leave()
 
     def _leave(self) -> None:
-        """Forget what was calculated; time goes on at its pace."""
+        """Discard the calculated steps. The time base has its rate again."""
         self.running = self.single_step = False
         self.ahead.leave()
         self.drive.leave()
@@ -223,11 +236,11 @@ class CoordinateSystem:
 
     @property
     def next_event(self) -> float:
-        """When something is to be done here [s]."""
+        """Time of its next event [s]."""
         return min(self.drive.next_event, self.ahead.retry_at, self.dwell_until)
 
     def handle(self) -> None:
-        """Do what is due now."""
+        """Handle the events that are due."""
         now = self.outside.now
         if self.drive.handle():
             self._go_on()
@@ -240,7 +253,7 @@ class CoordinateSystem:
                 self._go_on()
 
     def wake(self) -> None:
-        """A line has come into the rotary, or a motor has come home."""
+        """Continue, after a new line in the rotary or the end of a home search."""
         if self.homing and not any(motor.jogging for motor in self.homing):
             self.homing = []
             self._go_on()
@@ -250,9 +263,9 @@ class CoordinateSystem:
     # the program
 
     def _go_on(self) -> None:
-        """Begin what comes next, at this instant: the next piece, a pause, the end, or nothing."""
+        """Begin now whatever is next: a piece, a pause, the end, or nothing."""
         if self.drive.held_at is not None:
-            # motors may be jogged: what comes next waits for R
+            # Motors may be jogged in a hold, so that the next piece has to wait for R.
             return
         steps = self.ahead.steps
         while True:
@@ -276,7 +289,7 @@ class CoordinateSystem:
                 return
 
     def _start(self, step: Step) -> bool:
-        """Begin a step that nothing blends into; True if it is done already."""
+        """Begin a step into which nothing blends; return True if it is already done."""
         if step.kind == "move" and step.mode in SEQUENCES:
             self.drive.start_here()
             self._sequence = SEQUENCES[step.mode](self.drive.end, step)
@@ -317,7 +330,7 @@ class CoordinateSystem:
         return not self.homing
 
     def _idle(self) -> None:
-        """Nothing to do: the motors stand. The program runs on if more may come."""
+        """Let the motors stand. The program ends unless more steps may be calculated."""
         self.drive.stand()
         if not self.ahead.calculating:
             self.running = self.single_step = False

@@ -1,4 +1,4 @@
-"""The time base of a coordinate system: how program time runs against real time (% command, feed hold)."""
+"""The time base of a coordinate system: program time as a function of real time (% command, feed hold)."""
 
 from __future__ import annotations
 
@@ -8,8 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class TimeMap:
-    """From instant `since` [s] on, where program time was `program` [s], the rate goes from `first` to
-    `last` (1 is 100 %) at `slope` [1/s], and stays there.
+    """Program time as a function of real time, whose rate changes once.
+
+    Attributes:
+        since: start [s].
+        program: program time at the start [s].
+        first: rate at the start; 1 is 100 %.
+        last: rate after the change.
+        slope: slope of the change [1/s].
     """
 
     since: float = 0.0
@@ -20,17 +26,17 @@ class TimeMap:
 
     @property
     def settled(self) -> float:
-        """When the rate stops changing [s]."""
+        """Time at which the rate stops changing [s]."""
         return self.since + abs(self.last - self.first) / self.slope
 
     def rate(self, time: float) -> float:
-        """The rate at an instant [s]."""
+        """Return the rate at a time [s]."""
         if self.first == self.last or time >= self.settled:
             return self.last
         return self.first + math.copysign(self.slope, self.last - self.first) * max(time - self.since, 0.0)
 
     def program_time(self, time: float) -> float:
-        """Program time [s] at an instant [s]."""
+        """Return the program time [s] at a time [s]."""
         passed = time - self.since
         if self.first == self.last:
             return self.program + self.last * passed
@@ -40,7 +46,7 @@ class TimeMap:
         return self.program + self.first * ramp + slope * ramp**2 / 2.0 + self.last * (passed - ramp)
 
     def instant(self, program: float) -> float:
-        """When program time gets there [s]; infinite if it never does."""
+        """Return the time at which program time reaches a value [s]; infinite if it never does."""
         ahead = program - self.program
         if ahead <= 0.0:
             return self.since
@@ -52,14 +58,23 @@ class TimeMap:
             return self.since + changing + (ahead - in_ramp) / self.last if self.last > 0.0 else math.inf
         slope = math.copysign(self.slope, self.last - self.first)
         root = math.sqrt(max(self.first**2 + 2.0 * slope * ahead, 0.0))
-        # the form without cancellation
+        # form of the root without cancellation
         return self.since + 2.0 * ahead / (self.first + root)
 
     def towards(self, time: float, rate: float, slope: float) -> TimeMap:
-        """The map from an instant on at which another rate is asked for."""
+        """Return the map from a time on at which another rate is requested.
+
+        Args:
+            time: start of the change [s].
+            rate: the new rate.
+            slope: slope of the change [1/s].
+        """
         return TimeMap(time, self.program_time(time), self.rate(time), rate, max(slope, 1e-9))
 
 
 def slew(i10: float, variable: float) -> float:
-    """How fast the rate changes [1/s]: by Isx94 or Isx95 each servo interrupt, in units of I10 (TSRM 177-193)."""
+    """Return the slope of the rate [1/s].
+
+    The rate changes by Isx94 or Isx95 (`variable`) in each servo interrupt, in units of I10 (TSRM 177-193).
+    """
     return max(variable, 1e-6) * 2.0**23 / max(i10, 1.0) ** 2 * 1e3

@@ -1,4 +1,4 @@
-"""What stops motors: limits, following errors, amplifier faults, and which other motors they take with them."""
+"""Stops of motors by limits, following errors and amplifier faults, and of other motors with them."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from yarclang.simulator.motion.motors import Motor
 from yarclang.simulator.motion.system import CoordinateSystem
 
 _NO_SWITCHES = 0x20000
-"""Bit 17 of Ixx24: limit switches aren't looked at."""
+"""Bit 17 of Ixx24: limit switches are ignored."""
 
 
 class Surroundings(drive.Surroundings, Protocol):
@@ -24,7 +24,7 @@ class Surroundings(drive.Surroundings, Protocol):
 
 
 def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
-    """A motor meets a `limit` (its coordinate system aborts) or a fatal following error (it is killed)."""
+    """Stop a motor. For the cause "limit" its coordinate system aborts; for another cause it is killed."""
     system = outside.system_of(motor)
     motor.trip = None
     if cause != "limit":
@@ -41,8 +41,10 @@ def tripped(outside: Surroundings, motor: Motor, cause: str) -> None:
 
 
 def kill(outside: Surroundings, motor: Motor) -> None:
-    """A fault kills the motor; with which others, Ixx24 bits 22 and 21 say: 0 all, 1 those of its
-    coordinate system, else none (assumed).
+    """Kill a motor after a fault.
+
+    Ixx24 bits 22 and 21 select the other motors to kill: 0 all, 1 those of its coordinate system, otherwise
+    none (assumed).
     """
     extent = int(motor.tuning(24)) >> 21 & 3
     system = outside.system_of(motor)
@@ -62,12 +64,12 @@ def kill(outside: Surroundings, motor: Motor) -> None:
 
 
 def switch(motor: Motor, side: int, on: bool) -> None:
-    """A limit switch of a motor opens or closes; `side` is +1 or -1."""
+    """Set the state of a limit switch of a motor; `side` is +1 or -1."""
     motor.switches[1 if side > 0 else -1] = on and not int(motor.tuning(24)) & _NO_SWITCHES
 
 
 def look(outside: Surroundings, motor: Motor) -> None:
-    """What may trip a motor has changed: whether it trips at once, or on its way."""
+    """Check after a change of limits or switches if a motor trips, now or on its way."""
     if motor.closed and (cause := motor.tripped(*motor.place(outside.now))):
         tripped(outside, motor, cause)
         return

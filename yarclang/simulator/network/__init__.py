@@ -1,6 +1,6 @@
-"""The simulator on a network, or beside the code that uses it.
+"""The simulator on a network, or within the process that uses it.
 
-`ports.py` is who sends lines, `reply.py` what is answered. `ethernet.py` is the protocol without a socket,
-`server.py` its socket and clock, `embedded.py` a server within the client's process, whose time `leash.py`
-holds.
+`ports.py` has the senders of lines, and `reply.py` the answers. `ethernet.py` is the protocol without a
+socket, `server.py` its socket and clock, and `embedded.py` a server within the client's process, whose time
+`leash.py` keeps together with the client's.
 """

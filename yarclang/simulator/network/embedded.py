@@ -1,4 +1,4 @@
-"""A simulator beside the code that uses it: a machine on a free loopback port, served by a thread of its own."""
+"""A simulator within the process that uses it: a machine on a free loopback port, served by a thread."""
 
 from __future__ import annotations
 
@@ -15,23 +15,24 @@ from yarclang.simulator.network.leash import Leash
 from yarclang.simulator.network.server import SimulatorServer, wall_clock
 
 _STOP_TIME = 1.0
-"""A server that needs longer to stop hangs in its machine [s]."""
+"""Time after which a server that doesn't stop counts as hanging [s]."""
 
 
 class EmbeddedSimulator:
-    """Serves a machine as long as the context lasts; until then nobody else may touch the machine.
+    """Serves a machine as long as the context lasts. Meanwhile no other code may use the machine.
 
     Args:
         machine: the machine.
-        rate: seconds of the machine a second; None is as fast as it goes.
-        faults: what shall go wrong.
-        seed: of the faults.
-        tell: gets a line for a person whenever something is odd; called in the simulator's thread.
-        leashed: whether the machine's time waits for its client where the computer has too much else to do (`leash.py`).
+        rate: seconds of the machine's time per second; None is as fast as possible.
+        faults: the faults to inject.
+        seed: seed of the faults.
+        tell: called with a line of text for each unusual event, in the simulator's thread.
+        leashed: True if the machine's time waits for its client on a busy computer (`leash.py`).
 
     Attributes:
-        port: where it listens.
-        leash: for the client that looks after the robot; None if the machine isn't leashed, or is as fast as it goes.
+        port: the port on which it listens.
+        leash: leash for the client that supervises the robot; None if the machine isn't leashed, or runs as
+            fast as possible.
     """
 
     def __init__(
@@ -56,10 +57,10 @@ class EmbeddedSimulator:
         self._ending: asyncio.Event
 
     def __enter__(self) -> EmbeddedSimulator:
-        """Listen; `port` tells where.
+        """Start to listen on `port`.
 
         Raises:
-            OSError: the loopback address can't be listened on.
+            OSError: if the loopback address can't be listened on.
         """
         self._thread.start()
         self.port = self._listens.result()
@@ -71,28 +72,29 @@ class EmbeddedSimulator:
         """Close all connections and stop.
 
         Raises:
-            Exception: as `check`. An error inside the machine comes before what follows from it.
+            Exception: an error inside the machine, as in `check`, which replaces errors that follow from it.
+            RuntimeError: if the server doesn't stop.
         """
         with contextlib.suppress(RuntimeError):  # its loop has ended by an error
             self._loop.call_soon_threadsafe(self._ending.set)
         self._thread.join(_STOP_TIME)
         if error is not None and not isinstance(error, Exception):
-            return  # somebody wants to leave
+            return  # an interrupt by the user, or an exit
         self.check()
         if self._thread.is_alive() and error is None:
             raise RuntimeError(f"the simulator doesn't stop within {_STOP_TIME:g} s")
 
     def check(self) -> None:
-        """Look whether the machine is well.
+        """Check that the machine is still served.
 
         Raises:
-            Exception: what went wrong inside it: a bug of ours. It isn't served any more.
+            Exception: the error inside the machine that ended its server, which is a bug of the simulator.
         """
         if self._error is not None:
             raise self._error
 
     def _run(self) -> None:
-        """What the thread does."""
+        """Run the server; the body of the thread."""
         try:
             asyncio.run(self._serve())
         except Exception as error:

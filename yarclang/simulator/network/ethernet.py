@@ -1,9 +1,9 @@
 """The controller's end of its Ethernet protocol, without a socket: bytes to packets, packets to replies.
 
-What a packet does follows pmac-facts 6. Where the manuals are silent, this is what the simulator does (a guess each):
-packets that come before the reply to the one before wait for their turn; an unknown code has no reply; a
-length that no packet has ends the connection; what is left of a reply waits for GETBUFFER until FLUSH, and goes
-before what comes later; lines of a WRITEBUFFER count from 1.
+The effects of packets follow pmac-facts 6. The manuals leave some points open, where the simulator makes
+these assumptions: packets that come before the reply to an earlier one wait for their turn; an unknown code
+has no reply; an impossible length ends the connection; the rest of a reply waits for GETBUFFER until FLUSH,
+and is sent before later replies; lines of a WRITEBUFFER count from 1.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from yarclang.pmac.requests import Code
 from yarclang.simulator.machine import Machine
 
 _MOST_WAITING = 1 << 24
-"""Bytes of replies that wait to be fetched; what goes beyond is lost."""
+"""Most bytes of replies that wait to be fetched. Further bytes are lost."""
 
 _MEMORY = 1 << 14
 """Size of the dual-ported memory [bytes]."""
 
 _FACTORY_ADDRESS = bytes((192, 6, 94, 5))
-"""The address that a new controller has."""
+"""IP address of a new controller."""
 
 _TOO_LONG = 3
 """ERR003: data error."""
@@ -32,9 +32,15 @@ _UNPACK = struct.Struct(pmac.HEADER).unpack_from
 
 
 class Packet(NamedTuple):
-    """One request of a client. `up` means that `length` bytes are wanted; else `data` has so many.
+    """One request of a client.
 
-    `value` and `second` are wValue and wIndex.
+    Attributes:
+        up: True if the client wants `length` bytes. Otherwise it sends `data`.
+        code: the request.
+        value: wValue.
+        second: wIndex.
+        length: number of bytes that are wanted, or sent.
+        data: the bytes that are sent.
     """
 
     up: bool
@@ -51,10 +57,10 @@ class PacketReader:
     def __init__(self) -> None:
         self._in = bytearray()
         self.broken: str | None = None
-        """Why nothing more can be cut from the stream: a header that no packet has."""
+        """Reason why the stream can't be read any further: an impossible header. None if it can."""
 
     def receive(self, data: bytes) -> list[Packet]:
-        """The packets that are whole with these bytes, in order; at most one packet is kept in part."""
+        """Return the packets that these bytes complete, in order. At most one incomplete packet is kept."""
         if self.broken is not None:
             return []
         if not self._in and len(data) >= pmac.HEADER_SIZE:
@@ -64,7 +70,7 @@ class PacketReader:
         return self._cut(data)
 
     def _cut(self, data: bytes) -> list[Packet]:
-        """Any number of packets, and parts of them."""
+        """Cut any number of packets from the bytes, which may end within a packet."""
         packets: list[Packet] = []
         buffer = self._in
         buffer += data
@@ -87,9 +93,12 @@ class PacketReader:
 
 
 class Station:
-    """One client's connection to the machine: its port, and replies that wait.
+    """One client's connection to the machine: its port, and replies that wait to be fetched.
 
-    `memory` is the dual-ported memory, which all connections share; nothing else of the machine sees it.
+    Args:
+        machine: the machine.
+        port: the machine's port of this client.
+        memory: dual-ported memory, which is shared by all connections. The machine itself doesn't see it.
     """
 
     def __init__(self, machine: Machine, port: int, memory: bytearray | None = None) -> None:
@@ -101,12 +110,12 @@ class Station:
         self._lines = 0
 
     def answer(self, packet: Packet) -> bytes:
-        """Do what a packet asks. Empty where nothing comes back."""
+        """Execute the request of a packet and return the reply; empty if there is none."""
         work = _WORK.get((packet.up, packet.code))
         return work(self, packet) if work is not None else b""
 
     def take_lines(self) -> int:
-        """How many lines WRITEBUFFER brought since the last call."""
+        """Return the number of lines that WRITEBUFFER has brought since the last call."""
         lines, self._lines = self._lines, 0
         return lines
 
@@ -122,7 +131,7 @@ class Station:
         return b"\x00"
 
     def _get_line(self, packet: Packet) -> bytes:
-        """Up to its CR; an ACK stands alone."""
+        """Return waiting bytes up to the first CR. An ACK is returned alone."""
         self._listen()
         end = self._waiting.find(b"\r") + 1
         return self._next(min(packet.length or pmac.MOST_REPLY, end or pmac.MOST_REPLY)) or b"\x00"
@@ -131,7 +140,7 @@ class Station:
         self._listen()
         return self._next(min(packet.length or pmac.MOST_REPLY, pmac.MOST_REPLY)) or b"\x00"
 
-    def _ready(self, packet: Packet) -> bytes:  # noqa: ARG002  (the same call for all codes)
+    def _ready(self, packet: Packet) -> bytes:  # noqa: ARG002  (one signature for all codes)
         self._listen()
         return b"\x01\x00" if self._waiting else b"\x00\x00"
 
@@ -140,7 +149,7 @@ class Station:
         return bytes((pmac.FLUSHED,))
 
     def _send_control(self, packet: Packet) -> bytes:
-        """What the character asks for waits; ^X forgets what does."""
+        """Execute a control character. Its reply waits to be fetched; ^X discards waiting replies."""
         if packet.value & 0xFF == 0x18:
             self._waiting.clear()
         self._wait(self._controlled(packet))
@@ -150,12 +159,14 @@ class Station:
         return self._controlled(packet)[: pmac.MOST_REPLY] or b"\x00"
 
     def _controlled(self, packet: Packet) -> bytes:
-        """The values that a control character asks for, without an ACK (pmacAsynIPPort knows of none)."""
+        """Return the values that a control character asks for. pmacAsynIPPort expects no ACK."""
         reply = self._machine.control(packet.value & 0xFF, self._port)
         return b"".join(item.encode("ascii", "replace") + b"\r" for item in reply.items)
 
     def _write_buffer(self, packet: Packet) -> bytes:
-        """Lines up to the first that is refused (TUM 418); too many bytes are refused as a whole (a guess)."""
+        """Execute lines up to the first that is refused (TUM 418). Too many bytes are refused as a whole
+        (assumed).
+        """
         lines = packet.data.split(b"\0")
         if not lines[-1]:
             lines.pop()
@@ -186,14 +197,14 @@ class Station:
         return b"\x00"
 
     def _acknowledge(self, packet: Packet) -> bytes:  # noqa: ARG002
-        """Hardware that the simulator hasn't got."""
+        """Acknowledge a request to hardware that the simulator doesn't have."""
         return b"\x00"
 
     def _address(self, packet: Packet) -> bytes:  # noqa: ARG002
         return _FACTORY_ADDRESS
 
     def _listen(self) -> None:
-        """What programs have sent by themselves waits too."""
+        """Add the texts that programs have sent to the waiting replies."""
         for message in self._machine.messages(self._port):
             self._wait(message.encode("ascii", "replace") + b"\r")
 
@@ -228,5 +239,5 @@ _WORK: dict[tuple[bool, int], Callable[[Station, Packet], bytes]] = {
 
 
 def _text(data: bytes) -> str:
-    """A line as text, without the end that some clients send; bytes beyond ASCII stay what they are."""
+    """Return a line as text, without the line end that some clients send. Bytes beyond ASCII are kept."""
     return data.rstrip(b"\r\n\0").decode("latin-1")

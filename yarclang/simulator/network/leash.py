@@ -1,9 +1,11 @@
-"""How far a simulator in the process of its client may go ahead of it.
+"""Leash that limits the time by which a simulator may run ahead of the client in its process.
 
-Both share one computer: where it has too much else to do, neither gets on. With the wall clock the simulated controller would go on all the same as soon as it
-gets a turn, run out of lines, and hold. On a leash it waits for its client, and the time for which it waited is left out: the simulation is slower, and otherwise the same.
+Both share one computer. If it is busy, neither makes progress. With the wall clock, the simulated controller
+would catch up as soon as it runs again, use up its lines, and hold. On a leash, it waits for its client, and
+the time of waiting is left out: the simulation is slower, but otherwise unchanged.
 
-A client that takes the leash (`Leash`) has the machine's time for its own clock, and says up to when it may pass. For any other client the machine goes `AHEAD` of the last question at most.
+A client that takes the leash (`Leash`) uses the machine's time as its own clock, and sets the time up to
+which the machine may run. For any other client, the machine runs at most `AHEAD` beyond the last request.
 """
 
 from __future__ import annotations
@@ -11,31 +13,41 @@ from __future__ import annotations
 from collections.abc import Callable
 
 AHEAD = 0.06
-"""How far the machine may go ahead of what was asked last, by a client that doesn't take the leash: more than lies between two questions of any client that looks after a robot, whose longest pause is 0.05 s; less than the 0.1 s that the guard PLC allows a client to be late [s of the machine]."""
+"""Time that the machine may run ahead of the last request of a client without the leash [s of the machine].
+
+It is more than the pause between two requests of any client that supervises a robot, which is at most 0.05 s,
+and less than the 0.1 s by which the guard PLC allows a client to be late.
+"""
 
 EXCHANGE = 0.02
-"""Longest time of the machine from a step of the client that has the leash to the next one, at any rate [s of the machine]. The longest row of questions between two that wind the watchdog up takes less than half of its 0.4 s."""
+"""Longest time between two steps of the client with the leash, at any rate [s of the machine].
+
+The longest series of requests between two that reset the watchdog takes less than half of its 0.4 s.
+"""
 
 _TICK = 0.005
 _FINEST = 0.0005
 
 
 def tick(rate: float) -> float:
-    """Return how often time passes while no packets come [s of the wall clock]: at a great rate no more than `EXCHANGE` passes at once, if the computer is that quick."""
+    """Return the period at which time is advanced while no packets come [s of the wall clock].
+
+    At a great rate, at most `EXCHANGE` passes at once, if the computer is fast enough.
+    """
     return min(_TICK, max(EXCHANGE / rate, _FINEST))
 
 
 class Leash:
-    """The time of a machine, shared by the threads of the machine and of the client that has the leash.
+    """The time of a machine, shared by the thread of the machine and that of the client with the leash.
 
-    Each attribute is written by one of both threads alone.
+    Each attribute is written by only one of the two threads.
 
     Args:
-        rate: seconds of the machine a second.
-        clock: that of the wall [s], the same in all threads.
+        rate: seconds of the machine's time per second.
+        clock: returns the time of the wall clock [s], which all threads share.
 
     Attributes:
-        until: up to when the machine's time may pass, set by the client [s]; None: nobody has the leash.
+        until: time up to which the machine may run, set by the client [s]; None if no client has the leash.
     """
 
     def __init__(self, rate: float, clock: Callable[[], float]) -> None:
@@ -48,15 +60,18 @@ class Leash:
         self._last = 0.0
 
     def tell(self, now: float) -> None:
-        """Tell the machine's time [s]. For the machine's thread."""
+        """Publish the machine's time [s]. For the machine's thread."""
         self._told = now, self._clock()
 
     def stop(self) -> None:
-        """Tell that the machine is gone: from now on the clock is that of the wall. For the machine's thread."""
+        """Let `now` follow the wall clock, since the machine has stopped. For the machine's thread."""
         self._stopped = True
 
     def now(self) -> float:
-        """Return the machine's time [s], which passes between two of its ticks, too, and never goes back. For the client's thread."""
+        """Return the machine's time [s]. For the client's thread.
+
+        It also passes between two ticks of the machine, and never goes back.
+        """
         told, then = self._told
         passed = self._clock() - then
         now = told + self._rate * (passed if self._stopped else min(passed, self._ahead))

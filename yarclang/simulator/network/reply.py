@@ -1,4 +1,4 @@
-"""What the controller answers to a line, and how I3 and I6 put it on the wire (TSRM 37-38, PSRM 25)."""
+"""Replies of the controller to a line, and their framing by I3 and I6 (TSRM 37-38, PSRM 25)."""
 
 from __future__ import annotations
 
@@ -10,23 +10,28 @@ CR = b"\r"
 LF = b"\n"
 
 _ACKNOWLEDGED = {0: b"", 1: LF}
-"""What ends a reply, by I3; else it is ACK."""
+"""End of a reply by I3; ACK for other values."""
 
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """The values that a line asked for, in order, and the number of the error that ended it, if one did."""
+    """Reply to a line.
+
+    Attributes:
+        items: the values that the line asked for, in order.
+        error: number of the error that ended the line; None without one.
+    """
 
     items: tuple[str, ...] = ()
     error: int | None = None
 
     @property
     def text(self) -> str:
-        """All values, one a line."""
+        """All values, one per line."""
         return "\n".join(self.items)
 
 
-class Refusal(Exception):  # noqa: N818 - what the controller does; the bugs of the house are errors
+class Refusal(Exception):  # noqa: N818 - behaviour of the controller, not an error of the simulator
     """The controller refuses a command with ERR`number`."""
 
     def __init__(self, number: int) -> None:
@@ -35,11 +40,16 @@ class Refusal(Exception):  # noqa: N818 - what the controller does; the bugs of 
 
 
 def framed(reply: Reply, i3: int, i6: int) -> bytes:
-    """The bytes of a reply.
+    """Return the bytes of a reply.
 
-    I3 says how data and acknowledgment are framed: 0 DATA CR; 1 LF DATA CR ... LF; 2 DATA CR ... ACK;
-    3 LF DATA CR ... ACK. I6 says how an error is: 0 and 2 BEL alone, 1 BEL ERRnnn CR, 3 BEL CR ERRnnn CR.
+    I3 selects the framing of data and acknowledgment: 0 DATA CR; 1 LF DATA CR ... LF; 2 DATA CR ... ACK;
+    3 LF DATA CR ... ACK. I6 selects that of an error: 0 and 2 BEL alone, 1 BEL ERRnnn CR, 3 BEL CR ERRnnn CR.
     No acknowledgment follows an error.
+
+    Args:
+        reply: the reply.
+        i3: value of I3.
+        i6: value of I6.
     """
     feed = LF if i3 in (1, 3) else b""
     between = "\r\n" if feed else "\r"

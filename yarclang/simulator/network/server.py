@@ -1,6 +1,6 @@
-"""The simulator's socket and clock: serves a machine to clients, and moves its time with the wall clock.
+"""The simulator's socket and clock: serves a machine to clients, and advances its time with the wall clock.
 
-The only module of the simulator that knows time and the network.
+This is the only module of the simulator that uses clocks and the network.
 """
 
 from __future__ import annotations
@@ -21,35 +21,38 @@ from yarclang.simulator.network.ethernet import Packet, PacketReader, Station
 from yarclang.simulator.network.leash import AHEAD, Leash, tick
 
 LOOPBACK = "127.0.0.1"
-"""Where the simulator listens unless it is told otherwise: nobody else can reach it."""
+"""Default address to listen on, which no other computer can reach."""
 
 _TICK = 0.005
-"""How often time passes while no packets come [s]."""
+"""Period at which time is advanced while no packets come [s]."""
 
 _FINE = 0.0005
-"""A packet finds the machine's time no older than this [s of its time]."""
+"""Largest delay of the machine's time when a packet is executed [s of the machine]."""
 
 _SLACK = 0.25
-"""Wall time that passed while the process couldn't run: more than this at once is left out [s]."""
+"""Most wall time that is made up at once after the process couldn't run [s]. The rest is left out."""
 
 _STRIDE = 0.02
-"""How far time goes at once [s of the machine]; at the greatest rate, with every turn of the event loop."""
+"""Largest step of the machine's time [s of the machine]. Without a rate, each turn of the loop makes one."""
 
 _BURST = 0.005
-"""Wall time that the machine's time may take of the computer's at once [s]: clients come between."""
+"""Longest wall time for which the machine is advanced before clients are served again [s]."""
 
 _STAY = 0.0002
-"""How long a reply's reader is waited for before other work is done: one that asks again at once is answered at once [s]."""
+"""Wall time for which the server waits for the next request after a reply, before other work [s].
+
+A client that asks again immediately is then answered immediately.
+"""
 
 _RECEIVED = 1 << 16
-"""Most bytes that are taken from a socket at once."""
+"""Most bytes that are read from a socket at once."""
 
 _MEMORY = 1 << 14
 """Size of the dual-ported memory [bytes]."""
 
 
 def wall_clock() -> float:
-    """Return the time of the wall clock [s], from any beginning."""
+    """Return the time of the wall clock [s], counted from an arbitrary start."""
     return time.monotonic()
 
 
@@ -57,15 +60,15 @@ class SimulatorServer:
     """A machine on a TCP port, in the running event loop.
 
     Args:
-        machine: the machine; while it is served, nobody else may advance it.
+        machine: the machine. While it is served, no other code may advance it.
         host: address to listen on.
-        port: 0 takes any that is free; `port` tells which.
-        rate: seconds of the machine a second; None is as fast as it goes.
-        faults: what shall go wrong.
-        seed: of the faults.
-        tell: gets a line for a person whenever something happens that isn't a client's doing, or odd.
-        leash: on which the machine's time waits for its clients; the time for which it waits is left out. None: it keeps up with the wall clock.
-            Means nothing to a machine that is as fast as it goes.
+        port: port to listen on; 0 for any free port, which the attribute `port` then has.
+        rate: seconds of the machine's time per second; None is as fast as possible.
+        faults: the faults to inject.
+        seed: seed of the faults.
+        tell: called with a line of text for each unusual event, and for each event not caused by a client.
+        leash: leash by which the machine's time waits for its clients. The time of waiting is left out. With
+            None, the machine follows the wall clock. It has no effect if the rate is None.
     """
 
     def __init__(
@@ -98,16 +101,16 @@ class SimulatorServer:
         self.loop: asyncio.AbstractEventLoop
 
     async def start(self) -> None:
-        """Listen, and let time pass.
+        """Start to listen, and to advance the time.
 
         Raises:
-            OSError: the address can't be listened on.
+            OSError: if the address can't be listened on.
         """
         self.loop = asyncio.get_running_loop()
         self._failed = self.loop.create_future()
         self._server = await self._listen(self.port)
         ports = [each.getsockname()[1] for each in self._server.sockets]
-        if len(set(ports)) > 1:  # each address of a name has got one of its own
+        if len(set(ports)) > 1:  # each address of the host name got a port of its own
             self._server.close()
             self._server = await self._listen(ports[0])
         self.port = ports[0]
@@ -134,7 +137,7 @@ class SimulatorServer:
         """Wait until cancelled.
 
         Raises:
-            Exception: what went wrong inside the machine: a bug of ours.
+            Exception: an error inside the machine, which is a bug of the simulator.
         """
         assert self._failed is not None, "start first"
         await asyncio.shield(self._failed)
@@ -149,14 +152,14 @@ class SimulatorServer:
         await self.close()
 
     def catch_up(self) -> None:
-        """Let the machine's time pass up to now."""
+        """Advance the machine's time up to now."""
         if self.rate is None:
             return
         now = self.loop.time()
         due = min(now - self._since, _SLACK) * self.rate
         if due > (most := self._most()):
             due = most
-            self._since = now - due / self.rate  # what is beyond is left out
+            self._since = now - due / self.rate  # the time beyond is left out
         if due < _FINE:
             return
         while due > 0.0:
@@ -174,28 +177,28 @@ class SimulatorServer:
             self._leash.tell(self.machine.now)
 
     def _most(self) -> float:
-        """Return how far time may go now [s of the machine]: without bounds, unless it waits for a client."""
-        # a fault that keeps a reply back ends with time
+        """Return the time by which the machine may be advanced now [s]; infinite without a leash."""
+        # A fault that delays a reply ends only if time passes.
         if self._leash is None or not self._clients or any(one.kept for one in self._clients.values()):
             return math.inf
         until = self._leash.until
         return max(0.0, AHEAD - self._ahead if until is None else until - self.machine.now)
 
     def asked(self) -> None:
-        """A client is there, or has asked something."""
+        """Note that a client has connected, or has sent a request."""
         self._ahead = 0.0
 
     def tell(self, text: str) -> None:
-        """Say to the person who runs the server what is odd."""
+        """Report an unusual event to the user of the server."""
         if self._tell is not None:
             self._tell(text)
 
     def wall(self, seconds: float) -> float:
-        """Seconds of the wall clock for seconds of the machine."""
+        """Return the time of the wall clock [s] for a time of the machine [s]."""
         return seconds / self.rate if self.rate is not None else seconds
 
     def act(self) -> None:
-        """Do what faults do to connections."""
+        """Apply faults to the connections."""
         if self.troubles.dropped():
             self.drop_all()
 
@@ -205,7 +208,7 @@ class SimulatorServer:
             client.drop()
 
     def fail(self, error: Exception) -> None:
-        """Something inside the machine went wrong: no more connections, and `serve` raises it."""
+        """Close all connections after an error inside the machine, which `serve` raises."""
         self._let_go()
         if self._failed is not None and not self._failed.done():
             self._failed.set_exception(error)
@@ -218,7 +221,7 @@ class SimulatorServer:
             self._leash.stop()
 
     def join(self, client: _Client) -> int | None:
-        """The port of the machine for a new client; None if it has no more."""
+        """Return the machine's port for a new client; None if all ports are in use."""
         free = [port for port in range(pmac.CLIENTS) if port not in self._clients]
         if not free:
             self.tell(f"another client is turned away: the controller keeps {pmac.CLIENTS} connections")
@@ -228,7 +231,7 @@ class SimulatorServer:
         return free[0]
 
     def leave(self, client: _Client) -> None:
-        """A client has gone."""
+        """Remove a client that has disconnected."""
         self._clients = {port: one for port, one in self._clients.items() if one is not client}
 
     def _tick(self) -> None:
@@ -250,7 +253,7 @@ class SimulatorServer:
 
 
 class _Client(asyncio.Protocol):
-    """One connection: packets are answered one after the other."""
+    """One connection, which answers packets one after the other."""
 
     def __init__(self, server: SimulatorServer) -> None:
         self._server = server
@@ -265,7 +268,7 @@ class _Client(asyncio.Protocol):
 
     @property
     def kept(self) -> bool:
-        """True if a fault keeps a reply back."""
+        """True if a fault delays a reply."""
         troubles = self._server.troubles
         return self._held is not None or (bool(self._packets) and troubles.any and troubles.frozen)
 
@@ -288,9 +291,10 @@ class _Client(asyncio.Protocol):
             data = self._at_once() if time.perf_counter() - begun < _TICK else b""
 
     def _at_once(self) -> bytes:
-        """What the client sends as soon as it has its reply; nothing if it doesn't.
+        """Return the bytes that the client sends immediately after a reply; empty if there are none.
 
-        To sleep and be woken takes longer than to answer: the event loop alone makes a third of the round trips.
+        To sleep and wake up takes longer than to answer. With the event loop alone, there would be only a
+        third as many round trips.
         """
         wire, transport = self._wire, self._transport
         if (
@@ -311,7 +315,7 @@ class _Client(asyncio.Protocol):
                 continue
             except OSError:
                 break
-        return b""  # a closed connection is told by the event loop
+        return b""  # the event loop reports a closed connection
 
     def connection_lost(self, exc: Exception | None) -> None:  # noqa: ARG002  (asyncio's signature)
         self._server.leave(self)
@@ -323,7 +327,7 @@ class _Client(asyncio.Protocol):
             self._held.cancel()
 
     def pause_writing(self) -> None:
-        """The client doesn't read its replies."""
+        """Stop answering, since the client doesn't read its replies."""
         self._full = True
 
     def resume_writing(self) -> None:
@@ -337,7 +341,7 @@ class _Client(asyncio.Protocol):
             self._transport.abort()
 
     def work(self) -> None:
-        """Answer what can be answered now; read on only if nothing is left over."""
+        """Answer the packets that can be answered now. Continue to read only if none is left."""
         try:
             self._answer()
         except Exception as error:
@@ -373,7 +377,7 @@ class _Client(asyncio.Protocol):
 
     def _release(self, reply: bytes) -> None:
         self._held = None
-        if self._server.troubles.frozen:  # goes out with the thaw
+        if self._server.troubles.frozen:  # it is sent after the freeze
             self._held = self._server.loop.call_later(_TICK, self._release, reply)
             return
         self._write(reply)

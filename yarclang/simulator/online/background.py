@@ -1,4 +1,4 @@
-"""The background interpreter: lines that programs give to it (CMD)."""
+"""The background interpreter, which executes lines of programs (CMD)."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _LONGEST_QUEUE = 64
 
 
 class Interpreter(Protocol):
-    """What executes lines, and what its ports have open."""
+    """Executes lines, and has ports and buffers."""
 
     ports: dict[int, Port]
     buffers: Buffers
 
     def command(self, line: str, port: int = 0) -> Reply:
-        """Execute a line, or store it."""
+        """Execute a line, or store it in an open buffer."""
         ...
 
     def control(self, character: int, port: int = 0) -> Reply:
@@ -29,23 +29,23 @@ class Interpreter(Protocol):
 
 
 class Background:
-    """Executes lines on a port of its own. What it answers goes nowhere; an error neither (I6 = 2 and 0 hush it)."""
+    """Executes lines on a port of its own. Replies and errors are discarded (as with I6 = 2 and 0)."""
 
     def __init__(self, interpreter: Interpreter) -> None:
         self._interpreter = interpreter
         self._queue: deque[tuple[str, int, int]] = deque()
 
     def put(self, text: str, system: int, motor: int) -> None:
-        """A line, and what it addresses."""
+        """Queue a line, with the coordinate system and motor that it addresses."""
         if len(self._queue) < _LONGEST_QUEUE:
             self._queue.append((text, system, motor))
 
     def clear(self) -> None:
-        """Forget what waits."""
+        """Discard the queue."""
         self._queue.clear()
 
     def handle(self) -> None:
-        """Execute what waits."""
+        """Execute the queued lines."""
         if not self._queue:
             return
         due, self._queue = self._queue, deque()
@@ -56,6 +56,6 @@ class Background:
             else:
                 self._interpreter.command(text, PORT)
             if PORT not in self._interpreter.ports:
-                # a reset: nothing that waited behind it is left
+                # The line was a reset, which discards the lines after it.
                 return
             self._interpreter.buffers.release(port)

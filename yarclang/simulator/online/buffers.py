@@ -1,4 +1,4 @@
-"""On-line commands to buffers: OPEN, CLOSE, CLEAR, DEFINE, DELETE, LIST."""
+"""On-line commands for buffers: OPEN, CLOSE, CLEAR, DEFINE, DELETE, LIST."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ _KINDS = {"PRO": "prog", "PLC": "plc", "ROT": "rotary"}
 
 
 def open_buffer(line: Line, found: re.Match[str]) -> None:
-    """OPEN PROG n, OPEN PLC n, OPEN ROT."""
+    """Execute OPEN PROG n, OPEN PLC n or OPEN ROT."""
     kind = _KINDS[found[1][:3]]
     number = 0 if kind == "rotary" else line.reader.whole()
     line.machine.buffers.open(line.port, kind, number)
 
 
 def close(line: Line, found: re.Match[str]) -> None:
-    """CLOSE, or CLOSE ALL."""
+    """Execute CLOSE or CLOSE ALL."""
     line.machine.buffers.close(None if found[1] else line.port)
 
 
 def clear(line: Line, found: re.Match[str]) -> None:
-    """CLEAR the open buffer; CLEAR ALL and CLEAR PLC n."""
+    """Execute CLEAR for the open buffer, CLEAR ALL or CLEAR PLC n."""
     if found[1]:
         line.machine.buffers.clear_plcs(line.reader.numbers(LAST_PLC) if found[1] != "ALL" else None)
     elif not line.port.open:
@@ -38,7 +38,7 @@ def clear(line: Line, found: re.Match[str]) -> None:
 
 
 def define(line: Line, found: re.Match[str]) -> None:
-    """DEFINE ROT n; other buffers are sizes that mean nothing here."""
+    """Execute DEFINE ROT n. The sizes of other buffers have no effect."""
     reader, machine = line.reader, line.machine
     if found[1].startswith("ROT"):
         machine.buffers.define_rotary(line.port.system, reader.whole())
@@ -50,7 +50,7 @@ def define(line: Line, found: re.Match[str]) -> None:
 
 
 def delete(line: Line, found: re.Match[str]) -> None:
-    """DELETE ROT, and of other buffers, which is nothing here."""
+    """Execute DELETE ROT or DELETE GATHER. Other buffers have no effect."""
     if found[1].startswith("ROT"):
         line.machine.buffers.delete_rotary(line.port.system)
     elif found[1].startswith("GAT"):
@@ -58,7 +58,7 @@ def delete(line: Line, found: re.Match[str]) -> None:
 
 
 def listing(line: Line, found: re.Match[str]) -> None:
-    """LIST PROG n with the first line and their number, LIST PLC n, LIST ROT."""
+    """Execute LIST PROG n, with the first line and the number of lines, LIST PLC n or LIST ROT."""
     reader, machine = line.reader, line.machine
     lines: Sequence[program.Line]
     first, count = 0, None
@@ -84,5 +84,5 @@ def listing(line: Line, found: re.Match[str]) -> None:
 
 
 def _argument(reader: Reader) -> int | None:
-    """A number behind a comma."""
+    """Read a number after a comma; None without one."""
     return reader.whole() if reader.takes(",") and reader.has_data() else None

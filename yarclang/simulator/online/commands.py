@@ -1,4 +1,4 @@
-"""The table of the on-line commands: their forms, and what executes them."""
+"""Table of the on-line commands: their forms, and the functions that execute them."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from yarclang.simulator.online import buffers, controller, motors, systems, vari
 from yarclang.simulator.online.line import Line
 
 Action = Callable[[Line, "re.Match[str]"], None]
-"""Executes a command whose form has been read; the line goes on behind it."""
+"""Executes a command whose form has been read. The reader of the line is at the end of that form."""
 
 _LONE = r"(?![A-Z\d(.$+\-=])"
-"""Behind a single letter that isn't the start of a longer word."""
+"""Pattern after a single letter that isn't the start of a longer word."""
 
 
 def command_at(text: str, at: int) -> tuple[Action, re.Match[str]] | None:
-    """The command that begins at a place of a text, if one does."""
+    """Return the command that begins at index `at` of a text, and its match; None without one."""
     for pattern, action in _BY_FIRST.get(text[at], ()):
         if found := pattern.match(text, at):
             return action, found
@@ -72,7 +72,7 @@ _COMMANDS: tuple[tuple[str, re.Pattern[str], Action], ...] = tuple(
         ("PVF", rf"[PVF](?=[PVF]*{_LONE})", motors.report),
     )
 )
-"""The characters that a command can begin with, its form, and what it does; the first that fits counts."""
+"""First characters, form and function of each command. The first form that matches applies."""
 
 _BY_FIRST: dict[str, tuple[tuple[re.Pattern[str], Action], ...]] = {
     first: tuple((pattern, action) for firsts, pattern, action in _COMMANDS if first in firsts)

@@ -1,4 +1,4 @@
-"""On-line commands to the controller as a whole: status, versions, PLCs, SAVE and reset."""
+"""On-line commands for the controller as a whole: status, versions, PLCs, SAVE and reset."""
 
 from __future__ import annotations
 
@@ -23,23 +23,23 @@ _ANSWERS = {
 
 
 def status_words(line: Line, found: re.Match[str]) -> None:
-    """?, ?? and ???."""
+    """Answer ?, ?? or ???."""
     line.items.append(status.digits(line.machine, len(found[0]), line.port.motor, line.port.system))
 
 
 def fixed(line: Line, found: re.Match[str]) -> None:
-    """VER, TYPE, CID, VID, SID, DATE, CHKS: always the same."""
+    """Answer VER, TYPE, CID, VID, SID, DATE or CHKS by a constant."""
     line.items.append(_ANSWERS[found[0]])
 
 
 def time(line: Line, _: re.Match[str]) -> None:
-    """TIME: since it was switched on."""
+    """Answer TIME: the time since power-up."""
     seconds = int(line.machine.now) % 86400
     line.items.append(f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}")
 
 
 def plcs(line: Line, found: re.Match[str]) -> None:
-    """ENABLE, DISABLE, PAUSE, RESUME of PLCs; compiled ones (PLCC) there are none."""
+    """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs. There are no compiled PLCs (PLCC)."""
     name = {"ENA": "ENABLE", "DIS": "DISABLE"}.get(found[1], found[1])
     numbers = line.reader.numbers(LAST_PLC)
     if not found[2]:
@@ -47,13 +47,13 @@ def plcs(line: Line, found: re.Match[str]) -> None:
 
 
 def message(line: Line, found: re.Match[str]) -> None:
-    """SEND and CMD as on-line commands."""
+    """Execute SEND as an on-line command. CMD has no effect."""
     if found[1] == "SEND":
         line.items.append(found[2])
 
 
 def reset(line: Line, found: re.Match[str]) -> None:
-    """$$$ and $$$***."""
+    """Execute $$$ or $$$***."""
     if found[1]:
         line.machine.initialise()
     else:
@@ -61,9 +61,9 @@ def reset(line: Line, found: re.Match[str]) -> None:
 
 
 def save(line: Line, _: re.Match[str]) -> None:
-    """SAVE."""
+    """Execute SAVE."""
     line.machine.save()
 
 
 def nothing(_line: Line, _found: re.Match[str]) -> None:
-    """A command without an effect here."""
+    """Accept a command that has no effect here."""

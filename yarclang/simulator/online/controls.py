@@ -1,4 +1,4 @@
-"""Control characters (TSRM 259-270): orders for all motors or coordinate systems, and reports of eight motors."""
+"""Control characters (TSRM 259-270): commands to all motors or coordinate systems, reports of 8 motors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.simulator.state.registers import printed
 
 
 def control_reply(machine: Controller, character: int, port: Port) -> Reply:
-    """Execute a control character, 1 for ^A to 26 for ^Z. What has no meaning does nothing."""
+    """Execute a control character, 1 for ^A to 26 for ^Z. Unknown characters have no effect."""
     letter = chr(character + 64) if 1 <= character <= 26 else ""
     try:
         return Reply(tuple(_done(machine, letter, port)))

@@ -1,7 +1,7 @@
-"""On-line commands: what a line asks of the machine, one command after the other (TSRM 259-424).
+"""Execution of lines of on-line commands, one command after the other (TSRM 259-424).
 
-A line may hold several commands without anything between them. While a buffer is open on the port, what can
-be stored there is stored. The first error ends the line; what was done before it stays done.
+A line may hold several commands without anything between them. While a buffer is open on the port,
+statements that it can hold are stored. The first error ends the line; commands before it keep their effect.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def _execute(line: Line) -> None:
 
 
 def _stored(line: Line) -> bool:
-    """Store what comes next in the open buffer; False where nothing that comes next belongs there."""
+    """Store the next statements in the open buffer; return False if the buffer can't hold the next one."""
     reader, port = line.reader, line.port
     at = reader.at
     statements: list[Statement] = []

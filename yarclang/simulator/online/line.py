@@ -1,4 +1,4 @@
-"""A line while it is executed, and what holds for all lines."""
+"""A line during its execution, and the limits of all lines."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from yarclang.simulator.online.surroundings import Controller
 from yarclang.simulator.state.registers import Seen
 
 LONGEST = 255
-"""Characters of a line (facts 3)."""
+"""Most characters of a line (facts 3)."""
 
 LEGAL = re.compile(r"[\t\r\n -~]*").fullmatch
-"""Whether a line has no characters but those of the language."""
+"""Matches a line whose characters are all in the language."""
 
 
 class Line:
-    """A line from a port: what is left of it to be read, and what it has been answered so far.
+    """A line from a port, with its rest and the answers so far.
 
     Attributes:
         machine: the controller that executes it.
-        port: where it comes from, and what that addresses.
-        reader: the line, and the place in it.
+        port: the port it comes from, with its addressing.
+        reader: the line and the position in it.
         items: the answers.
     """
 
@@ -38,15 +38,15 @@ class Line:
 
     @property
     def motor(self) -> Motor:
-        """The motor that is addressed."""
+        """The addressed motor."""
         return self.machine.motors[self.port.motor]
 
     @property
     def system(self) -> CoordinateSystem:
-        """The coordinate system that is addressed."""
+        """The addressed coordinate system."""
         return self.machine.systems[self.port.system]
 
     @property
     def scope(self) -> Seen:
-        """The variables as that coordinate system sees them."""
+        """The variables as the addressed coordinate system sees them."""
         return self.machine.variables.scope(self.port.system)

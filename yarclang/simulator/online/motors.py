@@ -1,4 +1,4 @@
-"""On-line commands to the addressed motor: reports, jogs, home, K and O."""
+"""On-line commands for the addressed motor: reports, jogs, home, K and O."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from yarclang.simulator.online.questions import REPORTS
 
 
 def address(line: Line, found: re.Match[str]) -> None:
-    """#n, ##n, or # alone."""
+    """Execute #n or ##n, or answer # alone."""
     if not found[1]:
         line.items.append(str(line.port.motor))
         return
@@ -24,13 +24,13 @@ def address(line: Line, found: re.Match[str]) -> None:
 
 
 def report(line: Line, found: re.Match[str]) -> None:
-    """P (counts), V (counts per servo cycle), F (counts)."""
+    """Answer P (counts), V (counts per servo cycle) or F (counts)."""
     if text := REPORTS[found[0]](line.machine, line.port):
         line.items.append(text)
 
 
 def jog(line: Line, found: re.Match[str]) -> None:
-    """J and what follows it."""
+    """Execute a jog command: J and the rest of it."""
     machine, now = line.machine, line.machine.now
     motor = _free(line)
     if not motor.activated:
@@ -58,7 +58,11 @@ def jog(line: Line, found: re.Match[str]) -> None:
 
 
 def _free(line: Line) -> Motor:
-    """The addressed motor, if no program runs in its coordinate system (a hold lets it be jogged)."""
+    """Return the addressed motor, if no program runs in its coordinate system, or if it is held.
+
+    Raises:
+        Refusal: ERR001 while a program runs.
+    """
     motor = line.motor
     system = line.machine.system_of(motor)
     if system is not None and system.busy and system.drive.held_at is None:
@@ -81,7 +85,7 @@ def _target(line: Line, motor: Motor, kind: str) -> float:
 
 
 def home(line: Line, found: re.Match[str]) -> None:
-    """HM and HMZ."""
+    """Execute HM or HMZ."""
     motor, now = _free(line), line.machine.now
     if not motor.activated:
         raise Refusal(DATA)
@@ -95,14 +99,14 @@ def home(line: Line, found: re.Match[str]) -> None:
 
 
 def kill(line: Line, _: re.Match[str]) -> None:
-    """K."""
+    """Execute K."""
     motor = _free(line)
     motor.kill(line.machine.now)
     line.machine.changed([motor])
 
 
 def open_loop(line: Line, _: re.Match[str]) -> None:
-    """O: output in percent, open loop; the motor stands all the same (assumed)."""
+    """Execute O: open-loop output in percent. The motor doesn't move (assumed)."""
     motor = _free(line)
     line.reader.constant()
     motor.kill(line.machine.now)

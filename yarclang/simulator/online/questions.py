@@ -1,4 +1,4 @@
-"""Lines that only ask: `P1`, `#1P#2P`, `&1?`. Clients ask the same again and again, so each is read once."""
+"""Lines that only ask: `P1`, `#1P#2P`, `&1?`. Clients repeat them, so the parsed lines are cached."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.simulator.state.registers import printed
 from yarclang.simulator.state.wiring import Shown
 
 Question = Callable[[Shown, Port], str | None]
-"""Gives what is answered; None where it only addresses."""
+"""Returns the answer; None if it only addresses a motor or coordinate system."""
 
 _REMEMBERED = 1024
 _PART = re.compile(
@@ -27,7 +27,7 @@ _PART = re.compile(
 
 @lru_cache(_REMEMBERED)
 def questions(line: str) -> tuple[Question, ...]:
-    """What a line asks, in order; empty where it does anything else, or is refused."""
+    """Return the questions of a line, in order; empty if the line does anything else, or is refused."""
     if len(line) > LONGEST or not LEGAL(line):
         return ()
     text = cleaned(line)
@@ -44,7 +44,7 @@ def questions(line: str) -> tuple[Question, ...]:
 
 
 def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
-    """What a line that only asks is told; none of its questions can be refused."""
+    """Return the reply to a line that only asks. None of its questions can be refused."""
     items: tuple[str, ...] = ()
     for question in asked:
         if (item := question(machine, port)) is not None:
@@ -53,7 +53,7 @@ def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:
 
 
 def _question(part: re.Match[str]) -> Question | None:
-    """One part of a line; None for a number that doesn't exist."""
+    """Return the question of one part of a line; None for a number that doesn't exist."""
     match part.lastgroup:
         case "motor":
             return _motor(int(part[1])) if 1 <= int(part[1]) <= MOTORS else None
@@ -106,4 +106,4 @@ def _following_error(machine: Shown, port: Port) -> str:
 
 
 REPORTS: dict[str, Question] = {"P": _position, "V": _velocity, "F": _following_error}
-"""P (counts), V (counts per servo cycle), F (counts)."""
+"""Reports of the addressed motor: P (counts), V (counts per servo cycle), F (counts)."""

@@ -1,4 +1,4 @@
-"""What on-line commands reach: all that a line may ask of the controller, or order."""
+"""The controller as on-line commands see it."""
 
 from __future__ import annotations
 
@@ -18,29 +18,29 @@ class Controller(Shown, Protocol):
     plcs: Plcs
 
     def run(self, number: int, single_step: bool = False) -> None:
-        """R or S in a coordinate system.
+        """Execute R, or S for a single step, in a coordinate system.
 
         Raises:
-            Refusal: the program can't run.
+            Refusal: if the program can't run.
         """
         ...
 
     def switch_plcs(self, name: str, numbers: Sequence[int]) -> None:
-        """ENABLE, DISABLE, PAUSE, RESUME."""
+        """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs."""
         ...
 
     def changed(self, motors: Sequence[Motor]) -> None:
-        """Motors move otherwise from now on."""
+        """Record that motors move differently from now on."""
         ...
 
     def save(self) -> None:
-        """SAVE."""
+        """Execute SAVE."""
         ...
 
     def reset(self) -> None:
-        """$$$."""
+        """Execute $$$."""
         ...
 
     def initialise(self) -> None:
-        """$$$***."""
+        """Execute $$$***."""
         ...

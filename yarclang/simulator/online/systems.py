@@ -1,4 +1,4 @@
-"""On-line commands to the addressed coordinate system: axis definitions, programs, the override."""
+"""On-line commands for the addressed coordinate system: axis definitions, programs, the override."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST_PERCENT = 225.88
 
 
 def address(line: Line, found: re.Match[str]) -> None:
-    """&n, or & alone."""
+    """Execute &n, or answer & alone."""
     if not found[1]:
         line.items.append(str(line.port.system))
         return
@@ -26,7 +26,7 @@ def address(line: Line, found: re.Match[str]) -> None:
 
 
 def axes(line: Line, found: re.Match[str]) -> None:
-    """#n->: define, take away with 0, or report."""
+    """Execute #n->: define the axis of a motor, remove it (0), or report it."""
     number = int(found[1])
     if not 1 <= number <= MOTORS:
         raise Refusal(DATA)
@@ -48,14 +48,14 @@ def axes(line: Line, found: re.Match[str]) -> None:
 
 
 def undefine(line: Line, found: re.Match[str]) -> None:
-    """UNDEFINE of this coordinate system, or of ALL."""
+    """Execute UNDEFINE or UNDEFINE ALL: remove the axes of the coordinate system, or of all."""
     for system in line.machine.systems.values() if found[1] else [line.system]:
         for motor in list(system.motors):
             system.define(motor, None)
 
 
 def point(line: Line, found: re.Match[str]) -> None:
-    """B: point to a program and a label."""
+    """Execute B: point to a program and a label."""
     number, _, label = found[1].partition(".")
     system = line.system
     if system.busy:
@@ -67,12 +67,12 @@ def point(line: Line, found: re.Match[str]) -> None:
 
 
 def run(line: Line, found: re.Match[str]) -> None:
-    """R and S."""
+    """Execute R or S."""
     line.machine.run(line.port.system, single_step=found[0] == "S")
 
 
 def order(line: Line, found: re.Match[str]) -> None:
-    r"""Q, H, A, / and \\."""
+    r"""Execute Q, H, A, / or \\."""
     system = line.system
     match found[0]:
         case "Q":
@@ -86,7 +86,7 @@ def order(line: Line, found: re.Match[str]) -> None:
 
 
 def override(line: Line, _: re.Match[str]) -> None:
-    """%: set or report the override."""
+    """Execute %: set or report the override."""
     drive = line.system.drive
     if not line.reader.has_data():
         line.items.append(printed(drive.map.rate(line.machine.now) * 100.0))
@@ -98,24 +98,24 @@ def override(line: Line, _: re.Match[str]) -> None:
 
 
 def match_positions(line: Line, _: re.Match[str]) -> None:
-    """PMATCH."""
+    """Execute PMATCH."""
     if line.system.busy:
         raise Refusal(BUSY_PROGRAM)
     line.system.pmatch()
 
 
 def lines_ahead(line: Line, _: re.Match[str]) -> None:
-    """PR."""
+    """Answer PR: the lines of the rotary that aren't calculated yet."""
     line.items.append(str(line.system.calculation.lines_ahead))
 
 
 def queued(line: Line, _: re.Match[str]) -> None:
-    """PQ: moves that are calculated and not begun (assumed)."""
+    """Answer PQ: the number of moves that are calculated but not begun (assumed)."""
     line.items.append(str(len(line.system.ahead.steps)))
 
 
 def program_counter(line: Line, _: re.Match[str]) -> None:
-    """PC and PE: program and line that come next (the format is assumed)."""
+    """Answer PC or PE: the program and its next line (the format is assumed)."""
     calculation = line.system.calculation
     program, at = calculation.place
     text = program.lines[at].text if program and at < len(program.lines) else ""

@@ -1,4 +1,4 @@
-"""On-line commands to variables and memory."""
+"""On-line commands for variables and memory."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LONG_WORD = (1 << 48) - 1
 
 
 def variable(line: Line, found: re.Match[str]) -> None:
-    """Report, assign, or define a variable; a range with `..`."""
+    """Report, assign or define a variable, or a range of them (`..`)."""
     reader, variables, scope = line.reader, line.machine.variables, line.scope
     letter = found[1]
     first = int(value_of(reader.index(), scope))
@@ -52,7 +52,7 @@ def _point(line: Line, first: int, last: int, text: str | None) -> None:
 
 
 def _defaults(letter: str, first: int, last: int) -> list[float]:
-    """The factory values of variables (I1=*)."""
+    """Return the factory values of a range of variables (I1=*)."""
     if letter != "I":
         raise Refusal(DATA)
     defaults = default_variables()
@@ -60,12 +60,12 @@ def _defaults(letter: str, first: int, last: int) -> list[float]:
 
 
 def read_memory(line: Line, found: re.Match[str]) -> None:
-    """R: the content of an address, in hexadecimal after RH."""
+    """Execute R: report the content of an address, in hexadecimal for RH."""
     value = line.machine.variables.memory.read(Definition(found[2], int(found[3], 16)))
     line.items.append(f"{int(value) & _LONG_WORD:X}" if found[1] else printed(value))
 
 
 def write_memory(line: Line, found: re.Match[str]) -> None:
-    """W: give an address a value."""
+    """Execute W: write a value to an address."""
     at = Definition(found[1], int(found[2], 16))
     line.machine.variables.memory.write(at, line.reader.constant())

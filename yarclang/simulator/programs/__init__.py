@@ -1,6 +1,7 @@
-"""Motion programs, rotaries and PLCs: how they are stored, linked, and executed.
+"""Motion programs, rotaries and PLCs: their storage, linking and execution.
 
-`buffers.py` stores what ports send, `program.py` links it. `calculation.py` executes a motion program to
-steps, with its modal state (`moves.py`), and `ahead.py` says how many of them ahead of the motion. `plc.py`
-is one PLC, `plcs.py` when they are scanned. `surroundings.py` says what programs reach.
+`buffers.py` stores the lines that ports send, and `program.py` links them. `calculation.py` turns a motion
+program into steps, with its modal state (`moves.py`); `ahead.py` keeps some of them calculated ahead of the
+motion. `plc.py` is one PLC, and `plcs.py` schedules the scans. `surroundings.py` is the machine as programs
+see it.
 """

@@ -10,31 +10,31 @@ from yarclang.simulator.motion.steps import Step
 from yarclang.simulator.programs.calculation import Calculation
 
 _AHEAD = 2
-"""Moves that are calculated before they are needed (TUM 339: two in SPLINE, and in LINEAR without segmentation)."""
+"""Moves that are calculated ahead (TUM 339: two in SPLINE, and in LINEAR without segmentation)."""
 
 
 class Clock(Protocol):
-    """What is to be known of time."""
+    """Source of the time."""
 
     @property
     def now(self) -> float:
-        """[s]."""
+        """Virtual time [s]."""
         ...
 
     @property
     def interrupt(self) -> float:
-        """The time between real-time interrupts [s]."""
+        """Time between real-time interrupts [s]."""
         ...
 
 
 class Ahead:
-    """The steps that are calculated and not begun.
+    """The steps that are calculated but not begun.
 
     Attributes:
-        steps: in the order of the program.
-        calculating: whether more may be calculated.
-        retry_at: when the calculation is asked again that had nothing yet [s]; infinite if it isn't.
-        run_time_error: whether the calculation has failed since the last R.
+        steps: the steps, in the order of the program.
+        calculating: True if more steps may be calculated.
+        retry_at: time of the next attempt, after a calculation without a step [s]; infinite without one.
+        run_time_error: True if the calculation has failed since the last R.
     """
 
     def __init__(self, calculation: Calculation, clock: Clock) -> None:
@@ -43,29 +43,29 @@ class Ahead:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up."""
+        """Return to the state at power-up."""
         self.run_time_error = False
         self.steps: deque[Step] = deque()
         self._left: float = 0
         self.stop()
 
     def leave(self) -> None:
-        """Forget what was calculated."""
+        """Discard the calculated steps, and stop."""
         self.steps.clear()
         self.stop()
 
     def begin(self, single_step: bool) -> None:
-        """R, or S: calculate on, a move at the most where it is a `single_step`."""
+        """Begin to calculate (R), at most one step if it is a `single_step` (S)."""
         self.calculating, self.run_time_error = True, False
         self._left = 1 if single_step else math.inf
 
     def stop(self) -> None:
-        """Calculate no more; what is calculated stays."""
+        """Stop calculating. The calculated steps are kept."""
         self.calculating = False
         self.retry_at = math.inf
 
     def fill(self) -> None:
-        """Calculate until enough is ahead, or nothing more is to be had for now."""
+        """Calculate until enough steps are ahead, or until there are no more for now."""
         steps = self.steps
         while self.calculating and len(steps) < _AHEAD and not (steps and steps[-1].breaks):
             if not self._left:

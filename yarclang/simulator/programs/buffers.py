@@ -1,4 +1,4 @@
-"""The buffers of the machine: which port has which open, and what is stored where (TSRM 295, 381; TUM 337)."""
+"""The buffers of the machine: their contents, and the one that a port has open (TSRM 295, 381; TUM 337)."""
 
 from __future__ import annotations
 
@@ -40,13 +40,23 @@ class Buffers:
         self._variables = variables
 
     def forget(self) -> None:
-        """Drop all programs and PLCs, as at power-up."""
+        """Discard all programs and PLCs, as at power-up."""
         self.programs.clear()
         self._plcs.by_number.clear()
         self.gathering = False
 
     def open(self, port: Port, kind: str, number: int) -> None:
-        """OPEN: ERR007 while another is open, ERR001 for a PROG while a program runs (TSRM 381)."""
+        """Execute OPEN (TSRM 381).
+
+        Args:
+            port: the port that opens the buffer.
+            kind: "prog", "plc" or "rotary".
+            number: of the PROG or PLC.
+
+        Raises:
+            Refusal: ERR007 while another buffer is open; ERR001 for a PROG while a program runs; ERR003 for a
+                number that isn't allowed, or without a rotary; ERR006 if there are too many programs.
+        """
         if any(other.open for other in self._ports.values()):
             raise Refusal(BUFFER_IN_USE)
         match kind:
@@ -69,10 +79,10 @@ class Buffers:
         port.open, port.number = kind, number
 
     def close(self, port: Port | None) -> None:
-        """CLOSE of one port, or of all (None).
+        """Execute CLOSE for one port, or for all (None).
 
         Raises:
-            Refusal: ERR009 where an IF or a WHILE of what is closed has no end.
+            Refusal: ERR009 if an IF or a WHILE in a closed buffer has no end.
         """
         unfinished = False
         for each in [port] if port is not None else list(self._ports.values()):
@@ -84,12 +94,12 @@ class Buffers:
             raise Refusal(STRUCTURE)
 
     def release(self, port: Port) -> None:
-        """Close what a port has open, whatever is in it."""
+        """Close the buffer that a port has open, without an error for its structure."""
         with contextlib.suppress(Refusal):
             self.close(port)
 
     def clear(self, port: Port) -> None:
-        """CLEAR."""
+        """Execute CLEAR for the buffer that a port has open."""
         if program := self._open_program(port):
             program.clear()
             for system in self._systems.values():
@@ -100,7 +110,7 @@ class Buffers:
             self._systems[port.system].calculation.rotary_gone()
 
     def clear_plcs(self, numbers: Sequence[int] | None) -> None:
-        """CLEAR PLC n, or CLEAR ALL: with all PROGs."""
+        """Execute CLEAR PLC n, or CLEAR ALL (None), which also clears all PROGs."""
         if numbers is None:
             if any(system.busy for system in self._systems.values()):
                 raise Refusal(BUSY_PROGRAM)
@@ -112,10 +122,16 @@ class Buffers:
         self._plcs.changed()
 
     def store(self, port: Port, text: str, statements: tuple[Statement, ...]) -> None:
-        """Store a line in the open buffer.
+        """Store a line in the open buffer of a port.
+
+        Args:
+            port: the port.
+            text: the line.
+            statements: its statements.
 
         Raises:
-            Refusal: ERR006 without room, ERR009 for its structure, ERR003 where it doesn't belong.
+            Refusal: ERR006 without room; ERR009 for the structure; ERR003 if the buffer is gone, or for words
+                that a rotary can't hold.
         """
         line = line_of(text, statements)
         if port.open == "rotary":
@@ -145,7 +161,16 @@ class Buffers:
         return None
 
     def define_rotary(self, number: int, words: int) -> None:
-        """DEFINE ROT: ERR003 while one of a lower coordinate system or a gather buffer exists (assumed)."""
+        """Execute DEFINE ROT.
+
+        Args:
+            number: the coordinate system.
+            words: size of the buffer.
+
+        Raises:
+            Refusal: ERR003 if a gather buffer or the rotary of a lower coordinate system exists (assumed), or
+                without any words; ERR001 while the program runs; ERR006 if it is too large.
+        """
         if self.gathering or any(
             system.calculation.rotary for n, system in self._systems.items() if n < number
         ):
@@ -161,7 +186,11 @@ class Buffers:
         system.calculation.rotary_gone()
 
     def delete_rotary(self, number: int) -> None:
-        """DELETE ROT: ERR001 while the program runs."""
+        """Execute DELETE ROT.
+
+        Raises:
+            Refusal: ERR001 while the program runs; ERR007 while a rotary is open.
+        """
         system = self._systems[number]
         if system.busy:
             raise Refusal(BUSY_PROGRAM)

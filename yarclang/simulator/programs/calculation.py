@@ -1,4 +1,4 @@
-"""The calculation of a motion program: from statements to steps, moves ahead of the motion (TUM 339-341)."""
+"""The calculation of a motion program ahead of its motion, from statements to steps (TUM 339-341)."""
 
 from __future__ import annotations
 
@@ -33,22 +33,32 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen
 
 _AT_ONCE = 500
-"""Statements that one real-time interrupt may take."""
+"""Most statements that are calculated in one real-time interrupt."""
 
 _DEEPEST = 15
-"""Subroutines in each other (assumed)."""
+"""Most nested subroutines (assumed)."""
 
 _MOST_EVENTS = 256
-"""Synchronous assignments before one move."""
+"""Most synchronous assignments before one move."""
 
 _LONGEST_DELAY = 8388.0
 _CODE_PROGRAMS = {"G": 1000, "M": 1001, "T": 1002, "D": 1003}
 
 
 class Calculation:
-    """Where a coordinate system is in its program.
+    """The execution of the program of a coordinate system.
 
-    `step` is called until it has nothing; `waiting` says that it will have at the next real-time interrupt.
+    `step` is called until it returns nothing.
+
+    Attributes:
+        system: number of the coordinate system.
+        scope: the variables as the coordinate system sees them.
+        outside: the machine.
+        moves: modal state and positions of the axes.
+        rotary: its rotary buffer, if there is one.
+        waiting: True if `step` is to be called again at the next real-time interrupt.
+        failed: True after a run-time error.
+        number: number of the program; 0 is the rotary, None is no program.
     """
 
     def __init__(self, system: int, scope: Seen, outside: Surroundings) -> None:
@@ -59,7 +69,7 @@ class Calculation:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up: no program, no rotary."""
+        """Return to the state at power-up: no program, no rotary."""
         self.rotary: Rotary | None = None
         self.moves.clear()
         self.waiting = False
@@ -74,7 +84,7 @@ class Calculation:
     # the program counter
 
     def point_to(self, number: int, label: int = 0) -> None:
-        """B: the program to run. Whether it exists is looked at by R."""
+        """Execute B: select the program to run, and a label. R checks that it exists."""
         self.number = number
         self._line = None
         self._stack = []
@@ -85,7 +95,11 @@ class Calculation:
             self._at = self._program.code()[2].get(label, 0)
 
     def check(self) -> None:
-        """Refuse what can't run: ERR015 without a program, ERR016 with a bad one."""
+        """Check that the program can run.
+
+        Raises:
+            Refusal: ERR015 without a program, ERR016 for a badly structured one.
+        """
         if self.number is None:
             raise Refusal(NO_PROGRAM)
         if self.number == 0:
@@ -101,16 +115,16 @@ class Calculation:
 
     @property
     def lines_ahead(self) -> int:
-        """PR: lines of the rotary that aren't calculated."""
+        """Lines of the rotary that aren't calculated yet (PR)."""
         return len(self.rotary.lines) if self.rotary else 0
 
     def rotary_gone(self) -> None:
-        """DELETE ROT, or CLEAR."""
+        """Forget the current line of the rotary, after DELETE ROT or CLEAR."""
         self._line = None
 
     @property
     def place(self) -> tuple[Program | None, int]:
-        """The program and the line that comes next."""
+        """The program, and the index of its next line."""
         if self._program is None:
             return None, 0
         _, places, _ = self._program.code()
@@ -119,12 +133,16 @@ class Calculation:
     # steps
 
     def step(self) -> Step | None:
-        """Calculate up to the next move, pause or end. None: nothing there yet, a condition to wait for, or a run-time error."""
+        """Calculate up to the next move, pause or end.
+
+        Returns:
+            The step. None if there is no line yet, if a condition isn't true yet, or after a run-time error.
+        """
         self.waiting = False
         try:
             return self._calculated()
         except Refusal:
-            # a variable that doesn't exist
+            # The variable doesn't exist.
             self._fail()
             return None
 
@@ -145,7 +163,7 @@ class Calculation:
                 case Go(target=target, back=back):
                     self._at = target
                     jumps += back
-                    # two jumps back without a move end the calculation for now (TUM 341)
+                    # Two jumps back without a move end the calculation until the next interrupt (TUM 341).
                     if jumps >= 2:
                         break
                 case _:
@@ -181,7 +199,7 @@ class Calculation:
         self._program, self._at = self._stack.pop()
 
     def _ended(self) -> Step:
-        """The end of a program: R begins it again."""
+        """Return the step at the end of a program. The next R begins the program again."""
         if self.number:
             self.point_to(self.number)
         return self._pause("end")
@@ -270,7 +288,7 @@ class Calculation:
             self.failed = True
 
     def _synchronous(self, assign: Assign) -> None:
-        """M1==1: worked out now, done as the next move begins to blend in (facts 4)."""
+        """Evaluate a synchronous assignment (M1==1). The next move makes it as it blends in (facts 4)."""
         index = int(value_of(assign.index, self.scope))
         value = value_of(assign.value, self.scope)
         operator = assign.synchronous
@@ -314,5 +332,5 @@ class Calculation:
         self._program, self._at = program, labels.get(label, 0)
 
     def _fail(self) -> None:
-        """A run-time error."""
+        """Set a run-time error."""
         self.failed = True

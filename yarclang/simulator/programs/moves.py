@@ -1,4 +1,4 @@
-"""Moves of a motion program: its modal state, and the steps that its axis words become (TSRM 98, 189, 463, 476)."""
+"""Moves of a motion program: the modal state, and the steps that axis words give (TSRM 98, 189, 463, 476)."""
 
 from __future__ import annotations
 
@@ -22,14 +22,20 @@ _SPLINES = ("SPLINE1", "SPLINE2", "PVT")
 
 
 class Moves:
-    """Mode, TM, TA, TS, F, ABS or INC of one coordinate system, and where its axes are in the calculation.
+    """Modal state of one coordinate system (mode, TM, TA, TS, F, ABS or INC), and its calculated positions.
 
     Attributes:
-        axes: how axes become motors.
-        position: of the axes (9,), behind the last move that was calculated.
-        counted: of the motors (n,) [counts], there.
+        system: number of the coordinate system.
+        scope: the variables as the coordinate system sees them.
+        outside: the machine.
+        axes: definition of the axes by motors.
+        position: positions of the axes (9,) after the last calculated move.
+        counted: positions of the motors (n,) after the last calculated move [counts].
         mode: LINEAR, RAPID, SPLINE1, SPLINE2, PVT or a CIRCLE.
-        feed: whether moves have a speed (F) and not a time (TM).
+        pvt_time: time of a PVT move [ms].
+        feed: True if moves have a speed (F), not a time (TM).
+        incremental: axes in INC mode.
+        vector: axes whose distance the speed F applies to (FRAX).
     """
 
     def __init__(self, system: int, scope: Seen, outside: Surroundings, fail: Callable[[], None]) -> None:
@@ -40,7 +46,7 @@ class Moves:
         self.clear()
 
     def clear(self) -> None:
-        """As at power-up: no axes."""
+        """Return to the state at power-up: no axes."""
         self.connect(axes_of([]))
         self.position: Array = np.zeros(len(AXES))
         self.mode = "LINEAR"
@@ -50,24 +56,24 @@ class Moves:
         self.vector: frozenset[str] = frozenset("XYZ")
 
     def connect(self, axes: Axes) -> None:
-        """These are the axes from now on."""
+        """Use other axis definitions from now on."""
         self.axes = axes
         self.counted: Array = np.zeros(len(axes.motors))
 
     def match(self, counts: Array) -> None:
-        """PMATCH: the axes stand where the motors are commanded to."""
+        """Execute PMATCH: compute axis positions from the motors' commanded positions (n,) [counts]."""
         self.position = self.axes.matched(counts, self.position)
         self.counted = counts
 
     def attribute(self, name: str, value: float) -> None:
-        """TM, TA, TS and F are kept in Isx89, Isx87 and Isx88 (TSRM 189)."""
+        """Set TM, TA, TS or F. They are stored in Isx89 (TM and F), Isx87 and Isx88 (TSRM 189)."""
         number = {"TM": 89, "F": 89, "TA": 87, "TS": 88}[name]
         self.scope.write("I", 5000 + 100 * self.system + number, max(value, 0.0))
         if name in ("TM", "F"):
             self.feed = name == "F"
 
     def frame(self, name: str, axes: str) -> None:
-        """ABS and INC of `axes`, FRAX and NOFRAX."""
+        """Execute ABS, INC or FRAX for `axes`, or NOFRAX."""
         match name:
             case "ABS":
                 self.incremental -= set(axes)
@@ -79,7 +85,7 @@ class Moves:
                 self.vector = frozenset()
 
     def relabel(self, axis: str, value: float) -> None:
-        """PSET: the axis gets another position, the motors stay: the offsets take it up."""
+        """Execute PSET: give an axis another position by new offsets. The motors don't move."""
         place = _PLACES[axis]
         change = value - self.position[place]
         offset = self.axes.offset - self.axes.matrix[:, place] * change
@@ -88,7 +94,11 @@ class Moves:
         self.position[place] = value
 
     def step(self, words: tuple[tuple[str, Data, Data | None], ...]) -> Step:
-        """The step of a move."""
+        """Return the step of a move.
+
+        Args:
+            words: axis, position or distance, and velocity (PVT), each.
+        """
         position = self.position.copy()
         velocity: Array | None = None
         for axis, data, speed in words:
@@ -114,8 +124,13 @@ class Moves:
         return self.scope.variables.i[5000 + 100 * self.system + number]
 
     def _timed(self, step: Step, velocity: Array | None) -> None:
-        """SPLINE and PVT: the time is TM, kept in 1/4096 ms and no longer than 4096 ms; or TA in whole ms with I42=1
-        (TSRM 463, 476).
+        """Set time and velocity of a SPLINE or PVT step (TSRM 463, 476).
+
+        The time is TM, in units of 1/4096 ms and below 4096 ms. With I42=1 it is TA, in integer ms.
+
+        Args:
+            step: the step to complete.
+            velocity: (9,) of the axes; None without velocities.
         """
         i42 = self.scope.variables.i[42] == 1.0
         time = self.pvt_time if self.mode == "PVT" else self._variable(87 if i42 else 89)
@@ -123,7 +138,7 @@ class Moves:
             round(time) * 1e-3 if i42 else min(round(time * 1e-3 / _QUANTUM) * _QUANTUM, _LONGEST - _QUANTUM)
         )
         if time < self.outside.interrupt:
-            # the next move isn't ready in time (TSRM 476)
+            # The next move isn't ready in time (TSRM 476).
             self._fail()
             time = self.outside.interrupt
         step.time = time
@@ -133,7 +148,12 @@ class Moves:
             step.velocity = self.axes.matrix @ velocity / unit
 
     def _linear(self, step: Step, way: Array) -> None:
-        """LINEAR: time from TM or F, TA and TS, and not faster than Ixx16 and Ixx17 (TSRM 98, 189)."""
+        """Set the times of a LINEAR step from TM or F, TA and TS, within Ixx16 and Ixx17 (TSRM 98, 189).
+
+        Args:
+            step: the step to complete.
+            way: (9,) change of the axes.
+        """
         ramp = max(self._variable(87), 2.0 * self._variable(88)) * 1e-3
         time = self._variable(89) * 1e-3
         if self.feed:

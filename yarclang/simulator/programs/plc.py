@@ -1,4 +1,4 @@
-"""One PLC program: what it does at each scan (TSRM 39-42)."""
+"""One PLC program and its scans (TSRM 39-42)."""
 
 from __future__ import annotations
 
@@ -12,14 +12,23 @@ from yarclang.simulator.programs.surroundings import Surroundings
 from yarclang.simulator.state.registers import Seen, Variables
 
 _AT_ONCE = 5000
-"""Statements of one scan: more ends the scan (the watchdog would have tripped)."""
+"""Most statements of one scan, which then ends. On a controller, the watchdog would have tripped."""
 
 _VARIABLE = re.compile(r"([IPQM])(\d+)")
 _INDIRECT = re.compile(r"[IPQM]\(")
 
 
 class Plc:
-    """One PLC: its program, whether it is enabled, and where it goes on in a loop."""
+    """One PLC.
+
+    Attributes:
+        number: 0 to 31.
+        program: its program.
+        enabled: True after ENABLE.
+        paused: True after PAUSE.
+        motor: the motor that its commands address.
+        system: the coordinate system that its commands address.
+    """
 
     def __init__(self, number: int) -> None:
         self.number = number
@@ -32,21 +41,22 @@ class Plc:
 
     @property
     def active(self) -> bool:
-        """Whether it is to be scanned."""
+        """True if it is to be scanned."""
         return self.enabled and not self.paused and bool(self.program.lines)
 
     def enable(self) -> None:
-        """From its top."""
+        """Enable it, from the top of its program."""
         self.enabled, self.paused, self._at = True, False, 0
 
     def disable(self) -> None:
-        """Not scanned any more."""
+        """Disable it: it isn't scanned any more."""
         self.enabled = self.paused = False
 
     def results(self) -> frozenset[tuple[str, int]]:
-        """The variables that it computes, if it does nothing else: assigns to P and Q that it doesn't read itself.
+        """Return the variables that the PLC computes, if it does nothing else.
 
-        Such a PLC need not run before somebody reads one of them. Empty where it does more.
+        Such a PLC only assigns to P and Q that it doesn't read itself. It need not run before one of them is
+        read. For any other PLC, the result is empty.
         """
         targets: list[tuple[str, int]] = []
         mentioned: list[tuple[str, int]] = []
@@ -68,9 +78,9 @@ class Plc:
         return frozenset(targets)
 
     def scan(self, variables: Variables, outside: Surroundings) -> None:
-        """Run once: to the end, or to the end of a loop, where the next scan goes on.
+        """Run once: to the end, or to the end of a loop, from which the next scan continues.
 
-        What can't be executed (a badly structured program, a variable that doesn't exist) disables the PLC (assumed).
+        An error (a badly structured program, a variable that doesn't exist) disables the PLC (assumed).
         """
         try:
             self._scan(variables, outside)

@@ -1,4 +1,7 @@
-"""When PLCs are scanned: PLC 0 at the real-time interrupt, PLC 1 to 31 one after the other in the background (TSRM 39-42)."""
+"""The scans of all PLCs (TSRM 39-42).
+
+PLC 0 is scanned at the real-time interrupt, PLCs 1 to 31 one after the other in the background.
+"""
 
 from __future__ import annotations
 
@@ -11,22 +14,22 @@ from yarclang.simulator.programs.plc import Plc
 from yarclang.simulator.state.registers import Variables
 
 SCAN = 5e-3
-"""The time between two scans of the background PLCs [s] (assumed; it depends on what the controller has to do)."""
+"""Time between two scans of the background PLCs [s] (assumed; it depends on the load of the controller)."""
 
 
 class Surroundings(surroundings.Surroundings, Protocol):
-    """What PLCs need of the machine."""
+    """The machine as PLCs see it."""
 
     @property
     def now(self) -> float:
-        """[s]."""
+        """Virtual time [s]."""
         ...
 
 
 class Plcs:
-    """All PLCs, as far as they were opened.
+    """All PLCs that were opened.
 
-    PLC 0 isn't scanned before somebody reads what it computes, if it does nothing else but compute.
+    A PLC 0 that does nothing but compute variables is scanned only when one of them is read.
 
     Attributes:
         by_number: the PLCs.
@@ -46,11 +49,11 @@ class Plcs:
 
     @property
     def next_event(self) -> float:
-        """When a PLC is to be scanned [s]."""
+        """Time of the next scan [s]."""
         return min(self._next_scan, self._next_interrupt)
 
     def handle(self) -> None:
-        """Scan those whose time has come."""
+        """Scan the PLCs that are due."""
         now = self._outside.now
         if now >= self._next_interrupt:
             self._next_interrupt = now + self._outside.interrupt
@@ -63,7 +66,7 @@ class Plcs:
                     plc.scan(self._variables, self._outside)
 
     def switch(self, name: str, numbers: Sequence[int]) -> None:
-        """ENABLE, DISABLE, PAUSE or RESUME; those that don't exist are passed over."""
+        """Execute ENABLE, DISABLE, PAUSE or RESUME. PLCs that don't exist are ignored."""
         for number in numbers:
             if (plc := self.by_number.get(number)) is None:
                 continue
@@ -77,7 +80,7 @@ class Plcs:
         self.changed()
 
     def changed(self) -> None:
-        """Find out which PLCs want time, and whether PLC 0 can wait until its results are read."""
+        """Determine again which PLCs are to be scanned, and if PLC 0 can wait until its results are read."""
         now, variables = self._outside.now, self._variables
         i5 = int(variables.i[5])
         foreground = self.by_number.get(0)
@@ -101,7 +104,7 @@ class Plcs:
             self._next_interrupt = now + self._outside.interrupt
 
     def _refresh(self) -> None:
-        """Somebody reads what PLC 0 computes: it is computed now, not at the interrupt before."""
+        """Scan a waiting PLC 0 now, because one of its results is read."""
         if self._lazy is None or self._refreshing:
             return
         self._refreshing = True

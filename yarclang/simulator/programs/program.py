@@ -1,4 +1,4 @@
-"""Buffers of programs: PROG and PLC as text and linked code, rotaries as lines that are used up."""
+"""Buffers of programs: PROG and PLC as text and linked code, rotaries as lines that are consumed."""
 
 from __future__ import annotations
 
@@ -11,12 +11,18 @@ from yarclang.simulator.language.statements import If, Label, Plain, Statement, 
 from yarclang.simulator.network.reply import Refusal
 
 LARGEST_PROGRAM = 2_000_000
-"""Words of all fixed buffers together: what keeps memory bounded (assumed; the real number depends on the options)."""
+"""Most words of all fixed buffers together, which bounds memory (assumed; it depends on the options)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Line:
-    """A line of a buffer: its text, its statements, and the words it takes."""
+    """A line of a buffer.
+
+    Attributes:
+        text: its text.
+        statements: its statements.
+        words: the words of memory that it takes.
+    """
 
     text: str
     statements: tuple[Statement, ...]
@@ -25,7 +31,13 @@ class Line:
 
 @dataclass(slots=True)
 class Branch:
-    """Goes on at `target` where the condition doesn't hold; `wait` asks again later where it does."""
+    """A conditional jump.
+
+    Attributes:
+        condition: the jump is made if it is false.
+        target: index of the code to continue at.
+        wait: if true, the condition is evaluated again later as long as it holds (WHILE ... WAIT).
+    """
 
     condition: Condition
     target: int = -1
@@ -34,7 +46,12 @@ class Branch:
 
 @dataclass(slots=True)
 class Go:
-    """Goes on at `target`; `back` if it is the end of a loop."""
+    """A jump.
+
+    Attributes:
+        target: index of the code to continue at.
+        back: True at the end of a loop.
+    """
 
     target: int = -1
     back: bool = False
@@ -44,7 +61,7 @@ Code = Statement | Branch | Go
 
 
 def line_of(text: str, statements: tuple[Statement, ...]) -> Line:
-    """A line with its cost."""
+    """Return a line with its cost in words."""
     return Line(text, statements, sum(map(cost, statements)))
 
 
@@ -52,7 +69,11 @@ def line_of(text: str, statements: tuple[Statement, ...]) -> Line:
 class Program:
     """A PROG or a PLC.
 
-    `open_blocks` follows IF and WHILE while lines come in, so that an ENDIF without IF is refused at once.
+    Attributes:
+        lines: its lines.
+        words: the words of memory that they take.
+        open_blocks: open IFs and WHILEs after the last line, so that an ENDIF without IF is refused at once.
+        single: True if the last line is an IF for its own line only, to which an ELSE may follow.
     """
 
     lines: list[Line] = field(default_factory=list)
@@ -62,20 +83,20 @@ class Program:
     _code: tuple[list[Code], list[int], dict[int, int]] | None = None
 
     def clear(self) -> None:
-        """Empty it."""
+        """Remove all lines."""
         self.lines.clear()
         self.open_blocks.clear()
         self.words, self.single, self._code = 0, False, None
 
     def copy(self) -> Program:
-        """The same lines, linked anew."""
+        """Return a program of equal lines, which links its own code."""
         return Program(list(self.lines), self.words, list(self.open_blocks))
 
     def append(self, line: Line) -> None:
         """Store a line.
 
         Raises:
-            Refusal: ERR009 for an ELSE, ENDIF or ENDWHILE that nothing was opened for.
+            Refusal: ERR009 for an ELSE, ENDIF or ENDWHILE without an open IF or WHILE.
         """
         blocks, single = _followed(self.open_blocks, self.single, line)
         self.open_blocks, self.single = blocks, single
@@ -84,10 +105,10 @@ class Program:
         self._code = None
 
     def code(self) -> tuple[list[Code], list[int], dict[int, int]]:
-        """The linked code, the line of each piece of code, and where the labels are.
+        """Return the linked code, the line index of each item of code, and the code index of each label.
 
         Raises:
-            Refusal: ERR016 where an IF or WHILE isn't closed.
+            Refusal: ERR016 if an IF or WHILE isn't closed.
         """
         if self._code is None:
             self._code = _linked(self.lines)
@@ -95,7 +116,16 @@ class Program:
 
 
 def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[str], bool]:
-    """The open IFs and WHILEs behind a line; `single` says that an IF of one line may have an ELSE."""
+    """Return the open IFs and WHILEs after a line, and True if the line is an IF for itself only.
+
+    Args:
+        open_blocks: the open IFs and WHILEs before the line.
+        single: True if the line before is an IF for itself only, to which an ELSE may follow.
+        line: the line.
+
+    Raises:
+        Refusal: ERR009 for an ELSE, ENDIF or ENDWHILE without an open IF or WHILE, or above 64 open blocks.
+    """
     blocks = list(open_blocks)
     single_openers = 0
     for place, statement in enumerate(line.statements):
@@ -125,14 +155,15 @@ def _followed(open_blocks: list[str], single: bool, line: Line) -> tuple[list[st
 
 
 def _for_single(single: bool, line: Line, block: bool) -> bool:
-    """Whether an ELSE belongs to the IF of one line before it, and not to a block around: where it has its
-    own action in its line, or where no block is open (assumed).
+    """Return True if an ELSE belongs to the single-line IF before it, not to a block around both.
+
+    This is so if the ELSE has an action in its own line, or if no block is open (assumed).
     """
     return single and (len(line.statements) > 1 or not block)
 
 
 def _is_single(statements: tuple[Statement, ...], place: int) -> bool:
-    """Whether the IF or WHILE at `place` holds for the rest of its line only."""
+    """Return True if the IF or WHILE at `place` applies to the rest of its line only."""
     opener = statements[place]
     rest = statements[place + 1 :]
     while rest and isinstance(rest[0], If) and rest[0].name in ("AND", "OR"):
@@ -153,7 +184,14 @@ def _is_single(statements: tuple[Statement, ...], place: int) -> bool:
 
 @dataclass(slots=True)
 class _Open:
-    """An IF or WHILE whose end isn't known yet: its branch, and the jump before its ELSE."""
+    """An IF or WHILE whose end isn't known yet.
+
+    Attributes:
+        name: IF or WHILE.
+        at: index of its branch in the code.
+        single: True if it ends with its line.
+        skip: index of the jump before its ELSE.
+    """
 
     name: str
     at: int
@@ -239,7 +277,14 @@ def _joined(name: str, first: Condition, second: Condition) -> Condition:
 
 
 class Rotary:
-    """A rotary buffer: lines that are calculated once and then gone (TUM 337, PUM 211-213)."""
+    """A rotary buffer: lines that are removed when they are calculated (TUM 337, PUM 211-213).
+
+    Attributes:
+        size: largest number of words.
+        lines: its lines.
+        words: the words of its lines.
+        full: True if enough lines are ahead (I17, I16).
+    """
 
     def __init__(self, size: int, variables: list[float]) -> None:
         self.size = size
@@ -252,7 +297,7 @@ class Rotary:
         """Store a line.
 
         Raises:
-            Refusal: ERR006 without room, ERR003 for words that are not for a rotary.
+            Refusal: ERR006 without room, ERR003 for words that a rotary can't hold.
         """
         if not all(map(in_rotary, line.statements)):
             raise Refusal(DATA)
@@ -263,7 +308,7 @@ class Rotary:
         self._mark()
 
     def take(self) -> Line | None:
-        """The next line, taken out."""
+        """Remove the next line and return it; None without one."""
         if not self.lines:
             return None
         line = self.lines.popleft()
@@ -272,12 +317,12 @@ class Rotary:
         return line
 
     def clear(self) -> None:
-        """Empty it."""
+        """Remove all lines."""
         self.lines.clear()
         self.words, self.full = 0, False
 
     def _mark(self) -> None:
-        """Whether enough lines are ahead: from I17 on, until fewer than I16 are (TSRM 46, 286)."""
+        """Update `full`: it becomes true at I17 lines, and false below I16 lines (TSRM 46, 286)."""
         if len(self.lines) >= self._variables[17]:
             self.full = True
         elif len(self.lines) < self._variables[16]:

@@ -1,4 +1,4 @@
-"""What programs reach outside of themselves: other programs, ports, the interpreter, PLCs."""
+"""The machine as programs see it: other programs, ports, the interpreter, PLCs."""
 
 from __future__ import annotations
 
@@ -9,27 +9,27 @@ from yarclang.simulator.programs.program import Program
 
 
 class Surroundings(Protocol):
-    """What motion programs and PLCs need of the machine."""
+    """The machine as motion programs and PLCs see it."""
 
     programs: dict[int, Program]
 
     @property
     def interrupt(self) -> float:
-        """The time between real-time interrupts [s]."""
+        """Time between real-time interrupts [s]."""
         ...
 
     def say(self, text: str) -> None:
-        """SEND."""
+        """Execute SEND."""
         ...
 
     def queue(self, text: str, system: int, motor: int = 1) -> None:
-        """CMD: a line for the interpreter, when it gets to it, and what it addresses."""
+        """Execute CMD: queue a line for the interpreter, with the addressed coordinate system and motor."""
         ...
 
     def switch_plcs(self, name: str, numbers: Sequence[int]) -> None:
-        """ENABLE, DISABLE, PAUSE, RESUME."""
+        """Execute ENABLE, DISABLE, PAUSE or RESUME for PLCs."""
         ...
 
     def unknown(self, word: str) -> None:
-        """A word that is skipped."""
+        """Report a word that is skipped."""
         ...

@@ -1,1 +1,4 @@
-"""Variables and memory (`registers.py`), what they show of the motion (`wiring.py`), status words (`status.py`), and what SAVE keeps (`saved.py`)."""
+"""Variables and memory (`registers.py`), and the state of the machine in them.
+
+`wiring.py` connects registers to the motion, `status.py` has status words, and `saved.py` the copy for SAVE.
+"""

@@ -19,14 +19,20 @@ _WHOLE = re.compile(r"(DP|D|F|L):\$?([0-9A-F]{1,6})$")
 
 Read = Callable[[], float]
 ReadBits = Callable[[int], float]
-"""Gives a register; told which of its bits are wanted, it may leave the others 0."""
+"""Returns a register. The argument has the wanted bits; others may be returned as 0."""
 Write = Callable[[float], None]
 
 
 @dataclass(frozen=True, slots=True)
 class Definition:
-    """Where an M-variable points: memory `kind` (X, Y, D, DP, F, L, or * for itself) at `address`,
-    for X and Y `width` bits from bit `offset` on.
+    """The register to which an M-variable points.
+
+    Attributes:
+        kind: kind of memory: X, Y, D, DP, F, L, or * for a variable with its own value.
+        address: its address.
+        offset: first bit, for X and Y.
+        width: number of bits, for X and Y.
+        signed: True for a signed value, for X and Y.
     """
 
     kind: str = "*"
@@ -37,7 +43,7 @@ class Definition:
 
     @property
     def text(self) -> str:
-        """As the controller reports it."""
+        """The definition as the controller reports it."""
         if self.kind == "*":
             return "*"
         place = f"{self.kind}:${self.address:06X}"
@@ -49,7 +55,11 @@ class Definition:
 
 
 def definition(text: str) -> Definition:
-    """Read what stands behind `M1->`; a lone offset means one bit."""
+    """Parse the text after `M1->`. An offset without a width means one bit.
+
+    Raises:
+        Refusal: ERR003 if it isn't a definition.
+    """
     if text == "*":
         return Definition()
     if found := _WHOLE.match(text):
@@ -67,9 +77,15 @@ def definition(text: str) -> Definition:
 
 
 class Memory:
-    """The controller's memory: 24-bit words, of which some are wired to what the machine does.
+    """The controller's memory: 24-bit words, of which some are wired to the state of the machine.
 
-    A word that nothing is wired to is plain memory: outputs are seen there, and inputs are set there.
+    A word that isn't wired is plain memory, where outputs can be read and inputs can be set.
+
+    Attributes:
+        words: values of plain words, by kind (X, Y) and address.
+        wired: functions that return wired registers, by kind and address.
+        wired_writes: functions that write wired registers, by kind and address.
+        floats: values of plain F and L registers, by address.
     """
 
     def __init__(self) -> None:
@@ -79,7 +95,7 @@ class Memory:
         self.floats: dict[int, float] = {}
 
     def read(self, at: Definition) -> float:
-        """The value of the bits that a definition names."""
+        """Return the value of the register of a definition."""
         key = (at.kind, at.address)
         read = self.wired.get(key)
         if at.kind in "XY":
@@ -95,7 +111,7 @@ class Memory:
         return float(value - _WORD * _WORD if value >= _WORD * _WORD // 2 else value)
 
     def write(self, at: Definition, value: float) -> None:
-        """Set those bits; a register that only the machine sets keeps what it has."""
+        """Write the register of a definition. Registers that only the machine sets keep their value."""
         key = (at.kind, at.address)
         if key in self.wired_writes:
             self.wired_writes[key](value)
@@ -120,10 +136,19 @@ class Memory:
 
 
 class Variables:
-    """All variables of the controller. Each coordinate system has Q-variables of its own (assumed not to overlap).
+    """All variables of the controller. Each coordinate system has its own Q-variables (assumed: no overlap).
 
-    `refresh` is called before one of `lazy` is read: PLC 0 is evaluated only then. `on_i` hears of every I-variable
-    that is written, and `timers` are those that run by themselves.
+    Attributes:
+        i: values of the I-variables. Motors and coordinate systems share this list.
+        p: values of the P-variables.
+        q: values of the Q-variables, by coordinate system.
+        m: definitions of the M-variables.
+        own: values of M-variables that don't point to memory.
+        memory: the memory.
+        timers: functions that read and write the I-variables that count down by themselves.
+        lazy: variables that PLC 0 computes only when they are read.
+        refresh: called before a variable of `lazy` is read.
+        on_i: called with the number of each I-variable that is written.
     """
 
     def __init__(self) -> None:
@@ -141,8 +166,8 @@ class Variables:
         self.initialise()
 
     def initialise(self) -> None:
-        """As after `$$$***`."""
-        # motors and coordinate systems hold this list
+        """Return to the state after `$$$***`."""
+        # Motors and coordinate systems share this list.
         self.i[:] = [0.0] * VARIABLES
         for number, value in default_variables().items():
             self.i[number] = value
@@ -154,11 +179,20 @@ class Variables:
         self.memory.floats.clear()
 
     def scope(self, system: int) -> Seen:
-        """The variables as coordinate system `system` sees them."""
+        """Return the variables as a coordinate system sees them."""
         return Seen(self, system)
 
     def read(self, letter: str, index: int, system: int) -> float:
-        """The value of a variable; ERR003 where there is none."""
+        """Return the value of a variable.
+
+        Args:
+            letter: I, P, Q or M.
+            index: its number.
+            system: the coordinate system whose Q-variables are read.
+
+        Raises:
+            Refusal: ERR003 if there is no such variable.
+        """
         if not 0 <= index < VARIABLES:
             raise Refusal(DATA)
         if self.lazy and (letter, index) in self.lazy:
@@ -179,7 +213,17 @@ class Variables:
         self._watching[letter, index] = heard
 
     def write(self, letter: str, index: int, value: float, system: int) -> None:
-        """Give a variable a value; ERR003 where there is none."""
+        """Assign a value to a variable.
+
+        Args:
+            letter: I, P, Q or M.
+            index: its number.
+            value: the value.
+            system: the coordinate system whose Q-variables are written.
+
+        Raises:
+            Refusal: ERR003 if there is no such variable.
+        """
         if not 0 <= index < VARIABLES:
             raise Refusal(DATA)
         value = bounded(value)
@@ -203,7 +247,7 @@ class Variables:
                 self.q[system][index] = value
 
     def shown(self, letter: str, index: int, value: float) -> str:
-        """A value as it is reported: I9 bit 1 asks for hexadecimal where it is an address."""
+        """Return a value as it is reported. I9 bit 1 selects hexadecimal for addresses."""
         if letter == "I" and index in HEXADECIMAL and int(self.i[9]) & 2 and value >= 0:
             return f"${int(value):X}"
         return printed(value)
@@ -217,16 +261,16 @@ class Seen:
     system: int
 
     def read(self, letter: str, index: int) -> float:
-        """The value of a variable."""
+        """Return the value of a variable."""
         return self.variables.read(letter, index, self.system)
 
     def write(self, letter: str, index: int, value: float) -> None:
-        """Give a variable a value."""
+        """Assign a value to a variable."""
         self.variables.write(letter, index, value, self.system)
 
 
 def printed(value: float, decimals: int | None = None) -> str:
-    """A value in decimals, never with an exponent: the controller's reals carry about 12 digits."""
+    """Return a value in decimal form, without an exponent. The controller's reals have about 12 digits."""
     if value % 1.0 == 0.0:
         return str(int(value))
     if decimals is not None:

@@ -1,4 +1,4 @@
-"""What SAVE keeps: all but rotaries, positions and what runs."""
+"""The state that SAVE keeps: all except rotaries, positions and running programs."""
 
 from __future__ import annotations
 
@@ -16,7 +16,17 @@ from yarclang.simulator.state.registers import Definition, Variables
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """Variables, programs, PLCs, and axis definitions by coordinate system and motor."""
+    """Saved state.
+
+    Attributes:
+        i: I-variables.
+        p: P-variables.
+        q: Q-variables, by coordinate system.
+        m: definitions of M-variables.
+        programs: PROGs by number.
+        plcs: programs of PLCs by number.
+        definitions: axis definitions by coordinate system and motor.
+    """
 
     i: list[float]
     p: list[float]
@@ -30,7 +40,7 @@ class Saved:
 def saved(
     variables: Variables, programs: Mapping[int, Program], plcs: Plcs, systems: Mapping[int, CoordinateSystem]
 ) -> Saved:
-    """Return a copy of what SAVE keeps."""
+    """Return a copy of the state that SAVE keeps."""
     return Saved(
         list(variables.i),
         list(variables.p),
@@ -50,7 +60,7 @@ def restore(
     systems: Mapping[int, CoordinateSystem],
     motors: Mapping[int, Motor],
 ) -> None:
-    """Put back what SAVE has kept into parts that are cleared; the PLCs are enabled."""
+    """Restore a saved state into parts that have been cleared. The PLCs are enabled."""
     variables.i[:], variables.p = kept.i, list(kept.p)
     variables.q, variables.m = [dict(q) for q in kept.q], dict(kept.m)
     programs.update({number: program.copy() for number, program in kept.programs.items()})

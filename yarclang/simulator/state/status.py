@@ -1,7 +1,7 @@
-"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from what they do now.
+"""Status words of motors, coordinate systems and the controller (TSRM 281-290), from their current state.
 
-Each word is worked out by itself. `wanted` has the bits that somebody looks at: those that take the positions
-of the motors are left 0 where none of them is among it, because a PLC asks for one bit at each of its scans.
+Each word is computed on its own. `wanted` has the bits that the caller needs. Bits that depend on the
+positions of the motors are left 0 if none of them is needed, because a PLC asks for one bit at each scan.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class Controller(Protocol):
 
     @property
     def now(self) -> float:
-        """[s]."""
+        """Virtual time [s]."""
         ...
 
     def system_of(self, motor: Motor) -> CoordinateSystem | None:
@@ -53,7 +53,14 @@ _SYSTEM_FOLLOWS = _bits(SYSTEM_WORD_2, "warning following error", "in position")
 
 
 def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
-    """What ?, ?? or ??? (`marks`) answers for a motor or a coordinate system: its words in hexadecimal."""
+    """Return the answer to ?, ?? or ???: status words in hexadecimal.
+
+    Args:
+        controller: the machine.
+        marks: number of question marks.
+        motor: number of the motor, for ?.
+        system: number of the coordinate system, for ??.
+    """
     words: tuple[int, ...]
     if marks == 1:
         found = controller.motors[motor]
@@ -68,7 +75,7 @@ def digits(controller: Controller, marks: int, motor: int, system: int) -> str:
 
 
 def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
-    """The first word of `#n?`."""
+    """Return the first word of `#n?`, at a time [s]."""
     bits = MOTOR_WORD_1
     dwelling = system is not None and system.dwelling
     word = (
@@ -92,7 +99,7 @@ def motor_word_1(motor: Motor, system: CoordinateSystem | None, time: float, wan
 
 
 def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wanted: int = WHOLE) -> int:
-    """The second word of `#n?`."""
+    """Return the second word of `#n?`, at a time [s]."""
     bits = MOTOR_WORD_2
     word = (
         motor.limit_stop << bits["stopped on limit"]
@@ -110,7 +117,7 @@ def motor_word_2(motor: Motor, system: CoordinateSystem | None, time: float, wan
 
 
 def system_word_1(system: CoordinateSystem) -> int:
-    """The first word of `&n??`."""
+    """Return the first word of `&n??`."""
     bits, moves = SYSTEM_WORD_1, system.calculation.moves
     continuous = system.running and not system.single_step
     word = (
@@ -126,7 +133,7 @@ def system_word_1(system: CoordinateSystem) -> int:
 
 
 def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) -> int:
-    """The second word of `&n??`."""
+    """Return the second word of `&n??`, at a time [s]."""
     bits, motors, rotary = SYSTEM_WORD_2, system.motors, system.calculation.rotary
     mode = MODE_BITS.get(system.calculation.moves.mode, 0)
     word = (
@@ -147,7 +154,7 @@ def system_word_2(system: CoordinateSystem, time: float, wanted: int = WHOLE) ->
 
 
 def system_word_3(system: CoordinateSystem) -> int:
-    """The third word of `&n??`."""
+    """Return the third word of `&n??`."""
     bits = SYSTEM_WORD_3
     return (
         system.resume_error << bits["resume error"] | system.limit_stop << bits["desired position limit stop"]
@@ -155,14 +162,16 @@ def system_word_3(system: CoordinateSystem) -> int:
 
 
 def global_word(ports: Iterable[Port]) -> int:
-    """The first word of `???`: bits 20 to 16 say which buffers are open (assumed)."""
+    """Return the first word of `???`. Bits 16 to 20 give the open buffers (assumed)."""
     kinds = {port.open for port in ports}
     return ("rotary" in kinds) << 16 | ("prog" in kinds) << 17 | ("plc" in kinds) << 18
 
 
 def _following(motors: Iterable[Motor], time: float) -> tuple[bool, bool]:
-    """Whether any following error is beyond Ixx12, and whether all motors are in position: closed loop, no move under way,
-    following error within Ixx28 (both 1/16 count).
+    """Return two flags: a following error is beyond Ixx12, and all motors are in position.
+
+    A motor in position is closed-loop, doesn't move, and has a following error within Ixx28. Ixx12 and Ixx28
+    are in 1/16 count.
     """
     warned, in_position = False, True
     for motor in motors:

@@ -1,4 +1,4 @@
-"""Registers and variables that show what the machine does (facts 5.4, 5.5, 7), and the timers that count down."""
+"""Registers and variables that show the state of the machine (facts 5.4, 5.5, 7), and timers."""
 
 from __future__ import annotations
 
@@ -40,35 +40,38 @@ class Shown(status.Controller, Protocol):
 
     @property
     def servo_period(self) -> float:
-        """The time between servo interrupts [s]."""
+        """Time between servo interrupts [s]."""
         ...
 
 
 class Timers:
-    """Isx11 and Isx12 count down, one each servo cycle, through 0 to the least of 24 bits (TSRM 176): what is kept is when they get to 0."""
+    """The timers Isx11 and Isx12, stored as the times at which they reach 0.
+
+    They count down by one in each servo cycle, through 0 to the least value of 24 bits (TSRM 176).
+    """
 
     def __init__(self, controller: Shown) -> None:
         self._controller = controller
         self._ends: dict[int, float] = {}
 
     def clear(self) -> None:
-        """Let none run, as at power-up."""
+        """Stop all timers, as at power-up."""
         self._ends.clear()
 
     def read(self, index: int) -> float:
-        """What is left, in servo cycles."""
+        """Return the value of a timer [servo cycles]."""
         if (end := self._ends.get(index)) is None:
             return 0.0
         left = math.ceil((end - self._controller.now) / self._controller.servo_period - 1e-9)
         return float(max(left, LEAST_TIMER))
 
     def start(self, index: int, value: float) -> None:
-        """Count down from `value`."""
+        """Let a timer count down from a value [servo cycles]."""
         self._ends[index] = self._controller.now + min(value, LONGEST_TIMER) * self._controller.servo_period
 
 
 def wire(controller: Shown) -> Timers:
-    """Connect the registers of all motors and coordinate systems; the timers."""
+    """Connect the registers of all motors and coordinate systems, and return the timers."""
     timers = Timers(controller)
     for motor in controller.motors.values():
         _wire_motor(controller, motor)
@@ -85,7 +88,7 @@ def _timer(timers: Timers, index: int) -> tuple[Callable[[], float], Callable[[f
 
 
 def _wire_motor(controller: Shown, motor: Motor) -> None:
-    """Status words, and positions in 1/(Ixx08 32) count."""
+    """Connect the status words of a motor, and its positions in units of 1/(Ixx08 * 32) count."""
     wired = controller.variables.memory.wired
     step = MOTOR_STEP * (motor.number - 1)
 

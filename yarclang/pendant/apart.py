@@ -21,7 +21,7 @@ resource.setrlimit(resource.RLIMIT_AS, (most, most))
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 importlib.import_module(sys.argv.pop(1)).main()
 """
-"""What such a process does first: it is an ordinary one, whatever the one that started it is."""
+"""First statements of each process: they give it ordinary scheduling, whatever the pendant's is."""
 
 
 def command_of(module: str, arguments: Sequence[str], most_memory: int, nice: int = 10) -> tuple[str, ...]:

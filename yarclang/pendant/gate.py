@@ -45,7 +45,7 @@ _SHARED = (
     orders.AskHoming,
     orders.AskSettings,
 )
-"""What needs no place at the coordinator of one's own."""
+"""Orders that need no seat of the session at the coordinator."""
 
 _MOST_FILES = 10_000
 _MOST_CALLED = 1000

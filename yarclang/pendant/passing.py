@@ -1,4 +1,4 @@
-"""What a page and its analyst, a language server, may say to each other. No I/O.
+"""Messages that are allowed between a page and its analyst, a language server. No I/O.
 
 A page knows the files of the project as `yarc:///folder/name.yarc`. Nothing of a page's message is handed on
 as it came: each message is read as a type, and written anew with the URI of the file that the page has open.

@@ -1,4 +1,4 @@
-"""Where an arm can hold its flange as a picture."""
+"""Picture of an arm's workspace."""
 
 from __future__ import annotations
 

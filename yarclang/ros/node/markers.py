@@ -1,4 +1,4 @@
-"""What RViz draws of a robot's surroundings and of its plan, as values that each shell turns into
+"""Markers for RViz of a robot's surroundings and of its plan, as values that each shell turns into
 visualization_msgs/Marker.
 
     kinematics = Kinematics(model["urdf"], model["base"])

@@ -111,8 +111,8 @@ def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
 
 def _ender(over: threading.Event) -> Any:
     def end(_number: int, _frame: Any) -> None:
-        # Ignore further signals: launch and a terminal may both send one, and one that comes during `set` would
-        # wait for its lock for ever. The end of the node has time limits of its own.
+        # Ignore further signals: launch and a terminal may both send one, and one that comes during `set`
+        # would wait for its lock for ever. The end of the node has time limits of its own.
         for one in (signal.SIGINT, signal.SIGTERM):
             signal.signal(one, signal.SIG_IGN)
         over.set()

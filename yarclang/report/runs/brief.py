@@ -109,7 +109,7 @@ def _facts(head: bytes) -> dict[str, str] | None:
 
 
 def _footer(read: ReadAt, size: int) -> tuple[int, int]:
-    """Return the offsets of the summary and of its index.
+    """Return the offsets of the summary and of its offset section.
 
     Raises:
         ValueError: the file has no valid footer.

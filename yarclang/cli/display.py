@@ -177,8 +177,10 @@ class Display:
         return f"{command.title}  {begins} to {ends} of {self._lasting.text(time_text)}"
 
     def _left_out(self, change: Changed, before: State) -> bool:
-        """Return True if a change of state needs no line: the end is reported when all of it is known, and in
-        repeated passes only exceptions are shown.
+        """Return True if a change of state needs no line.
+
+        The end is reported later, when all of it is known. After the first motion, ordinary changes are left
+        out.
         """
         if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
             return True

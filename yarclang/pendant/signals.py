@@ -26,8 +26,8 @@ _AGE, _SIMULATED_AGE = 0.4, 0.1
 here.
 """
 _SHARE = 4.0
-"""Requests to a real controller take at most this fraction (one part in so many) of the time, because jogs
-use the same connection.
+"""Requests to a real controller take at most one part in this many of the time, because jogs use the same
+connection.
 """
 _LONGEST = 160
 """Longest comment [characters]."""

@@ -25,8 +25,8 @@ _PIECE = 1 << 18
 _LARGEST_DEFLATED = 32_000_000
 """Size above which files are stored uncompressed [bytes]; such files are logs and meshes."""
 _MUCH, _RATIO = 50_000_000, 50
-"""Size [bytes] and compression ratio above which a file is stored uncompressed, so that every backup keeps
-the bounds of a restore.
+"""Files are compressed only while all bytes so far are at most this many [bytes] plus this many times the
+size of the zip, so that every backup keeps the bounds of a restore.
 """
 _EARLIEST = (1980, 1, 1, 0, 0, 0)
 

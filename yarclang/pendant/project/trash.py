@@ -310,7 +310,9 @@ class Trash:
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:
-        """Return True if nothing of a file is hidden any more."""
+        """Rename a hidden file back to its name if that is free. Return True if nothing of the file is hidden
+        any more.
+        """
         hidden = f".yarc-deleted-{note.number}"
         with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:
             try:

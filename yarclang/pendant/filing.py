@@ -36,7 +36,7 @@ _PIECE = 1 << 18
 _SILENCE = 20.0
 """Longest time without data in an upload [s]."""
 _START, _SLOWEST = 30.0, 10_000
-"""An upload may take this time [s], and one second more for so many bytes."""
+"""Longest time of an upload [s], plus one second for each of this many bytes."""
 _MOST_DEEDS = 20_000
 _MOST_HASHED = 200
 _LARGEST_HASHED = 16_000_000

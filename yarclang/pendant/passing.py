@@ -1,7 +1,7 @@
 """Messages that are allowed between a page and its analyst, a language server. No I/O.
 
-A page knows the files of the project as `yarc:///folder/name.yarc`. Nothing of a page's message is handed on
-as it came: each message is read as a type, and written anew with the URI of the file that the page has open.
+A page knows the files of the project as `yarc:///folder/name.yarc`. No message of a page is passed on
+unchanged: each is parsed as a type, and rewritten with the URI of the file that the page has open.
 """
 
 from __future__ import annotations

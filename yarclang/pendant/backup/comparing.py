@@ -196,17 +196,18 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
 
 
 def _ways(name: str) -> Iterator[str]:
-    """Yield the folders that a file lies in, and the file."""
+    """Yield the folders that contain a file, and the file itself."""
     parts = name.split("/")
     return ("/".join(parts[: count + 1]) for count in range(len(parts)))
 
 
 class _Project:
-    """The project as a restore finds it. Each folder is looked at once: thousands of files may lie in it.
+    """The project at the time of a restore. Each folder is read only once, because it may contain thousands
+    of files.
 
     Args:
         folder: of the project.
-        present: what is listed of it.
+        present: its listed files and folders.
     """
 
     def __init__(self, folder: ProjectFolder, present: dict[str, Here]) -> None:
@@ -216,12 +217,12 @@ class _Project:
         self._known = {"": ("", True)}
 
     def conflict(self, name: str, *, is_folder: bool = False) -> str:
-        """Return why a file or folder of a backup can't be written, in words; empty: it can."""
+        """Return why a file or folder of a backup can't be written, in words; empty if it can."""
         reason, there = self._way(name.rpartition("/")[0])
         return reason or self._step(name, is_folder=is_folder, there=there)
 
     def _way(self, name: str) -> tuple[str, bool]:
-        """Return why nothing can be written in a folder, and True if it is there."""
+        """Return why nothing can be written in a folder, and True if the folder exists."""
         if name not in self._known:
             reason = self.conflict(name, is_folder=True)
             self._known[name] = reason, name in self._present

@@ -53,7 +53,7 @@ def look(calibration: Calibration, asked: LookCalibration) -> LookText:
 
 
 def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
-    assert touching.value is not None  # whoever calls has looked
+    assert touching.value is not None  # the caller has checked it
     flange = touching.poses()[-1 if asked.at is None else asked.at]
     back = flange[:3, 3] - touching.value.fixed
     length = float(np.linalg.norm(back))
@@ -70,7 +70,7 @@ def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
 
 
 def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookText:
-    assert touching.value is not None  # whoever calls has looked
+    assert touching.value is not None  # the caller has checked it
     at = asked.at or 0
     base_from_frame = touching.value.base_from_frame
     flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]

@@ -112,7 +112,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
 
 
 def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touching: HomeTouching) -> Made:
-    assert touching.value is not None  # whoever asks has looked
+    assert touching.value is not None  # the caller has checked it
     robot, on_disk = robots
     known, there = robot.actuation.offset, on_disk.actuation.offset
     if known.shape != there.shape or np.abs(known - there).max() > _OFFSET:

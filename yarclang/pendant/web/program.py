@@ -137,7 +137,7 @@ def _with_names(named: Around, change: said.ProgramChange, joints: Array | None)
     """Carry out a change that depends on the meaning of names."""
     if isinstance(change, said.InsertCommand):
         return forms.put_in(named, change.after, change.command, change.fields)
-    assert joints is not None  # whoever teaches says where, or asks the robot
+    assert joints is not None  # a change that teaches a position has joints, given or from the robot
     match change:
         case said.TeachMotion():
             wanted = motions.Taught(

@@ -6,11 +6,11 @@
 Private parameters, as `_robot:=industrial6` on the command line or in a launch file:
 
     ~robot            which robot: its name, the name or number of the process that owns it, or the path of
-    its socket; needed if there are several
+                      its socket; needed if there are several
     ~action           name of the action: joint_trajectory_action
-    ~hold_on_cancel   hold a cancelled goal at once (true), or let it go on to its end
-    ~override         pace at the start [%]
-    ~set_description  replace a robot_description that is another one: false
+    ~hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
+    ~override         override at the start [%]
+    ~set_description  replace a different robot_description (default: false)
 
 docs/ros.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
 rospy, actionlib and ROS's usual messages, and nothing else.

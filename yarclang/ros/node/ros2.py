@@ -7,10 +7,10 @@
 Parameters:
 
     robot            which robot: its name, the name or number of the process that owns it, or the path of its
-        socket; needed if there are several
+                     socket; needed if there are several
     action           name of the action: joint_trajectory_controller/follow_joint_trajectory
-    hold_on_cancel   hold a cancelled goal at once (true), or let it go on to its end
-    override         pace at the start [%]; 0: as it is
+    hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
+    override         override at the start [%]; 0 to leave it
 
 docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
 rclpy, control_msgs and ROS's usual messages, and nothing else.

@@ -1,4 +1,6 @@
-"""The arms of kinematics.py: URDFs of the package example-robot-data, and the paper's robot as if it were calibrated."""
+"""The arms of kinematics.py: URDFs of the package example-robot-data, and the paper's robot as if it were
+calibrated.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ from yarclang.robot.library import stdlib_folder
 
 DATA = Path(pinocchio.__file__).parents[4] / "share" / "example-robot-data" / "robots"
 SHAPES = re.compile(r"<(visual|collision)\b.*?</\1>", re.DOTALL)
-"""Nothing here collides, and peers stumble over meshes."""
+"""Shapes, which are removed: nothing here collides, and other libraries may fail to load meshes."""
 MIMICS = re.compile(r"<mimic[^>]*/>")
 
 FILES = {
@@ -23,7 +25,7 @@ FILES = {
 
 
 def urdf(name: str) -> str:
-    """The text of an arm's URDF, without shapes."""
+    """Return the text of an arm's URDF, without shapes."""
     if name == "industrial6":
         return SHAPES.sub(
             "", (stdlib_folder() / "robots/industrial6/industrial6.urdf").read_text(encoding="utf-8")
@@ -34,7 +36,9 @@ def urdf(name: str) -> str:
 
 
 def calibrated(text: str, seed: int = 1) -> str:
-    """The URDF with each joint's frame off by 0.1 mm and 0.01 deg or so in every direction: no axes meet any more."""
+    """Return the URDF with each joint's frame displaced by about 0.1 mm and 0.01 deg in every direction, so
+    that no axes intersect.
+    """
     random = np.random.default_rng(seed)
 
     def off(origin: re.Match[str]) -> str:

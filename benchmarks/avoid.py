@@ -1,8 +1,10 @@
-"""The figures of ways round in RESULTS.md: `python benchmarks/avoid.py`, in an environment with yarclang; `tight` measures the tight places alone, which
-need yarclang[test] for the third arm, and `tight peer` puts RRT-Connect with 5 s a problem on the same checker beside them.
+"""The figures of avoiding motions in RESULTS.md: `python benchmarks/avoid.py`, in an environment with
+yarclang. `tight` measures only the tight places, which need yarclang[test] for the third arm. `tight peer`
+also runs RRT-Connect with 5 s for each problem on the same checker.
 
-A problem is a place among obstacles from which there is a way, known before: the arm is put between two joint positions of a hidden walk, each
-step of which was found free, and obstacles are drawn that leave the walk free and block the straight way.
+A problem is a place among obstacles with a known solution: the arm moves between two joint positions of a
+hidden walk, each step of which was found free, and obstacles are drawn that leave the walk free and block the
+straight path.
 """
 
 from __future__ import annotations
@@ -39,12 +41,12 @@ PROBLEMS = 200
 SEED = 7
 MIDDLE = np.radians([0.0, 15.0, -30.0, 0.0, -40.0, 0.0])
 STEPS = 400
-"""Joint positions of a hidden walk that are looked at."""
+"""Joint positions of a hidden walk that are checked."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Problem:
-    """A way is known from `start` to `goal` (n,) in a cell, and the straight one isn't free."""
+    """A problem in a cell with a known solution from `start` to `goal` (n,). The straight path isn't free."""
 
     cell: Cell
     start: Array
@@ -113,7 +115,7 @@ def in_tight_places(*, with_peer: bool) -> None:
 
 
 def past_a_box(robot: Robot) -> list[Problem]:
-    """From the left of a post to its right."""
+    """Return the problem of moving from the left of a post to its right."""
     cell = _cell(_obstacle("POST", Box(np.array([0.12, 0.12, 1.8])), [0.0, 0.7, 0.9]))
     random = np.random.default_rng(SEED)
     room = room_around(robot, cell)
@@ -129,7 +131,7 @@ def past_a_box(robot: Robot) -> list[Problem]:
 
 
 def solvable(robot: Robot, count: int = PROBLEMS) -> list[Problem]:
-    """The first of the fixed set of problems with hidden ways."""
+    """Return the first `count` of the fixed set of problems with hidden walks."""
     random = np.random.default_rng(SEED)
     found: list[Problem] = []
     while len(found) < count:
@@ -149,7 +151,9 @@ def _is_free(scene: Scene, walk: Array) -> bool:
 
 
 def _walk(robot: Robot, random: np.random.Generator) -> Array | None:
-    """Joint positions (STEPS, n) along two or three straight pieces, on which the arm doesn't touch itself."""
+    """Return joint positions (STEPS, n) along two or three straight pieces on which the arm doesn't collide
+    with itself; None if there are none.
+    """
     limits = robot.limits
     room = np.array([1.6, 0.7, 0.8, 1.0, 1.0, 1.0])
     corners = np.clip(
@@ -167,7 +171,7 @@ def _walk(robot: Robot, random: np.random.Generator) -> Array | None:
 
 
 def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
-    """Obstacles that leave a walk free, by 20 mm."""
+    """Return obstacles that leave a walk free, by 20 mm."""
     kept: list[Obstacle] = []
     for number in range(int(random.integers(8, 30))):
         xyz = random.uniform([-1.3, -0.2, 0.2], [1.3, 1.4, 2.2])
@@ -182,15 +186,15 @@ def _around(robot: Robot, walk: Array, random: np.random.Generator) -> Cell:
 
 
 def _is_problem(room: Room, start: Array, goal: Array) -> bool:
-    """Return True if both ends are free, and the straight way between them isn't."""
+    """Return True if both ends are free, and the straight path between them isn't."""
     straight = start + np.linspace(0.0, 1.0, STEPS)[:, None] * (goal - start)
     return _is_free(room.scene, straight[[0, -1]]) and not _is_free(room.scene, straight)
 
 
 def _timed(robot: Robot, problem: Problem, runs: int = 3) -> tuple[float, bool]:
-    """The shortest time of some runs [ms], and whether a way was found."""
+    """Return the shortest time of several runs [ms], and True if a path was found."""
     room = room_around(robot, problem.cell)
-    find_way(room, problem.start, problem.start + 1e-3)  # shapes and reaches are remembered
+    find_way(room, problem.start, problem.start + 1e-3)  # fills the caches of shapes and reaches
     times, found = [], True
     for _ in range(runs):
         begun = time.perf_counter()

@@ -1,6 +1,8 @@
-"""Programs on a UR5 beside the same on INDUSTRIAL6: `python benchmarks/cobots.py`, in an environment with yarclang[dev].
+"""Programs on a UR5 and on INDUSTRIAL6: `python benchmarks/cobots.py`, in an environment with yarclang[dev].
 
-`poses`: 100 MOVEJ_RPY in a cell of ten bodies, from the text to its certificate. `pallet`: 24 boxes, each taken and put down by MOVEJ_RPY and MOVEL among the same bodies. CPU seconds of this process, the least of some rounds.
+`poses`: 100 MOVEJ_RPY in a cell of ten bodies, from the text to its certificate. `pallet`: 24 boxes, each
+picked and placed by MOVEJ_RPY and MOVEL among the same bodies. CPU seconds of this process, the least of
+several rounds.
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ import arms
 ROUNDS = 3
 POSES, BOXES = 100, 24
 BODIES = 10
-"""Boxes on the floor round the arm, with sides of 100 mm."""
+"""Boxes on the floor around the arm, with edges of 100 mm."""
 
 
 def main() -> None:
@@ -92,7 +94,7 @@ def _written(pose: np.ndarray) -> str:
 
 
 def _poses(robot: Robot) -> list[str]:
-    """MOVEJ_RPY to poses of joint positions round HOME."""
+    """Return MOVEJ_RPY to poses of joint positions around HOME."""
     random = np.random.default_rng(0)
     q = robot.home + random.uniform(-0.35, 0.35, (POSES, robot.size))
     q = np.clip(q, robot.limits.lower + 0.01, robot.limits.upper - 0.01)
@@ -101,7 +103,9 @@ def _poses(robot: Robot) -> list[str]:
 
 
 def _pallet(robot: Robot) -> list[str]:
-    """For each box over its place by MOVEJ_RPY, down and up by MOVEL, and back to where boxes come from."""
+    """Return for each box a MOVEJ_RPY above its place, MOVELs down and up, and the way back to the source of
+    boxes.
+    """
     base = flange_poses(robot.chain, robot.home[None])[0]
     inwards = -base[:3, 3] * [1.0, 1.0, 0.0] / np.linalg.norm(base[:2, 3])
     aside = np.array([-inwards[1], inwards[0], 0.0])
@@ -116,7 +120,7 @@ def _pallet(robot: Robot) -> list[str]:
     for box in range(BOXES):
         column, row, layer = box % 4, box // 4 % 3, box // 12
         place = base.copy()
-        # towards the arm, aside, and up
+        # towards the arm, sideways, and up
         place[:3, 3] += (
             inwards * 0.03 * (column + 2) + aside * 0.03 * row + np.array([0.0, 0.0, 0.03 * layer])
         )
@@ -130,7 +134,7 @@ def _pallet(robot: Robot) -> list[str]:
 
 
 def _seconds(path: Path, lines: list[str]) -> float:
-    """CPU time from a text to its certificate [s], the least of some rounds."""
+    """Return the CPU time from a text to its certificate [s], the least of several rounds."""
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     times = []
     for _ in range(ROUNDS):

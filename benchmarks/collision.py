@@ -1,4 +1,6 @@
-"""The collision check's figures in RESULTS.md: `python benchmarks/collision.py`, in an environment with yarclang."""
+"""The collision check's figures in RESULTS.md: `python benchmarks/collision.py`, in an environment with
+yarclang.
+"""
 
 from __future__ import annotations
 
@@ -133,7 +135,7 @@ def main() -> None:
 
 
 def best(run: Callable[[], object], count: int = 5) -> float:
-    """The shortest of some runs [ms]: others use the machine, too."""
+    """Return the shortest time of several runs [ms], because other processes use the machine, too."""
     run()
     times = []
     for _ in range(count):
@@ -144,7 +146,7 @@ def best(run: Callable[[], object], count: int = 5) -> float:
 
 
 def two_seconds(robot: Robot, cell: Cell) -> list[float]:
-    """The times of proofs of motions that take 2 s, in ms."""
+    """Return the times of proofs of motions that take 2 s, in ms."""
     random = np.random.default_rng(5)
     times: list[float] = []
     while len(times) < 40:
@@ -168,7 +170,9 @@ def two_seconds(robot: Robot, cell: Cell) -> list[float]:
 
 
 def grazing(robot: Robot, gap: float) -> float:
-    """The time [ms] of the proof of a motion under a plate, past which a link goes at its margin and a gap [m]."""
+    """Return the time [ms] of the proof of a motion in which a link passes below a plate at its margin and a
+    gap [m].
+    """
     plate = (
         '[[obstacles]]\nname = "PLATE"\nshape = "box"\nframe = "B"\nsize = [4000, 4000, 20]\nmargin = 10\n'
     )
@@ -194,7 +198,9 @@ def grazing(robot: Robot, gap: float) -> float:
 
 
 def torques_of_palletising(robot: Robot) -> float:
-    """The time [ms] of holding the example's torques against efforts, with masses as such an arm may have."""
+    """Return the time [ms] of checking the example's torques against efforts, with typical masses of such an
+    arm.
+    """
     assert robot.dynamics is not None
     mass = np.array([60.0, 40.0, 25.0, 8.0, 4.0, 2.0])
     inertia = mass[:, None, None] * np.eye(3) * 0.01
@@ -215,7 +221,9 @@ def torques_of_palletising(robot: Robot) -> float:
 
 
 def palletising(cell: Cell) -> tuple[float, float, float]:
-    """Times of compiling the example without the check and with it, and of the check alone [ms]."""
+    """Return the times of compiling the example without the check and with it, and of the check alone
+    [ms].
+    """
     opened = open_program(str(EXAMPLE), Options())
     assert opened.value is not None
     spent: list[float] = []

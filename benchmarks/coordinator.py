@@ -46,11 +46,11 @@ LINES = {
     ),
 }
 COUNTS = 2.0
-"""A motor that is so far from where it stood has moved."""
+"""Distance from its rest at which a motor counts as moved [counts]."""
 
 
 class Watch:
-    """Looks at the motors as fast as it can, from a connection of its own."""
+    """Reader of the motors' positions at the highest possible rate, on a connection of its own."""
 
     def __init__(self, port: int) -> None:
         self.moved_at = 0.0
@@ -88,7 +88,7 @@ class Watch:
 
 @contextmanager
 def simulator() -> Iterator[int]:
-    """The port of a `yarc sim`."""
+    """Yield the port of a `yarc sim`."""
     with subprocess.Popen([sys.executable, "-c", SIMULATOR], stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None
@@ -100,7 +100,7 @@ def simulator() -> Iterator[int]:
 
 
 async def do(client: Client, text: str) -> None:
-    """Offer and go."""
+    """Send an offer and run it."""
     made = await client.motion.offer(text)
     assert made.value is not None, made.diagnostics
     ended = await client.motion.go(made.value)
@@ -108,7 +108,7 @@ async def do(client: Client, text: str) -> None:
 
 
 async def enter(client: Client, port: int, lines: tuple[str, str], rounds: int) -> list[float]:
-    """From a line to the first motion [s]."""
+    """Return the times from a line to the first motion [s]."""
     found = []
     for number in range(rounds):
         watch = Watch(port)
@@ -121,14 +121,16 @@ async def enter(client: Client, port: int, lines: tuple[str, str], rounds: int) 
 
 
 def turning(speed: float) -> JointVelocity:
-    """J1 [deg/s]."""
+    """Return the velocity of J1 [deg/s] as a request."""
     velocity = np.zeros(6)
     velocity[0] = np.deg2rad(speed)
     return JointVelocity(velocity)
 
 
 async def jog(client: Client, port: int, rounds: int) -> tuple[list[float], list[float], list[float]]:
-    """From a key to the first motion; from the wish to go the other way to turning back; from a stop to rest [s]."""
+    """Return the times [s] from a key to the first motion, from a request for the opposite direction to the
+    reversal, and from a stop to rest.
+    """
     first, changed, rested = [], [], []
     for number in range(rounds):
         side = 1.0 if number % 2 else -1.0
@@ -155,14 +157,14 @@ async def jog(client: Client, port: int, rounds: int) -> tuple[list[float], list
         times, places = np.array(watch.places).T
         farthest = float(times[int(np.argmax(side * places))])
         if held or watch.rested_at < stopped or farthest < turned:
-            continue  # this process was too late, so that the robot was held
+            continue  # this process was too late, and the robot was held
         rested.append(watch.rested_at - stopped)
         changed.append(farthest - turned)
     return first, changed, rested
 
 
 async def attach(path: Path) -> list[float]:
-    """From connecting to the first event [s], of clients in a thread."""
+    """Return the times from connecting to the first event [s], of clients in a thread."""
 
     def attached() -> float:
         begun = time.perf_counter()
@@ -174,7 +176,9 @@ async def attach(path: Path) -> list[float]:
 
 
 async def stream(client: Client, seconds: float) -> tuple[int, float]:
-    """Positions that one subscriber takes, and what of a core all of this process takes meanwhile."""
+    """Return the number of positions that one subscriber receives, and the share of a core that this process
+    uses.
+    """
     events, count = client.session.events(), 0
     cpu, begun = time.process_time(), time.perf_counter()
     while time.perf_counter() - begun < seconds:
@@ -185,7 +189,7 @@ async def stream(client: Client, seconds: float) -> tuple[int, float]:
 
 
 async def measure(port: int, rounds: int) -> None:
-    """All tables."""
+    """Print all tables."""
     robot = load_robot(ROBOT).value
     assert robot is not None
     session = OrderedSession("127.0.0.1", port, reply_time=20.0)
@@ -213,7 +217,7 @@ async def measure(port: int, rounds: int) -> None:
 
 
 def told(begin: str, end: str, found: list[float], goal: str) -> None:
-    """One row."""
+    """Print one row."""
     if not found:
         print(f"| {begin} | {end} | - | - | {goal} |")
         return

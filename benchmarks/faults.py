@@ -57,23 +57,23 @@ P0050 MOVEJ_POLY5 0 0 0 0 0 0 [2] (deg,s)
 """
 MOTORS = 6
 COUNTS = 96 * 32
-"""Of the registers of positions, to a count."""
+"""Units of the position registers in a count."""
 
 EACH = 0.005
-"""Time between two looks at the motors [s]."""
+"""Time between two readings of the motors [s]."""
 
 STILL, STANDS = 0.02, 0.05
-"""A motor that has gone by less [counts] for so long [s] stands."""
+"""Distance [counts] below which a motor counts as at rest, for this time [s]."""
 
 SAYS_HOLD = re.compile(r'hold: |\{"event": "state", .*"state": "hold"')
 HOLD_TIME = 0.45
-"""The robot's hold time, and what a busy computer may add [s]."""
+"""The robot's hold time, plus an allowance for a busy computer [s]."""
 
 LOST_AFTER = 3.0
-"""A robot that still moves after this time, and by nobody's will, is lost [s]."""
+"""Time after which a robot that still moves without an order counts as lost [s]."""
 
 OFF = 1.0
-"""How far from its path a robot may be that is to stay on it [counts]."""
+"""Allowed distance from the path of a robot that has to stay on it [counts]."""
 
 REPLIED = b"\x06"
 HOLDS = re.compile(rb"(&\d+)?H")
@@ -88,7 +88,7 @@ PROGRESS = re.compile(
 
 
 def _work(arguments: Sequence[str], output: str, folder: str) -> None:
-    """Be a `yarc` whose output goes into a file."""
+    """Run a `yarc` whose output goes to a file."""
     out = os.open(output, os.O_WRONLY)
     for number in (1, 2):
         os.dup2(out, number)
@@ -119,7 +119,7 @@ def imported() -> list[str]:
 
 
 class Yarc:
-    """A `yarc` in a process of its own; `said` has each line that it has printed and when."""
+    """A `yarc` in a process of its own. `said` has each printed line with its time."""
 
     def __init__(self, folder: Path, *arguments: str) -> None:
         self.said: list[tuple[float, str]] = []
@@ -147,20 +147,20 @@ class Yarc:
         return self.process.exitcode is not None
 
     def wait(self, seconds: float) -> int | None:
-        """Wait for its end, and return its exit status; None if it goes on."""
+        """Wait for the end, and return the exit status; None if the process continues."""
         self.process.join(seconds)
         if self.ended:
             self._reader.join(0.5)
         return self.process.exitcode
 
     def kill(self) -> None:
-        """End it for good."""
+        """Kill the process."""
         self.send(signal.SIGKILL)
         self.process.join(5.0)
 
 
 def wait_for(true: Callable[[], object], seconds: float, what: str) -> None:
-    """Wait until something is so.
+    """Wait until a condition is true.
 
     Raises:
         TimeoutError: it isn't in time.
@@ -177,7 +177,7 @@ def wait_for(true: Callable[[], object], seconds: float, what: str) -> None:
 
 @dataclass
 class Pair:
-    """A connection of the run, and the one to the simulator that belongs to it."""
+    """A connection of the run, and the corresponding one to the simulator."""
 
     client: socket.socket
     server: socket.socket
@@ -192,15 +192,15 @@ class Pair:
 
 
 class Proxy:
-    """A link that does what it is told to.
+    """A link whose behaviour can be changed.
 
     Attributes:
-        seen: each packet of the run, and when it came.
-        open: cleared, nothing goes through, in either direction.
+        seen: each packet of the run, with its time.
+        open: while cleared, nothing is passed in either direction.
         delay: of each reply [s].
-        rate: how fast it is, both ways [bytes/s]; 0 for no limit.
-        spoil: what becomes of a reply; empty bytes are not sent.
-        change: what becomes of a packet of the run.
+        rate: in both directions [bytes/s]; 0 for no limit.
+        spoil: changes a reply; empty bytes are not sent.
+        change: changes a packet of the run.
     """
 
     def __init__(self, target: int) -> None:
@@ -224,7 +224,7 @@ class Proxy:
             while True:
                 client, _ = listener.accept()
                 self.open.wait()
-                time.sleep(0.02)  # the controller keeps two connections: first let go of the one before
+                time.sleep(0.02)  # the controller accepts two connections: first close the previous one
                 server = socket.create_connection(("127.0.0.1", self._target))
                 for wire in (client, server):
                     wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -235,7 +235,7 @@ class Proxy:
                     threading.Thread(target=work, args=(pair,), daemon=True).start()
 
     def _received(self, wire: socket.socket) -> Iterator[bytes]:
-        """What comes, until the end of the connection."""
+        """Yield the received bytes, until the end of the connection."""
         while True:
             try:
                 data = wire.recv(65536)
@@ -280,15 +280,15 @@ class Proxy:
             with contextlib.suppress(OSError):
                 wire.sendall(data)
 
-    # what it is told
+    # faults of the link
 
     def pause(self, seconds: float) -> None:
-        """Let nothing through for a time."""
+        """Pass nothing for a time."""
         self.open.clear()
         threading.Timer(seconds, self.open.set).start()
 
     def cut(self, back_after: float | None = None) -> None:
-        """Close all connections and take no more, or take them again after a time."""
+        """Close all connections and accept no more, or accept them again after a time."""
         with contextlib.suppress(OSError):
             self._listener.shutdown(socket.SHUT_RDWR)
         self._listener.close()
@@ -314,7 +314,7 @@ class Proxy:
                 wire.close()
 
     def half_open(self) -> None:
-        """The controller forgets all connections, and nobody tells the run: new ones are as good as ever."""
+        """Forget all connections without closing them towards the run. New ones work normally."""
         for pair in self._pairs:
             pair.deaf = True
             with contextlib.suppress(OSError):
@@ -356,14 +356,14 @@ class Proxy:
         self.change = changed
 
     def holds_after(self, since: float) -> float | None:
-        """When the run has sent H, ^O or ^A after a time; None if it hasn't."""
+        """Return the time at which the run has sent H, ^O or ^A after a given time; None if it hasn't."""
         for when, packet in list(self.seen):
             if when >= since and _holds(packet):
                 return when
         return None
 
     def close(self) -> None:
-        """End all."""
+        """Close everything."""
         self.open.set()
         self.cut()
 
@@ -382,14 +382,15 @@ def _holds(packet: bytes) -> bool:
     return packet[1] == Code.GETRESPONSE and HOLDS.fullmatch(packet[pmac.HEADER_SIZE :]) is not None
 
 
-# somebody else
+# another client
 
 
 class Other:
-    """Another client: looks at the motors each 5 ms, and says what it is told to.
+    """Another client, which reads the motors every 5 ms and sends given lines.
 
     Attributes:
-        looks: time, override [%], the guard's flag, the watchdog's flag, and the commanded positions [counts] of each look.
+        looks: time, override [%], the guard's flag, the watchdog's flag, and the commanded positions [counts]
+            of each reading.
         refused: lines that the controller has refused, with its errors.
     """
 
@@ -405,7 +406,7 @@ class Other:
         self.say("I6=1I3=2")
         for row in range(MOTORS):
             self.say(f"M{7101 + row}->D:${0x88 + 0x80 * row:06X}")
-        self.say("SAVE", 5.0)  # so that a reset doesn't blind us
+        self.say("SAVE", 5.0)  # so that a reset doesn't stop our readings
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._thread.start()
 
@@ -414,7 +415,7 @@ class Other:
         self._wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def say(self, line: str, seconds: float = 0.5) -> bytes:
-        """Say a line, or a control character as ^D; return the reply."""
+        """Send a line, or a control character as ^D; return the reply."""
         with self._lock:
             if line.startswith("^"):
                 packet = struct.pack(pmac.HEADER, pmac.DOWN, Code.SENDCTRLCHAR, ord(line[1]) - 64, 0, 0)
@@ -427,7 +428,7 @@ class Other:
         return reply
 
     def write(self, *lines: str) -> None:
-        """Write lines with one packet."""
+        """Send lines in one packet."""
         data = b"".join(line.encode() + b"\0" for line in lines)
         with self._lock:
             self._exchange(
@@ -478,7 +479,9 @@ class Other:
             time.sleep(max(0.0, due - time.monotonic()))
 
     def stands_since(self, since: float) -> float | None:
-        """When the motors have come to rest after a time, for 50 ms at least; None if they haven't."""
+        """Return the time at which the motors have come to rest after a given time, for at least 50 ms; None
+        if they haven't.
+        """
         looks = self.looks[-2000:]
         first: float | None = None
         for before, after in pairwise(looks):
@@ -494,7 +497,7 @@ class Other:
 
     @property
     def moves(self) -> bool:
-        """True if a motor moves now."""
+        """True if a motor is moving."""
         one, other = self.looks[-6:-5], self.looks[-1:]
         return bool(one) and max(abs(a - b) for a, b in zip(one[0][4:], other[0][4:], strict=True)) > STILL
 
@@ -510,23 +513,23 @@ class Other:
 
 @dataclass(frozen=True)
 class Fault:
-    """One fault.
+    """A fault.
 
     Attributes:
-        name: what is done.
-        do: does it; None where the simulator does, by `options`.
+        name: description of the fault.
+        do: causes it; None if the simulator does, by `options`.
         kind: others, link, host or motor.
-        within: it is to be noticed within [s]; None where it isn't to be noticed by the run.
-        goes_on: the run may go on by itself.
-        off: the robot may leave its path.
-        held: it is done in a hold.
-        tm: [ms].
-        after: when it is done, from R [s].
-        watch: for how long its effects are watched at most [s].
+        within: time within which it has to be noticed [s]; None if the run needn't notice it.
+        goes_on: True if the run may continue by itself.
+        off: True if the robot may leave its path.
+        held: True to cause it during a hold.
+        tm: segment time [ms].
+        after: time of the fault after R [s].
+        watch: longest time for which its effects are watched [s].
         options: of the simulator.
-        undo: what makes it good; then the run is resumed, and must come to its end.
-        work: which `yarc` streams: run, exec, or follow with a master that moves joint 1.
-        brief: only the time to rest is wanted; a process that sleeps isn't woken.
+        undo: lines that repair it; then the run is resumed, and must come to its end.
+        work: the `yarc` that streams: run, exec, or follow with a master that moves joint 1.
+        brief: True to measure only the time to rest; a suspended process isn't resumed.
     """
 
     name: str
@@ -547,7 +550,9 @@ class Fault:
 
 @dataclass
 class Found:
-    """What became of a fault: times from it on [s], `off` and `off_later` in counts until rest, and until the watch was over."""
+    """Result of a fault. Times are from the fault on [s]; `off` and `off_later` are in counts, until rest and
+    until the end of the watch.
+    """
 
     name: str
     tm: float
@@ -564,7 +569,7 @@ class Found:
 
 
 class Scene:
-    """A simulator, a link, a run and somebody else; as a context it ends them all."""
+    """A simulator, a link, a run and another client; the end of the context ends all of them."""
 
     def __init__(self, folder: Path, tm: float, options: Sequence[str] = (), work: str = "run") -> None:
         self._folder = folder
@@ -584,7 +589,7 @@ class Scene:
             self.run = Yarc(folder, work, "program.yarc", *to, "--tm", f"{tm:g}", *asked)
 
     def _steer(self, place: Path) -> None:
-        """Be a master that wants motor 1 to move."""
+        """Run a master that moves motor 1."""
         with contextlib.suppress(OSError, TimeoutError), socket.socket(socket.AF_UNIX) as wire:
             wait_for(lambda: any("listening" in line for _, line in self.run.said), 20.0, "it doesn't listen")
             wire.connect(str(place))
@@ -594,7 +599,7 @@ class Scene:
                 time.sleep(0.02)
 
     def begun(self) -> float:
-        """Wait for R, and return when it was sent."""
+        """Wait for R, and return its time."""
 
         def sent() -> list[float]:
             found = [when for when, packet in list(self.proxy.seen) if packet[pmac.HEADER_SIZE :] == b"R"]
@@ -606,7 +611,7 @@ class Scene:
         return sent()[0]
 
     def yarc(self, *arguments: str) -> Yarc:
-        """Another `yarc`."""
+        """Start another `yarc`."""
         return Yarc(self._folder, *arguments)
 
     def __enter__(self) -> Scene:
@@ -620,7 +625,7 @@ class Scene:
 
 
 def says(*lines: str, **values: Any) -> Fault:
-    """Return the fault that somebody else says these lines."""
+    """Return the fault that another client sends lines."""
 
     def do(scene: Scene) -> None:
         for line in lines:
@@ -636,12 +641,12 @@ def link(name: str, do: Callable[[Proxy], None], **values: Any) -> Fault:
 
 
 def of_work(work: str, fault: Fault) -> Fault:
-    """Return the same fault of another `yarc`."""
+    """Return a fault for another `yarc`."""
     return replace(fault, name=f"{fault.name}, yarc {work}", work=work)
 
 
 def signals(name: str, *steps: int | float, **values: Any) -> Fault:
-    """Return the fault that the run gets signals; a float is a pause [s]."""
+    """Return the fault that the run receives signals; a float is a pause [s]."""
 
     def do(scene: Scene) -> None:
         def later() -> None:
@@ -663,17 +668,17 @@ def simulated(option: str, **values: Any) -> Fault:
 
 
 FLOW, SETTINGS = 0.1, 1.1
-"""A change of the override or the guard is to be noticed within, and one of a setting [s]."""
+"""Time within which a change of the override or the guard has to be noticed, and that of a setting [s]."""
 
 KILL, STOP, CONT = signal.SIGKILL, signal.SIGSTOP, signal.SIGCONT
 
 
 def faults() -> list[Fault]:
-    """Return all of them."""
+    """Return all faults."""
     flow, settings = partial(says, within=FLOW), partial(says, within=SETTINGS)
     host = partial(signals, watch=3.5)
     return [
-        # somebody else: pace, guard
+        # another client: override, guard
         flow("&1%200", undo=("&1%100",), watch=16.0),
         flow("&1%50"),
         flow("&1%0"),
@@ -722,7 +727,7 @@ def faults() -> list[Fault]:
         settings("#1->1000X", watch=9.0),
         settings("M161->D:$0", watch=9.0),
         settings("M8116->Y:$0,0,1", watch=9.0),
-        # what is no setting
+        # not a setting
         says("$$$", off=True, within=SETTINGS),
         says("DELETE ROT", off=True),
         says("#1K", off=True, within=SETTINGS),
@@ -806,11 +811,11 @@ def faults() -> list[Fault]:
     ]
 
 
-# what became of it
+# results
 
 
 class PlannedPath:
-    """Where a plan leads, as a fine polyline in counts."""
+    """The path of a plan, as a fine polyline in counts."""
 
     def __init__(self, plan: MotionPlan, step: float) -> None:
         times = np.arange(0.0, plan.duration + step, step)
@@ -879,7 +884,7 @@ def _try(scene: Scene, fault: Fault, found: Found) -> None:
 
 
 def _watch(scene: Scene, fault: Fault, since: float) -> float | None:
-    """Watch until there is no more to see; when the run was resumed, if it was."""
+    """Watch until nothing more happens. Return the time at which the run was resumed, if it was."""
     other, run = scene.other, scene.run
     resumed = gone = None
     while (passed := time.monotonic() - since) < fault.watch:
@@ -905,7 +910,7 @@ def _watch(scene: Scene, fault: Fault, since: float) -> float | None:
 
 
 def _end(run: Yarc, found: Found) -> None:
-    """End the run, if it goes on."""
+    """End the run, if it continues."""
     if (status := run.wait(0.0)) is not None:
         found.status = str(status)
         return
@@ -953,12 +958,14 @@ def _judge(scene: Scene, fault: Fault, found: Found, since: float, until: float)
 
 
 def _beside_motor_1(counts: np.ndarray) -> float:
-    """Return how far the other motors have gone (N, n), in counts: the master wants none of them to move."""
+    """Return the motion of the other motors (N, n), in counts; the master wants none of them to move."""
     return float(np.ptp(counts[:, 1:], axis=0).max())
 
 
 def _rest(looks: np.ndarray, since: float, until: float) -> float | None:
-    """Return when the motors have first come to rest, for 50 ms at least [s from the fault on]; None if they haven't."""
+    """Return the time at which the motors have first come to rest, for at least 50 ms [s from the fault on];
+    None if they haven't.
+    """
     moving = np.abs(np.diff(looks[:, 4:], axis=0)).max(axis=1) > STILL
     first = since
     for when, moves in zip(looks[1:, 0], moving, strict=True):
@@ -1016,14 +1023,16 @@ HEAD = "| what is done | TM | noticed after s, by | at rest after s | off its pa
 
 
 def _spread(row: int, fault: Fault) -> Fault:
-    """Return a fault of somebody else at another instant than its neighbours: the run looks at the settings once a second."""
+    """Return a fault of another client at another time than its neighbours, because the run reads the
+    settings once a second.
+    """
     if fault.kind != "others" or fault.held:
         return fault
     return replace(fault, after=fault.after + row * 0.6180339887 % 1.0)
 
 
 def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
-    """Try them one after the other, and print the table and a summary."""
+    """Try all faults one after the other, and print the table and a summary."""
     chosen = [_spread(row, fault) for row, fault in enumerate(faults())]
     chosen = [fault for fault in chosen if not words or any(word in fault.name for word in words)]
     begun, load = time.monotonic(), os.getloadavg()[0]
@@ -1054,7 +1063,7 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
 
 
 def instants(folder: Path, count: int) -> None:
-    """Try the death of the host at many instants, and print how long it took to rest."""
+    """Try the death of the host at many times, and print the times to rest."""
     print(
         "| death of the host | TM | instants | median s | worst s | off its path, counts | load |\n|---|---|---|---|---|---|---|"
     )

@@ -28,7 +28,7 @@ HERE = Path(__file__).parent
 
 
 def edited(lines: list[str], at: int, by: float) -> SourceFile:
-    """The program with the first number of a line changed, from now on."""
+    """Return the program after a change of the first number of a line, which later edits include."""
     words = lines[at].split()
     words[2] = f"{float(words[2]) + by:.3f}"
     lines[at] = " ".join(words)
@@ -36,14 +36,14 @@ def edited(lines: list[str], at: int, by: float) -> SourceFile:
 
 
 def timed(work: Callable[[], object]) -> tuple[float, float]:
-    """How long it takes [ms]: by the clock, on a core."""
+    """Return the duration of work [ms]: by the clock, and on a core."""
     wall, core = time.perf_counter(), time.process_time()
     work()
     return (time.perf_counter() - wall) * 1e3, (time.process_time() - core) * 1e3
 
 
 def row(what: str, found: list[tuple[float, float]], goal: str) -> str:
-    """A line of the table: medians, and the longest."""
+    """Return a row of the table: medians, and the longest."""
     wall, core = (statistics.median(times) for times in zip(*found, strict=True))
     return f"| {what} | {wall:.1f} ms | {core:.1f} ms | {max(one for one, _ in found):.1f} ms | {goal} |"
 

@@ -1,4 +1,4 @@
-"""What is measured inside one process of ours; each prints one JSON object. Imports come before.
+"""Measurements inside one process of ours. Each prints one JSON object, and excludes imports.
 
 python inside.py stages COUNT TM        the compiler's stages, for as many lines
 python inside.py plan COUNT TM          lines to joint samples every TM ms
@@ -41,13 +41,13 @@ STAGES = (
 
 
 def main() -> None:
-    """What the command line asks for."""
+    """Measure the task of the command line."""
     what, count, tm, *kind = sys.argv[1:]
     print(json.dumps(globals()[f"measure_{what}"](int(count), float(tm), *kind)))
 
 
 def measure_stages(count: int, tm: float) -> dict[str, Any]:
-    """Times of each stage of one compilation."""
+    """Return the times of each stage of one compilation."""
     times: dict[str, Times] = {}
     for module, names in STAGES:
         for name in names:
@@ -60,7 +60,9 @@ def measure_stages(count: int, tm: float) -> dict[str, Any]:
 
 
 def measure_cost(count: int, tm: float, kind: str) -> Times:
-    """Times from text to certified text, the median of some different programs if they are short."""
+    """Return the times from text to certified text, the median of several different programs if they are
+    short.
+    """
     make = getattr(programs, kind)
     _compiled(make(10, 0), tm)  # the imports
     found: list[dict[str, Times]] = []
@@ -71,7 +73,7 @@ def measure_cost(count: int, tm: float, kind: str) -> Times:
 
 
 def measure_plan(count: int, tm: float) -> dict[str, Any]:
-    """Seconds from text to joint positions at every `tm` of the plan, and to the plan alone."""
+    """Return the seconds from text to joint positions at every `tm` of the plan, and to the plan alone."""
     _planned(programs.lines(3, 0), tm)  # the imports
     text = programs.lines(count)
     begun, cpu = time.perf_counter(), time.process_time()
@@ -83,7 +85,7 @@ def measure_plan(count: int, tm: float) -> dict[str, Any]:
 
 
 def measure_task(count: int, tm: float) -> dict[str, Any]:
-    """The lines as poses of {TCP}; with our joint positions there, to compare with."""
+    """Return the lines as poses of {TCP}, with our joint positions for comparison."""
     plan = _planned(programs.lines(count), tm)
     motions = plan.motions[1:]
     samples = round(1000.0 / tm)
@@ -101,7 +103,9 @@ def measure_task(count: int, tm: float) -> dict[str, Any]:
 
 
 def measure_edits(count: int, tm: float) -> dict[str, float]:
-    """Seconds on a core of a first look at a program, of one at an edit in its last tenth, and of a quick one; medians of 10 edits."""
+    """Return the seconds on a core of the first analysis of a program, of an analysis after an edit in its
+    last tenth, and of a quick one; medians of 10 edits.
+    """
     from incremental import edited
 
     analyst, here = Analyst(inputs.Options(tm=tm)), Path.cwd()
@@ -123,7 +127,7 @@ def measure_edits(count: int, tm: float) -> dict[str, float]:
 
 
 def measure_collisions(_count: int, _tm: float) -> dict[str, float]:
-    """Seconds of compiling an example without the collision check, and of the check."""
+    """Return the seconds of compiling an example without the collision check, and of the check."""
     from collision import CELL, EXAMPLE, palletising
 
     from yarclang.cell.description import Names, read_cell
@@ -157,7 +161,7 @@ def _value(result: Any) -> Any:
 
 
 def _timed(work: Callable[..., Any], name: str, times: dict[str, Times]) -> Callable[..., Any]:
-    """`work` that adds its times to those of `name`."""
+    """Return `work` with its times added to those of `name`."""
 
     def run(*arguments: Any) -> Any:
         begun, cpu = time.perf_counter(), time.process_time()

@@ -56,7 +56,7 @@ ROUNDS = 15
 
 
 def main() -> None:
-    """Measure what is asked for."""
+    """Measure the requested parts."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -69,7 +69,7 @@ def main() -> None:
 
 
 def _median(work: Callable[[], Any], rounds: int = ROUNDS) -> tuple[float, float]:
-    """Median and least wall time [s]; a first run isn't counted."""
+    """Return median and least wall time [s]; a first run isn't counted."""
     work()
     times = []
     for _ in range(rounds):
@@ -80,7 +80,7 @@ def _median(work: Callable[[], Any], rounds: int = ROUNDS) -> tuple[float, float
 
 
 def measure_branches(_: argparse.Namespace) -> Iterator[str]:
-    """All branches of the spherical-wrist arm."""
+    """Measure all branches of the arm with a spherical wrist."""
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     yield "| all branches of INDUSTRIAL6, poses in a batch | median | least | goal |\n|---|---|---|---|"
@@ -91,7 +91,7 @@ def measure_branches(_: argparse.Namespace) -> Iterator[str]:
 
 
 def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
-    """All solutions of arms without a spherical wrist."""
+    """Measure all solutions of arms without a spherical wrist."""
     ours = {name: made.COBOTS[name] for name in made.COBOTS} | {"offset6": made.offset6()[0]}
     yield "| all solutions (CPU time) | a pose in a batch | alone, with limits | most | goal |\n|---|---|---|---|---|"
     high = np.full(6, math.pi)
@@ -115,7 +115,9 @@ def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
 
 
 def measure_spare(_: argparse.Namespace) -> Iterator[str]:
-    """The nearest solution of arms with more joints than a pose needs, from any joint position within limits, and from one nearby."""
+    """Measure the nearest solution of arms with more joints than a pose needs, from random joint positions
+    within limits, and from nearby ones.
+    """
     ours = {name: made.seven(name) for name in made.SEVEN}
     six = np.radians([170, 135, 150, 190, 130, 360])
     ours["INDUSTRIAL6 on a rail"] = made.on_rail(made.industrial6()[0], six)
@@ -145,21 +147,21 @@ def measure_spare(_: argparse.Namespace) -> Iterator[str]:
 
 
 def _on_rail(arm: tuple[Chain, Limits]) -> tuple[Chain, Limits]:
-    """An arm on a rail of 2 m."""
+    """Return an arm on a rail of 2 m."""
     chain, limits = arm
     on_rail, _ = made.on_rail(chain, limits.upper)
     return on_rail, made.limits_of(np.r_[-1.0, limits.lower], np.r_[1.0, limits.upper])
 
 
 def _baxter() -> tuple[Chain, Limits]:
-    """The right arm of Baxter, by its URDF."""
+    """Return the right arm of Baxter, from its URDF."""
     text = arms.MIMICS.sub("", arms.SHAPES.sub("", (arms.DATA / BAXTER).read_text(encoding="utf-8-sig")))
     chain, limits, _ = _arm(text, "torso", "right_hand_link", "Baxter")
     return chain, limits
 
 
 def _random_arms(count: int = 1000) -> str:
-    """Compare how many solutions there are with what all eliminations together find, on arms by chance."""
+    """Compare the numbers of solutions with those that all eliminations together find, on random arms."""
     random = np.random.default_rng(0)
     total = fewer = 0
     for _ in range(count):
@@ -176,7 +178,7 @@ def _random_arms(count: int = 1000) -> str:
 
 
 def _beside_eaik(python: str) -> str:
-    """Compare how many solutions a UR5 has with EAIK's, each judged by forward kinematics."""
+    """Compare the number of solutions of a UR5 with EAIK's, each checked by forward kinematics."""
     base, tip, _ = TASKS["UR5"]
     text = arms.urdf("UR5")
     chain, limits, joints = _arm(text, base, tip, "UR5")
@@ -212,7 +214,7 @@ def _beside_eaik(python: str) -> str:
 
 
 def measure_search(options: argparse.Namespace) -> Iterator[str]:
-    """Random reachable poses within limits."""
+    """Measure random reachable poses within limits."""
     yield "| random reachable poses | solved within limits | a pose | goal |\n|---|---|---|---|"
     for name, (base, tip, peers) in TASKS.items():
         text = arms.urdf(name)
@@ -250,13 +252,13 @@ def _peer(name: str, peer: str, python: str, task: Any, chain: Chain, limits: Li
     most = max(len(rows) for rows in found["q"])
     q = np.array([rows + rows[:1] * (most - len(rows)) for rows in found["q"]])
     low, high = span(chain, limits)
-    q = nearest_turn(chain, limits, q, 0.5 * (low + high))  # a full turn more or less isn't held against it
+    q = nearest_turn(chain, limits, q, 0.5 * (low + high))  # full turns don't count as errors
     share = _solved(chain, limits, poses, q)
     return f"| {name}: {peer} | {share * 100:.2f} % of {len(poses):,} | {found['seconds'] / len(poses) * 1e6:.0f} µs | |"
 
 
 def measure_line(_: argparse.Namespace) -> Iterator[str]:
-    """MOVELs of 400 samples, from checked program to plan."""
+    """Measure MOVELs of 400 samples, from checked program to plan."""
     from yarclang.pipeline import inputs, stages
 
     text = programs.lines(100).replace("[1]", "[2]")
@@ -295,7 +297,9 @@ PARTS = {
 
 
 def _arm(text: str, base: str, tip: str, name: str) -> tuple[Chain, Limits, list[str]]:
-    """Chain, position limits and joint names of a URDF's arm; the paper's robot has those of its robot.toml."""
+    """Return chain, position limits and joint names of a URDF's arm. The paper's robot has those of its
+    robot.toml.
+    """
     urdf = read_urdf(SourceFile("arm.urdf", text))
     joints = [joint for joint in joints_between(urdf, base, tip) or () if joint.kind in MOVING]
     chain = screws(urdf, base, tip, joints)
@@ -313,13 +317,13 @@ def _arm(text: str, base: str, tip: str, name: str) -> tuple[Chain, Limits, list
 
 
 def _draw(chain: Chain, limits: Limits, count: int) -> Any:
-    """Random joint positions (count, n) within limits."""
+    """Return random joint positions (count, n) within limits."""
     low, high = span(chain, limits)
     return low + np.random.default_rng(0).random((count, chain.size)) * (high - low)
 
 
 def _solved(chain: Chain, limits: Limits, poses: Any, q: Any) -> float:
-    """The share of poses that one of the answers (N, B, n) reaches within 1e-8 and limits."""
+    """Return the share of poses that one of the answers (N, B, n) reaches within 1e-8 and limits."""
     stand = flange_poses(chain, q.reshape(-1, chain.size)).reshape(*q.shape[:2], 4, 4)
     good = np.abs(stand - poses[:, None]).max(axis=(2, 3)) < 1e-8
     good &= ((q >= limits.lower - 1e-8) & (q <= limits.upper + 1e-8)).all(axis=2)

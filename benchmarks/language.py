@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def unrolled(rounds: int) -> None:
-    """Checking grows with the commands, and so does memory."""
+    """Measure time and memory of checks, which grow with the commands."""
     for name, what in (("loops", "joint motions in loops"), ("calls", "CALLs of a SUB of 5, with frames")):
         print(
             f"\n| {what} | parsed and checked | µs a command | memory | more than 1,000, bytes a command | goal |"
@@ -63,7 +63,7 @@ def unrolled(rounds: int) -> None:
 
 
 def edited(rounds: int) -> None:
-    """A second parse of a file of which one line has changed."""
+    """Measure a second parse of a file after a change of one line."""
     found = by_turns({"edit": _child("edit", LINES)}, rounds, warm=False)["edit"]
     first = _median(found, "first")
     print(f"\n| a file of {LINES:,} different lines | time | of the first parse |\n|---|---|---|")
@@ -73,7 +73,7 @@ def edited(rounds: int) -> None:
 
 
 def imported(rounds: int) -> None:
-    """Files of other kinds to programs."""
+    """Measure imports of files of other kinds."""
     print(f"\n| {POINTS:,} points of six joints | time |\n|---|---|")
     tasks = {kind: _child("convert", number) for number, kind in enumerate(CONVERTED)}
     for kind, runs in by_turns(tasks, rounds, warm=False).items():
@@ -81,7 +81,7 @@ def imported(rounds: int) -> None:
 
 
 def _child(*arguments: object) -> Callable[[], Figures]:
-    """A process that measures, with the most memory that it had [MB]."""
+    """Return a function that measures in a process of its own, with the most memory of that process [MB]."""
 
     def run() -> Figures:
         ended = process(sys.executable, __file__, *map(str, arguments))
@@ -95,7 +95,7 @@ def _median(runs: list[Figures], key: str) -> float:
 
 
 def loops(count: int) -> str:
-    """`count` joint motions, carried out of two loops, with expressions."""
+    """Return `count` joint motions from two loops, with expressions."""
     rows = [
         "ROBOT INDUSTRIAL6",
         "DEFAULT [1] (mm,deg,s)",
@@ -108,7 +108,7 @@ def loops(count: int) -> str:
 
 
 def calls(count: int) -> str:
-    """`count` commands in calls of a SUB, each with a frame of its own."""
+    """Return `count` commands in calls of a SUB, each with a frame of its own."""
     rows = [
         "ROBOT INDUSTRIAL6",
         "DEFAULT {TCP} [1] (mm,deg,s) {B}",
@@ -129,7 +129,7 @@ def calls(count: int) -> str:
 
 
 def _checked(text: str) -> int:
-    """Parse and check a program; how many commands it has when all is carried out."""
+    """Parse and check a program; return the number of its executed commands."""
     from pathlib import Path
 
     from yarclang.pipeline import inputs, stages
@@ -145,7 +145,7 @@ def _checked(text: str) -> int:
 
 
 def measure_check(make: Callable[[int], str], count: int) -> Figures:
-    """Seconds to parse and check, without imports."""
+    """Return the seconds to parse and check, without imports."""
     _checked(make(1_000))
     text = make(count)
     begun = time.perf_counter()
@@ -157,7 +157,9 @@ def measure_check(make: Callable[[int], str], count: int) -> Figures:
 
 
 def measure_edit(count: int) -> Figures:
-    """Seconds of the first parse, of one without a change, and of one with a line changed (the median of some)."""
+    """Return the seconds of the first parse, of one without a change, and of one with a changed line (the
+    median of several).
+    """
     from yarclang.source import SourceFile
     from yarclang.syntax.parse import parse
 
@@ -220,7 +222,7 @@ CONVERTED: dict[str, tuple[str, Callable[[], str], float | None]] = {
 
 
 def measure_convert(number: int) -> Figures:
-    """Seconds of one kind of import, without imports of modules."""
+    """Return the seconds of one kind of import, without imports of modules."""
     from yarclang.convert.convert import convert
     from yarclang.convert.course import Wishes
     from yarclang.robot.description import load_robot

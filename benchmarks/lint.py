@@ -23,7 +23,7 @@ YARC = (sys.executable, "-c", "from yarclang.cli.yarc import main; main()")
 
 
 def long_program(count: int) -> str:
-    """A program of `count` different lines: joint motions, lines, waits and increments by turns."""
+    """Return a program of `count` different lines: joint motions, lines, waits and increments in turn."""
     rows = ["ROBOT INDUSTRIAL6", "DEFAULT {TCP} [2] (mm,deg,s) {B}"]
     for n in range(count - len(rows)):
         kinds = (
@@ -37,7 +37,7 @@ def long_program(count: int) -> str:
 
 
 def short_program(number: int) -> str:
-    """A program of ten straight lines that differ from file to file."""
+    """Return a program of ten straight lines that differ from file to file."""
     rows = ["ROBOT INDUSTRIAL6", "DEFAULT {TCP} [50%] (mm,deg,s) {B}", "P0010 MOVEJ_RPY 0 1174.4 1176 0 0 0"]
     rows += [
         f"P{20 + 10 * n:04} MOVEL {(number + 17 * n) % 200} 1100 {1100 + 13 * (n % 5)} 0 {n % 4 + 1} 0"

@@ -25,11 +25,11 @@ COMMANDS = 1_000
 LINES = 10_000
 EDITS = 1_000
 KEYSTROKE = 0.2
-"""Somebody who types fast [s]."""
+"""Time between the keystrokes of a fast typist [s]."""
 
 
 class Client:
-    """One server and what is said to it; `seconds` count from its start."""
+    """A server and the messages to it. `seconds` count from its start."""
 
     def __init__(self) -> None:
         self.begun = time.perf_counter()
@@ -55,13 +55,13 @@ class Client:
         self._process.stdin.flush()
 
     def ask(self, method: str, params: Any) -> Any:
-        """The answer to a request."""
+        """Send a request and return its answer."""
         self._number += 1
         self.tell(method, params, self._number)
         return next(one for one in self.messages() if one.get("id") == self._number).get("result")
 
     def messages(self) -> Iterator[dict[str, Any]]:
-        """What the server sends."""
+        """Yield the server's messages."""
         assert self._process.stdout is not None
         while True:
             size = 0
@@ -71,7 +71,7 @@ class Client:
             yield json.loads(self._process.stdout.read(size))
 
     def findings(self, version: int) -> list[dict[str, Any]]:
-        """The next findings that are sent of a version of a text."""
+        """Return the next findings for a version of a text."""
         for one in self.messages():
             if one.get("method") == "textDocument/publishDiagnostics" and one["params"]["version"] == version:
                 return list(one["params"]["diagnostics"])
@@ -97,7 +97,7 @@ class Client:
 
 
 def started(rounds: int) -> list[float]:
-    """Seconds from the start of a process to its first findings."""
+    """Return the seconds from the start of a process to its first findings."""
     found = []
     for _ in range(rounds):
         client = Client()
@@ -109,7 +109,7 @@ def started(rounds: int) -> list[float]:
 
 
 def planned_program(count: int) -> str:
-    """Motions that can all be carried out: lines between ten poses."""
+    """Return a program of motions that can all be planned: lines between ten poses."""
     rows = ["ROBOT INDUSTRIAL6", "DEFAULT {TCP} [50%] (mm,deg,s) {B}", "P00001 MOVEJ 0 -10 -20 0 -60 0"]
     rows += [
         f"P{n + 2:05} MOVEL {n % 10 * 20} 1000 {1050 + n % 7 * 10} -90 0 {n % 3}" for n in range(count - 1)
@@ -120,7 +120,9 @@ def planned_program(count: int) -> str:
 def edited(
     client: Client, uri: str, text: str, line: int, rounds: int, first: int
 ) -> tuple[list[float], list[float]]:
-    """Seconds from an edit of a line's last digit to the first findings, and to those with planning, which come before the proof."""
+    """Return the seconds from an edit of a line's last digit to the first findings, and to those with
+    planning, which come before the proof.
+    """
     quick, whole = [], []
     end = len(text.split("\n")[line])
     for number in range(rounds):
@@ -136,7 +138,7 @@ def edited(
 
 
 def memory(pid: int) -> float:
-    """What a process holds [MB]."""
+    """Return the memory of a process [MB]."""
     status = Path(f"/proc/{pid}/status").read_text()
     return int(next(line for line in status.splitlines() if line.startswith("VmRSS")).split()[1]) / 1024.0
 

@@ -1,4 +1,4 @@
-"""Processes and their times, several tasks by turns."""
+"""Times of processes, with several tasks in turn."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Process:
-    """A finished process: wall time and time on a core [s], the most memory it had [MB], its standard output."""
+    """A finished process: wall time and time on a core [s], its peak memory [MB], its standard output."""
 
     seconds: float
     cpu: float
@@ -32,8 +32,8 @@ class Process:
 def process(*command: str) -> Process:
     """Run a command to its end.
 
-    The peak is at least that of this process (a child begins with the peak of its parent): whoever calls
-    this imports nothing heavy.
+    The peak is at least that of this process, because a child begins with the peak of its parent. Callers
+    must not import large modules.
     """
     with tempfile.TemporaryFile("w+") as output, tempfile.TemporaryFile("w+") as errors:
         begun = time.perf_counter()
@@ -51,8 +51,10 @@ def process(*command: str) -> Process:
 
 @cache
 def environment() -> dict[str, str]:
-    """Ours, with a folder for bytecode: an installed package has it, and whoever sets PYTHONDONTWRITEBYTECODE would
-    time Python's compiler instead. It is filled in the first round, which isn't counted."""
+    """Return our environment with a folder for bytecode, as for an installed package. With
+    PYTHONDONTWRITEBYTECODE, Python's compiler would be timed instead. The folder is filled in the first
+    round, which isn't counted.
+    """
     folder = tempfile.mkdtemp(prefix="yarclang-benchmarks-")
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     kept = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
@@ -60,8 +62,10 @@ def environment() -> dict[str, str]:
 
 
 def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int, *, warm: bool = True) -> dict[str, list[T]]:
-    """What each task gives, `rounds` times: one task after the other, round by round, so that whatever else the
-    machine does meets all of them alike. Where `warm` is true a first round isn't counted."""
+    """Return the results of each task from `rounds` rounds. In each round the tasks run one after the other,
+    so that other load on the machine affects all of them equally. If `warm` is true, a first round isn't
+    counted.
+    """
     found: dict[str, list[T]] = {name: [] for name in tasks}
     for number in range(rounds + warm):
         for name, task in tasks.items():
@@ -72,7 +76,7 @@ def by_turns(tasks: Mapping[str, Callable[[], T]], rounds: int, *, warm: bool = 
 
 
 def benchmark(name: str, seconds: list[float]) -> pyperf.Benchmark:
-    """Times as pyperf keeps them: `pyperf show`, `stats`, `compare_to` read the file."""
+    """Return times in the format of pyperf: `pyperf show`, `stats`, `compare_to` read the file."""
     import pyperf
 
     return pyperf.Benchmark(

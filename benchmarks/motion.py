@@ -56,7 +56,7 @@ def main() -> None:
 
 
 def optimal(robot: Robot) -> None:
-    """_TOPP [MIN] against toppra's own law."""
+    """Compare _TOPP [MIN] with toppra's own law."""
     print(
         "\n| _TOPP [MIN], 100 paths by chance | longer than toppra's law, mean | most | beyond 2 TM, most | of them above 0.2 % | "
         "largest share of a limit | time, median |"
@@ -84,7 +84,7 @@ def optimal(robot: Robot) -> None:
 
 
 def jerk_limited(robot: Robot) -> None:
-    """_SCURVE [MIN] against ruckig."""
+    """Compare _SCURVE [MIN] with ruckig."""
     try:
         import ruckig
     except ImportError:
@@ -120,7 +120,7 @@ def jerk_limited(robot: Robot) -> None:
 
 
 def costs(robot: Robot) -> None:
-    """What planning takes."""
+    """Measure the cost of planning."""
     head = "DEFAULT {TCP} (mm,deg,s) {B}\nP0010 MOVEJ_RPY 0 1174.4 1176 0 0 0 [MIN]\n"
     line = "MOVEL{} 200 1074.4 1326 10 -5 20 {}\n"
     zigzag = "".join(
@@ -147,7 +147,7 @@ def costs(robot: Robot) -> None:
 
 
 def edits(robot: Robot) -> None:
-    """How many edits of a value by 0.1 mm change the configuration of another command."""
+    """Count the edits of a value by 0.1 mm that change the configuration of another command."""
     random = np.random.default_rng(11)
     other, refused = 0, 0
     for _ in range(TRIALS):
@@ -182,7 +182,7 @@ PARTS: dict[str, Callable[[Robot], None]] = {
 
 
 def _paths(robot: Robot, kind: int, random: np.random.Generator) -> Iterator[Path]:
-    """Paths of a kind by chance, without end."""
+    """Yield random paths of a kind, without end."""
     lower, upper = robot.limits.lower * 0.6, robot.limits.upper * 0.6
     while True:
         start = random.uniform(lower, upper)
@@ -203,14 +203,14 @@ def _paths(robot: Robot, kind: int, random: np.random.Generator) -> Iterator[Pat
 
 
 def _toppra(path: Path, robot: Robot) -> float:
-    """The duration [s] of toppra's own law on 1,000 places, under the robot's whole limits."""
+    """Return the duration [s] of toppra's own law on 1,000 places, under the robot's full limits."""
     import toppra
     from toppra import constraint
 
     bounds = bounds_of(robot)
     places = np.linspace(0.0, 1.0, 1_001)
     joints = path.joints(places)
-    # a motor is one more joint: its limit of acceleration is none
+    # a motor is a further joint without a limit of acceleration
     rows = np.concatenate((joints, joints @ bounds.counts.T / bounds.motor_velocity), axis=1)
     size = bounds.counts.shape[0]
     velocity = np.concatenate((robot.limits.velocity, robot.actuation.velocity / bounds.motor_velocity))
@@ -232,7 +232,9 @@ def _toppra(path: Path, robot: Robot) -> float:
 
 
 def _largest_share(robot: Robot, curve: Curve) -> float:
-    """The largest share of a limit of velocity, acceleration or motor speed at 20 instants a segment."""
+    """Return the largest share of a limit of velocity, acceleration or motor speed at 20 times in each
+    segment.
+    """
     _, v, a = curve.sample(np.linspace(0.0, curve.duration, 20 * curve.segments + 1))
     motors = v @ bounds_of(robot).counts.T
     return float(
@@ -245,7 +247,7 @@ def _largest_share(robot: Robot, curve: Curve) -> float:
 
 
 def _plan(robot: Robot, text: str) -> Any:
-    """A function that plans a program, read and checked before."""
+    """Return a function that plans a program, which is read and checked before."""
     request = Request(robot)
     program = check_program(parse(SourceFile("benchmark.yarc", text)).value, request).value
     assert program is not None
@@ -253,7 +255,7 @@ def _plan(robot: Robot, text: str) -> Any:
 
 
 def _planned(robot: Robot, text: str, rounds: int) -> tuple[float, float]:
-    """The median time of planning a program, and that on a core [s]."""
+    """Return the median time of planning a program, and that on a core [s]."""
     run = _plan(robot, text)
     assert run() is not None
     seconds, cores = [], []
@@ -266,7 +268,7 @@ def _planned(robot: Robot, text: str, rounds: int) -> tuple[float, float]:
 
 
 def _ends(robot: Robot, poses: list[list[float]]) -> Any:
-    """The joint positions (k, n) [rad] to which poses are led by MOVEJ_RPY; None where the program is refused."""
+    """Return the joint positions (k, n) [rad] of MOVEJ_RPY to poses; None if the program is refused."""
     lines = ["DEFAULT {TCP} [MIN] (mm,deg,s) {B}", "START 0 -10 -40 0 50 0"]
     for number, pose in enumerate(poses, 1):
         lines.append(f"P{number:04d} MOVEJ_RPY {' '.join(f'{value:.3f}' for value in pose)}")

@@ -1,4 +1,6 @@
-"""The programs that every mutant compiles: small ones, each close to what it is about, and ones that must not be written, each for one reason alone."""
+"""The programs that every mutant compiles: small valid ones, each close to the limit that it tests, and
+invalid ones, each for one reason alone.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ rpy = [90, 0, 0]
 
 @frozen
 class Case:
-    """A program: its robot is a name or a file of the folder, its cell a file there. `refused` says why it must not be written; None if it must be."""
+    """A program. Its robot is a name or a file of the folder, its cell a file there. `refused` gives the
+    reason for which it must be refused; None if it must compile.
+    """
 
     name: str
     text: str
@@ -184,7 +188,7 @@ P0050 MOVEL_RPY {x} 800 860 0 0 0 [6]
 
 
 def cases() -> tuple[Case, ...]:
-    """Return the programs: each that must not be written is one step beyond another that is."""
+    """Return the programs. Each invalid one is one step beyond a valid one."""
     listing = (ROOT / "examples" / "01_listing4.yarc").read_text()
     arm, cell = "arm/robot.toml", "{}.toml".format
     apart = LINES.format

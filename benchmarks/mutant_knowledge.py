@@ -1,4 +1,4 @@
-"""What is known of mutants: which tests see those of a room, and why some stand."""
+"""Knowledge about mutants: the tests of each room, and the reasons why some mutants survive."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ ALSO = {
     "collision/zones": ["tests/collision/test_bounds_by_hand.py", "tests/test_rejected.py"],
     "motion/limits.py": ["tests/test_golden.py"],
 }
-"""Tests of files that begin so that don't import them: they go through what people call."""
+"""Tests that exercise files with these prefixes by commands, without importing them."""
 
 REASONS: dict[str, str] = {
     "motion/limits.py dropped term: 1.0 - HEADROOM['jerk'] -> 1.0 (1)": "the text holds with its own claims: the judge tells a smaller share of the programmed speed (Y0610), where the plan without the change claims another",
@@ -62,4 +62,6 @@ REASONS: dict[str, str] = {
     "motion/chains/flowing/law.py wrong axis: around[0] -> around[1] (1)": "the planner's: where only one end is a seam the law there is stretched as well, and what comes of it is judged as any other",
     "collision/zones/speed.py off by one: 0 -> 1 (5)": "when a search stops that has found what it wants: it goes on, with the same result",
 }
-"""Why mutants stand that were seen by nobody, or are written and wrong; by their keys in the file of results."""
+"""Reasons for mutants that no check detected, or that certified a wrong text, by their keys in the file of
+results.
+"""

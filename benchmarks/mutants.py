@@ -63,14 +63,18 @@ PLACES = (
     "runtime/pmac",
 )
 LONGEST = 60.0
-"""A mutant that compiles, or whose texts are judged, for longer than this [s] is stopped, and counts as seen."""
+"""Time after which a mutant that compiles, or whose texts are judged, is stopped and counts as detected
+[s].
+"""
 LONGEST_TESTS = 240.0
-"""Tests that take longer than this [s] are stopped, and say nothing."""
+"""Time after which tests are stopped without a result [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Mutation:
-    """One change: in a file of the package, the place in the tree's walk, what kind, how the expression reads then, and the how manieth like it."""
+    """A change: the file of the package, the node's number in the tree's walk, the kind, the line, the
+    expression before and after, and its index among equal ones.
+    """
 
     file: str
     node: int
@@ -82,12 +86,12 @@ class Mutation:
 
     @property
     def key(self) -> str:
-        """Return how results and REASONS call it: without the line, which changes with every edit above it."""
+        """Return the name in results. It has no line, which changes with every edit above it."""
         return f"{self.file} {self.kind}: {self.was[:60]} -> {self.becomes[:60]} ({self.which})"
 
 
 def changed(node: ast.AST, kind: str) -> ast.AST | None:
-    """Return what becomes of a node, or None if a change of this kind isn't one of the node's."""
+    """Return the changed node, or None if a change of this kind doesn't apply to it."""
     match kind, node:
         case "sign", ast.BinOp(op=ast.Add()):
             return ast.BinOp(node.left, ast.Sub(), node.right)
@@ -121,7 +125,7 @@ KINDS = ("sign", "off by one", "dropped term", "exchanged limits", "wrong axis",
 
 
 def mutations() -> Iterator[Mutation]:
-    """Yield all changes that could be made."""
+    """Yield all possible changes."""
     for place in PLACES:
         path = PACKAGE / place
         for file in [path] if path.is_file() else sorted(path.rglob("*.py")):
@@ -142,7 +146,7 @@ def mutations() -> Iterator[Mutation]:
 
 
 def _idle(tree: ast.Module) -> Iterator[int]:
-    """Yield the numbers of nodes in annotations, and of targets: nothing is computed there."""
+    """Yield the numbers of nodes in annotations, and of targets, in which nothing is computed."""
     numbers = {id(node): number for number, node in enumerate(ast.walk(tree))}
     for node in ast.walk(tree):
         parts = [getattr(node, name, None) for name in ("annotation", "returns")]
@@ -170,7 +174,7 @@ def applied(mutation: Mutation, text: str) -> str:
 
 
 class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
-    """Gives one module of the package another text; all others are imported as ever."""
+    """Importer that gives one module of the package another text. All other modules are imported as usual."""
 
     def __init__(self, mutation: Mutation) -> None:
         self._path = PACKAGE / mutation.file
@@ -179,7 +183,7 @@ class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         self._text = applied(mutation, self._path.read_text())
 
     def find_spec(self, name: str, _path: object, _target: object = None) -> ModuleSpec | None:
-        """Answer for the changed module alone."""
+        """Return a spec for the changed module only."""
         if name != self._module:
             return None
         package = self._path.name == "__init__.py"
@@ -191,12 +195,12 @@ class Changed(importlib.abc.MetaPathFinder, importlib.abc.Loader):
         )
 
     def exec_module(self, module: ModuleType) -> None:
-        """Carry out the other text."""
+        """Execute the changed text."""
         exec(compile(self._text, str(self._path), "exec"), module.__dict__)
 
 
 def apart(work: Callable[[], Any], longest: float) -> tuple[bool, Any]:
-    """Do work in a forked process and return whether it came to an end, and what it returned."""
+    """Run a function in a forked process. Return True if it has finished, and its result."""
     reading, writing = os.pipe()
     child = os.fork()
     if child == 0:
@@ -225,20 +229,20 @@ def apart(work: Callable[[], Any], longest: float) -> tuple[bool, Any]:
                 break
             got += part
     with contextlib.suppress(ProcessLookupError):
-        os.killpg(child, signal.SIGKILL)  # what it has started, too
+        os.killpg(child, signal.SIGKILL)  # with the processes that it has started
     os.waitpid(child, 0)
     return (True, pickle.loads(got)) if got else (False, None)
 
 
 def with_change(mutation: Mutation) -> None:
-    """Forget the package, and import it from now on with the change."""
+    """Remove the package from memory, and import it from now on with the change."""
     for name in [name for name in sys.modules if name.split(".")[0] == "yarclang"]:
         del sys.modules[name]
     sys.meta_path.insert(0, Changed(mutation))
 
 
 def compiled(folder: Path) -> dict[str, str | None]:
-    """Return the texts of all programs by their names; None of what isn't written."""
+    """Return the texts of all programs by name; None for refused ones."""
     import yarclang
 
     found: dict[str, str | None] = {}
@@ -252,7 +256,7 @@ def compiled(folder: Path) -> dict[str, str | None]:
 
 
 def refused(texts: dict[str, str], folder: Path) -> list[str]:
-    """Return which texts the judge refuses, with the findings' codes."""
+    """Return the texts that the judge refuses, with the findings' codes."""
     import yarclang
 
     seen = []
@@ -272,7 +276,7 @@ def _place(case: Case, folder: Path) -> dict[str, Any]:
 
 
 def by_certificate(mutation: Mutation, plain: dict[str, str | None], folder: Path) -> tuple[str, str]:
-    """Return who saw a mutant before any test, and what was seen."""
+    """Return the verdict on a mutant before any test, and its reason."""
 
     def work() -> dict[str, str | None]:
         with_change(mutation)
@@ -293,7 +297,7 @@ def by_certificate(mutation: Mutation, plain: dict[str, str | None], folder: Pat
 
 
 def by_tests(mutation: Mutation, files: list[str]) -> tuple[str, str]:
-    """Return whether tests see a mutant."""
+    """Return the verdict of the tests on a mutant, and its reason."""
 
     def work() -> int:
         import pytest
@@ -310,7 +314,7 @@ def by_tests(mutation: Mutation, files: list[str]) -> tuple[str, str]:
 
 
 def tests_of(file: str) -> list[str]:
-    """Return the tests that import a module, or, if none does, those of its room; and those that ALSO names."""
+    """Return the tests that import a module or, if there are none, those of its room; and those in ALSO."""
     module = ".".join(Path(file).with_suffix("").parts)
     inside, name = module.rpartition(".")[::2]
     pattern = re.compile(
@@ -328,7 +332,7 @@ def tests_of(file: str) -> list[str]:
 
 
 def chosen(count: int, seed: int) -> list[Mutation]:
-    """Draw mutations: of each room as many as of any other, and there of each kind."""
+    """Draw mutations: equally many from each room, and there from each kind."""
     groups: dict[tuple[str, str], list[Mutation]] = {}
     for one in mutations():
         groups.setdefault((one.file.split("/")[0], one.kind), []).append(one)
@@ -342,7 +346,7 @@ def chosen(count: int, seed: int) -> list[Mutation]:
 
 
 def main() -> None:
-    """Judge the mutants, add a line for each to the results, and count who saw how many."""
+    """Judge the mutants, add a line for each to the results, and count the verdicts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--count", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)

@@ -1,7 +1,7 @@
-"""The lines through a loop over pin: `python peer_pin.py TASK` prints seconds and what they gave as JSON.
+"""The lines in a loop over pin: `python peer_pin.py TASK` prints seconds and results as JSON.
 
-For each sample the pose, then damped least squares from the sample before until the error is under 1e-9. The loop is
-the leanest that we could write: no limits, no time law, no branch is looked at.
+For each sample the pose is computed, then damped least squares from the previous sample until the error is
+below 1e-9. The loop is the leanest that we could write: no limits, no time law, no choice of a branch.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 TOLERANCE = 1e-9
-"""Of the norm of the twist that is left [m, rad]."""
+"""Bound of the norm of the remaining twist [m, rad]."""
 
 DAMPING = 1e-12
 
@@ -38,7 +38,7 @@ def main() -> None:
 
 
 def _solve(model: Any, data: Any, tool: int, poses: Any, s: Any, q: Any) -> tuple[Any, float]:
-    """Joint positions (N, n) at all samples, and the largest error that was left."""
+    """Return joint positions (N, n) at all samples, and the largest remaining error."""
     found = []
     worst = 0.0
     damping = DAMPING * np.eye(6)

@@ -1,7 +1,8 @@
-"""The lines through roboticstoolbox-python: `python peer_rtb.py TASK TOL` prints seconds and what they gave as JSON.
+"""The lines in roboticstoolbox-python: `python peer_rtb.py TASK TOL` prints seconds and results as JSON.
 
-For each line the poses by `ctraj`, then `ik_LM` (its C++ solver) from the sample before. Runs by itself: the
-toolbox may live in an environment of its own. TOL is that of `ik_LM`: half of the squared error.
+For each line, the poses come from `ctraj`, and the joints from `ik_LM` (its C++ solver), started at the
+previous sample. Runs without yarclang, because the toolbox may be in an environment of its own. TOL is that
+of `ik_LM`: half of the squared error.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ import numpy as np
 warnings.simplefilter("ignore")
 
 SHAPES = re.compile(r"<(visual|collision)>.*?</\1>", re.DOTALL)
-"""Its reader of URDFs knows no capsules; the joints are all that is needed."""
+"""Shapes, which are removed: its reader of URDFs knows no capsules, and only joints are needed."""
 
 
 def main() -> None:
@@ -56,7 +57,7 @@ def main() -> None:
 
 
 def _solve(ctraj: Any, chain: Any, poses: Any, s: Any, q: Any, tolerance: float) -> tuple[list[Any], int]:
-    """Joint positions at all samples, and how many weren't reached."""
+    """Return joint positions at all samples, and the number of samples that weren't reached."""
     found, failed = [], 0
     for start, end in poses:
         for pose in ctraj(start, end, s=s):

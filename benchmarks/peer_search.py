@@ -1,9 +1,9 @@
-"""Poses without a seed through other solvers: `python peer_search.py SOLVER TASK` prints what they gave as JSON.
+"""Poses without a seed in other solvers: `python peer_search.py SOLVER TASK` prints the results as JSON.
 
 SOLVER is `pin` (a loop over Pinocchio with damped steps and random restarts), `rtb` (the C++ `ik_LM` of
-roboticstoolbox-python, with its own restarts and limits) or `eaik` (EAIK's analytic solver; arms that it knows). Runs
-by itself: the solvers may live in environments of their own. All get the same poses and limits; whether an answer
-counts is judged by whoever asked.
+roboticstoolbox-python, with its own restarts and limits) or `eaik` (EAIK's analytic solver; for arms that it
+knows). Runs without yarclang, because the solvers may be in environments of their own. All get the same poses
+and limits; the caller judges the answers.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 warnings.simplefilter("ignore")
 
 RTB_TOLERANCE = 5e-19
-"""Half the squared error: 1e-9 m and rad."""
+"""Half of the squared error: 1e-9 m and rad."""
 
 
 def main() -> None:
@@ -31,7 +31,7 @@ def main() -> None:
     for key in ("poses", "lower", "upper", "screws", "home"):
         task[key] = np.array(task[key], dtype=float)
     setup = {"pin": _pin, "rtb": _rtb, "eaik": _eaik}[solver](task)
-    setup(task["poses"][0])  # what is made at the first call isn't timed
+    setup(task["poses"][0])  # the setup of the first call isn't timed
     begun, cpu = time.perf_counter(), time.process_time()
     found = [setup(pose) for pose in task["poses"]]
     seconds, cpu = time.perf_counter() - begun, time.process_time() - cpu
@@ -53,7 +53,7 @@ def _pin(task: dict[str, Any]) -> Any:
     random = np.random.default_rng(0)
 
     def full(q: Any) -> Any:
-        # a continuous joint is a cosine and a sine
+        # pin represents a continuous joint by cosine and sine
         parts = [
             [value] if joint.nq == 1 else [np.cos(value), np.sin(value)]
             for joint, value in zip(list(model.joints)[1:], q, strict=True)
@@ -91,7 +91,7 @@ def _rtb(task: dict[str, Any]) -> Any:
     low = np.where(np.isfinite(task["lower"]), task["lower"], -np.pi)
     high = np.where(np.isfinite(task["upper"]), task["upper"], np.pi)
     chain.qlim = np.array([low, high])
-    # its chains begin with what carries the base
+    # its chains begin at the parent of the base
     base = chain.eval(np.zeros(len(low))) @ np.linalg.inv(task["home"])
     return lambda pose: chain.ik_LM(base @ pose, tol=RTB_TOLERANCE, joint_limits=True).q
 
@@ -107,7 +107,7 @@ def _eaik(task: dict[str, Any]) -> Any:
 
     def solve(pose: Any) -> Any:
         q = np.array(robot.calculate_IK(pose).Q)
-        # full turns into the limits
+        # shift by full turns into the limits
         middle = 0.5 * (task["lower"] + task["upper"])
         middle = np.where(np.isfinite(middle), middle, 0.0)
         return q - turns * np.round((q - middle) / turns) if len(q) else np.zeros((1, len(axes)))

@@ -1,4 +1,6 @@
-"""Ways round obstacles by RRT-Connect of OMPL on the checker of the collision room: what ours are measured beside."""
+"""Paths around obstacles by OMPL's RRT-Connect on the checker of the collision room, for comparison with
+ours.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ from yarclang.robot.model import Array
 def by_peer(
     room: Room, start: Array, goal: Array, seed: int, seconds: float, *, is_shortened: bool = True
 ) -> Array | None:
-    """Return the corners (k, n) of a way that RRT-Connect of OMPL finds on the same checker."""
+    """Return the corners (k, n) of a path that OMPL's RRT-Connect finds on the same checker; None if it finds
+    none.
+    """
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)

@@ -17,7 +17,7 @@ import threading
 import time
 from pathlib import Path
 
-# in the place of this folder, where a module has the same name as the folder of the tests
+# replace this folder, in which a module has the name of a folder of the tests
 sys.path[0] = str(Path(__file__).resolve().parent.parent / "tests")
 
 from pendant.process import PROGRAM, serving  # noqa: E402
@@ -41,7 +41,9 @@ MINUS = "[data-axis=J1][data-sign='-1']"
 
 
 def first_after(browser, kind: str, wanted: str) -> float | None:
-    """Return the time from a pointer's event to the first message for which a condition of JavaScript holds [ms]."""
+    """Return the time from a pointer's event to the first message that meets a condition in JavaScript
+    [ms].
+    """
     script = f"""
         const since = window.{kind};
         for (const [at, text] of window.told) {{
@@ -61,7 +63,7 @@ def shares(values: list[float]) -> str:
 
 
 def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
-    """Press and let go, again and again: times to the first motion, and to the hold [ms]."""
+    """Press and release repeatedly; return the times to the first motion, and to the hold [ms]."""
     browser = place.browser
     begins, ends = [], []
     for turn in range(turns):
@@ -82,7 +84,7 @@ def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
 
 
 def cpu(pid: int) -> float:
-    """Return the time that a process has used of a processor [s]."""
+    """Return the processor time of a process [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / 100.0
 
@@ -201,7 +203,7 @@ def main() -> None:
 
 
 def dead_network(turns: int = 10) -> None:
-    """Print how long after the network is dead the robot is held."""
+    """Print the time from the death of the network to the hold."""
     from urllib.parse import urlsplit
 
     found = []

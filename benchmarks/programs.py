@@ -1,4 +1,4 @@
-"""The measured programs: made, not kept, and the same at every run."""
+"""The measured programs. They are generated, and equal in every run."""
 
 from __future__ import annotations
 
@@ -6,18 +6,20 @@ from collections.abc import Iterable
 from random import Random
 
 OPENING = "P0001 MOVEJ_RPY_LSPB {TCP} 0 1174.4 1176 0 0 0 [3] (mm,deg,s) {B}"
-"""To the pose that Listing 4 of the paper begins with."""
+"""Motion to the pose at which Listing 4 of the paper begins."""
 
 CENTRE = (0.0, 1174.4, 1176.0, 0.0, 0.0, 0.0)
 REACH = (70.0, 70.0, 70.0, 4.0, 4.0, 4.0)
-"""Poses lie within this of the centre [mm, deg]; more would ask for more jerk than a second allows."""
+"""Largest distance of poses from the centre [mm, deg]. More would need more jerk than allowed within a
+second.
+"""
 
 BENT = (0.0, -6.2, -46.5, 0.0, 52.7, 0.0)
-"""The joints at about the centre [deg]."""
+"""Joint positions near the centre [deg]."""
 
 
 def lines(count: int, seed: int = 1) -> str:
-    """A move to the centre, then `count` straight lines of 1 s each, all different."""
+    """Return a move to the centre, then `count` straight lines of 1 s each, all different."""
     random = Random(seed)
     poses = (
         [middle + random.uniform(-reach, reach) for middle, reach in zip(CENTRE, REACH, strict=True)]
@@ -27,7 +29,7 @@ def lines(count: int, seed: int = 1) -> str:
 
 
 def joint_moves(count: int, seed: int = 1) -> str:
-    """A move to the centre, then `count` straight lines in joint space of 1 s each, all different."""
+    """Return a move to the centre, then `count` straight lines in joint space of 1 s each, all different."""
     random = Random(seed)
     goals = ([middle + random.uniform(-6.0, 6.0) for middle in BENT] for _ in range(count))
     return _program(f"P{i:05d} MOVEJ_LSPB {_values(goal)} [1]" for i, goal in enumerate(goals, 2))

@@ -28,7 +28,7 @@ RESULTS = HERE / "RESULTS.md"
 EXAMPLES = HERE.parent / "examples"
 LISTING4 = str(EXAMPLES / "01_listing4.yarc")
 WORSE = 0.2
-"""A ratio may be worse than the recorded one by this share: so much comes from what else a machine does."""
+"""Share by which a ratio may be worse than the recorded one, because of other load on the machine."""
 
 TM = "5"
 LINES, PEER_LINES, EDITED = "200", "30", "300"
@@ -39,13 +39,13 @@ Run = Mapping[str, float]
 
 @dataclass(frozen=True, slots=True)
 class Ratio:
-    """One ratio of the record.
+    """A ratio of the record.
 
     Attributes:
         name: its key.
         what: the two sides, in words.
         goal: the bound.
-        grows: True if the ratio shall be at least the goal; else it shall be at most the goal.
+        grows: True if the ratio must be at least the goal; False if it must be at most the goal.
         last: the recorded ratio.
     """
 
@@ -61,7 +61,7 @@ class Ratio:
         return f"at {'least' if self.grows else 'most'} {self.goal:g}"
 
     def warning(self, found: float) -> str:
-        """Return what is wrong with a measured ratio; empty if nothing is."""
+        """Return the warning on a measured ratio; empty if there is none."""
         sign = -1.0 if self.grows else 1.0
         if sign * (found - self.goal) > 0.0:
             return f"{self.what}: {found:.3g}, the goal is {self.bound}"
@@ -74,7 +74,7 @@ def read_record() -> tuple[str, tuple[Ratio, ...]]:
     """Read `ratios.toml`.
 
     Returns:
-        When and where the ratios were measured, and the ratios.
+        Time and place of the measurement, and the ratios.
     """
     data = tomllib.loads(RECORD.read_text(encoding="utf-8"))
     return data["measured"], tuple(
@@ -105,7 +105,7 @@ def table(measured: str, ratios: tuple[Ratio, ...]) -> str:
 
 
 def with_table(results: str, measured: str, ratios: tuple[Ratio, ...]) -> str:
-    """Return the text of RESULTS.md with the table anew."""
+    """Return the text of RESULTS.md with a new table."""
     begin, end = "<!-- ratios -->", "<!-- /ratios -->"
     made = f"{begin}\n{table(measured, ratios)}\n{end}"
     return re.sub(f"{begin}.*?{end}", lambda _: made, results, count=1, flags=re.DOTALL)
@@ -140,7 +140,7 @@ def main() -> None:
 
 
 def startup(rounds: int) -> dict[str, float]:
-    """Measure whole short processes against the imports that they can't do without."""
+    """Measure whole short processes against the imports that they need."""
     with tempfile.TemporaryDirectory() as folder:
         robot = ("--robot", "INDUSTRIAL6")
         tasks = {
@@ -162,7 +162,9 @@ def startup(rounds: int) -> dict[str, float]:
 
 
 def planning(rounds: int) -> dict[str, float]:
-    """Measure straight lines from text to joint samples, and a loop over pin that solves their poses; both a sample."""
+    """Measure straight lines from text to joint samples, and a loop over pin that solves their poses; both
+    for each sample.
+    """
     with tempfile.TemporaryDirectory() as folder:
         task = Path(folder, "task.json")
         task.write_text(json.dumps(_inside("task", PEER_LINES, TM)), encoding="utf-8")
@@ -173,7 +175,7 @@ def planning(rounds: int) -> dict[str, float]:
 
 
 def editing(rounds: int) -> dict[str, float]:
-    """Measure looks at an edited program against the first look at the same program."""
+    """Measure analyses of an edited program against its first analysis."""
     runs = [_inside("edits", EDITED, TM) for _ in range(rounds)]
     first = _least(runs, "first")
     return {"edit_planned": _least(runs, "planned") / first, "edit_quick": _least(runs, "quick") / first}
@@ -199,7 +201,7 @@ def cost(rounds: int) -> dict[str, float]:
 
 
 def _times(runs: list[Run], others: list[Run], key: str = "cpu") -> float:
-    """Return the ratio of the shortest times: what else a machine does only makes times longer."""
+    """Return the ratio of the shortest times, because other load only makes times longer."""
     return _least(runs, key) / _least(others, key)
 
 

@@ -54,7 +54,7 @@ main(["ros", "--robot", "INDUSTRIAL6", "--to", "tcp://127.0.0.1:{port}", "--log"
 """
 POINTS = 100
 PATIENCE = 30.0
-"""What isn't on the wire by then never will be [s]."""
+"""Time after which nothing more is expected on the wire [s]."""
 
 
 class Listener(threading.Thread):
@@ -122,7 +122,7 @@ class Mover:
 
 @contextlib.contextmanager
 def door(folder: Path) -> Iterator[tuple[int, tuple[int, int], Pipe]]:
-    """A ROS door: its process, its ports, and the pipe that tells what is on its wire."""
+    """Yield a ROS door: its process, its ports, and the pipe that reports its wire."""
     reading, writing = os.pipe()
     with process(SIMULATOR) as simulator:
         assert simulator.stdout is not None
@@ -140,7 +140,7 @@ def door(folder: Path) -> Iterator[tuple[int, tuple[int, int], Pipe]]:
 
 
 def on_the_wire(pipe: Pipe, letter: str) -> float:
-    """Return when a letter was next on the wire [s]."""
+    """Return the next time at which a letter was on the wire [s]."""
     while (line := pipe.line(PATIENCE)) is not None:
         what, _, when = line.partition(" ")
         if what == letter:
@@ -149,7 +149,7 @@ def on_the_wire(pipe: Pipe, letter: str) -> float:
 
 
 def somewhere(random: np.random.Generator) -> np.ndarray:
-    """Return joint positions near to home [rad]."""
+    """Return joint positions near HOME [rad]."""
     return random.uniform(-0.3, 0.3, 6)
 
 
@@ -161,7 +161,7 @@ def first_motions(ports: tuple[int, int], pipe: Pipe, count: int, random: np.ran
         time.sleep(0.3)
         pipe.drain()
         sent = mover.goal(np.array(listener.joints[:6]), somewhere(random), 1.5, 0.002)
-        found += [on_the_wire(pipe, "R") - sent] if number else []  # the first one imports
+        found += [on_the_wire(pipe, "R") - sent] if number else []  # the first one includes imports
         listener.until(moves=True)
     listener.until(moves=False)
     return found
@@ -184,7 +184,7 @@ def stops(ports: tuple[int, int], pipe: Pipe, count: int, random: np.random.Gene
 
 
 def share_of_a_core(pid: int, seconds: float) -> float:
-    """Return how much of a core a process takes."""
+    """Return the share of a core that a process uses."""
     ticks = os.sysconf("SC_CLK_TCK")
 
     def used() -> float:
@@ -197,7 +197,7 @@ def share_of_a_core(pid: int, seconds: float) -> float:
 
 
 def shown(times: list[float]) -> str:
-    """Return times in ms as a line."""
+    """Format times in ms as a line."""
     ordered = sorted(times)
     last = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
     return f"median {statistics.median(ordered) * 1e3:.1f} ms, p99 {last * 1e3:.1f} ms, worst {ordered[-1] * 1e3:.1f} ms ({len(ordered)})"

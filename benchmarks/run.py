@@ -33,12 +33,14 @@ COUNTS = (10, 100, 1000, 10_000)
 RTB_TOLERANCES = {"its own tolerance": "1e-6", "error under 1e-9": "5e-19"}
 
 Run = dict[str, Any]
-"""What a task gives: `seconds` of wall time, `cpu` seconds on a core, and more."""
+"""Result of a task: `seconds` of wall time, `cpu` seconds on a core, and more."""
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """A line of the table; `seconds` are kept in the file for pyperf, multiplied by `scale` to be shown."""
+    """A row of the table. `seconds` are kept in the file for pyperf, and multiplied by `scale` for
+    display.
+    """
 
     what: str
     runs: list[Run]
@@ -53,7 +55,7 @@ class Row:
 
 
 def main() -> None:
-    """Measure what is asked for, and print the table."""
+    """Measure the requested parts, and print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -78,7 +80,7 @@ def main() -> None:
 
 
 def startup(options: argparse.Namespace) -> Iterator[Row]:
-    """Whole short processes against the imports that they can't do without."""
+    """Measure whole short processes against the imports that they need."""
     with tempfile.TemporaryDirectory() as folder:
         listing4 = (YARCC, "--robot", "INDUSTRIAL6", "-o", f"{folder}/out.pmc", str(LISTING4))
         pairs = {
@@ -102,7 +104,7 @@ def startup(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def thousand(options: argparse.Namespace) -> Iterator[Row]:
-    """1,000 lines of 1 s at TM 5 as a whole process; and in another one, by stages."""
+    """Measure 1,000 lines of 1 s at TM 5 as a whole process; and in another one, by stages."""
     with tempfile.TemporaryDirectory() as folder:
         program = Path(folder, "lines.yarc")
         program.write_text(programs.lines(LINES), encoding="utf-8")
@@ -124,7 +126,7 @@ def thousand(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def planning(options: argparse.Namespace) -> Iterator[Row]:
-    """The same lines, program to joint samples, against the peers; all a sample."""
+    """Measure the same lines, from program to joint samples, against other libraries; all for each sample."""
     with tempfile.TemporaryDirectory() as folder:
         task = Path(folder, "task.json")
         task.write_text(json.dumps(_inside("task", options.peer_lines, TM)), encoding="utf-8")
@@ -150,7 +152,9 @@ def planning(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def cost(options: argparse.Namespace) -> Iterator[Row]:
-    """Text to certified text in one process, a command, from 10 commands to 10,000."""
+    """Measure the time of a command from text to certified text in one process, from 10 commands to
+    10,000.
+    """
     for kind, name in (("lines", "MOVEL"), ("joint_moves", "MOVEJ")):
         tasks = {str(count): partial(_inside, "cost", count, COARSE_TM, kind) for count in COUNTS}
         found = by_turns(tasks, (options.rounds + 1) // 2, warm=False)
@@ -163,7 +167,7 @@ def cost(options: argparse.Namespace) -> Iterator[Row]:
 
 
 def stopping(options: argparse.Namespace) -> Iterator[Row]:
-    """Stops from the order to the wire, with eight busy processes beside."""
+    """Measure stops from the order to the wire, with eight busy processes."""
     command = (sys.executable, str(HERE / "stopping.py"), "--rounds", str(10 * options.rounds), "--busy", "8")
     found = json.loads(process(*command, "--priority", "--json").output.splitlines()[-1])
     for phase, times in found["8"].items():
@@ -183,30 +187,30 @@ PARTS: dict[str, Callable[[argparse.Namespace], Iterator[Row]]] = {
 
 
 def _whole(*command: str) -> Run:
-    """A whole process."""
+    """Run a whole process."""
     ended = process(*command)
     return {"seconds": ended.seconds, "cpu": ended.cpu, "peak": ended.peak}
 
 
 def _inside(what: str, *arguments: object) -> Run:
-    """What inside.py measures."""
+    """Run a measurement of inside.py."""
     return _script(sys.executable, "inside.py", what, *map(str, arguments))
 
 
 def _script(python: str, script: str, *arguments: str) -> Run:
-    """What a script of this folder prints."""
+    """Run a script of this folder and return its output."""
     answer: Run = json.loads(process(python, str(HERE / script), *arguments).output)
     return answer
 
 
 def _each(run: Run) -> Run:
-    """Times a sample."""
+    """Return the times for each sample."""
     times = {key: run[key] / run["samples"] for key in ("seconds", "cpu", "planning") if key in run}
     return {**run, **times}
 
 
 def _times(runs: list[Run], others: list[Run], scale: float = 1.0) -> str:
-    """How many times as long as others, by the clock and on a core."""
+    """Return the ratio of times, by the clock and on a core."""
     wall, core = (
         statistics.median(scale * run[key] / other[key] for run, other in zip(runs, others, strict=True))
         for key in ("seconds", "cpu")
@@ -215,7 +219,7 @@ def _times(runs: list[Run], others: list[Run], scale: float = 1.0) -> str:
 
 
 def _median(runs: list[Run], key: str, scale: float) -> str:
-    """Three digits."""
+    """Format a median with three digits."""
     value = scale * statistics.median(run[key] for run in runs)
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 

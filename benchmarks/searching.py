@@ -110,7 +110,7 @@ def edges(rounds: int, folder: Path) -> list[float]:
                         break
                 run.terminate()
                 run.wait()
-            # back to where the program starts
+            # back to the start of the program
             beside.ask("&1A")
             for motor in range(1, 7):
                 beside.ask(f"#{motor}J=0")
@@ -120,7 +120,7 @@ def edges(rounds: int, folder: Path) -> list[float]:
 
 
 def planned(name: str, text: str) -> list[float]:
-    """Return how long what follows a search takes, ended at ten places [ms]."""
+    """Return the times to plan and prove the commands after a search that is ended at ten places [ms]."""
     robot = load_robot(name).value
     assert robot is not None
     head = "INPUT TOUCH M12\nDEFAULT {TCP} (mm,deg,s) {B}\n"
@@ -140,7 +140,7 @@ def planned(name: str, text: str) -> list[float]:
 
 
 def main() -> None:
-    """Print what was measured."""
+    """Print the measurements."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=40)
     rounds = parser.parse_args().rounds

@@ -1,7 +1,9 @@
-"""How short ways round are: beside the best of 20 runs of RRT-Connect of OMPL with all of its shortening, on the same checker: `python benchmarks/short.py`.
+"""Lengths of paths around obstacles, compared with the best of 20 runs of OMPL's RRT-Connect with all of its
+shortening, on the same checker: `python benchmarks/short.py`.
 
-A way's length is the time that the slowest joint needs at its largest speed, all along: what no law of motion can beat. The peer's ways have corners, at which an arm would have to stop; ours
-are smooth and proved to be free.
+The length of a path is the time that the slowest joint needs at its largest speed, which no law of motion can
+undercut. The other paths have corners, at which an arm would have to stop; ours are smooth and proved to be
+free.
 """
 
 from __future__ import annotations
@@ -25,9 +27,11 @@ import tight
 from peer_ways import by_peer
 
 OPEN, RUNS, SECONDS = 20, 20, 1.0
-"""Problems among boxes in the open, and how many runs the peer has for each, of so long at most."""
+"""Number of problems among boxes in the open, and number and longest time [s] of the other solver's runs for
+each.
+"""
 SEARCHES = (1, 2, 4, 8)
-"""The numbers of --avoid-effort."""
+"""Values of --avoid-effort."""
 
 
 def compare() -> None:
@@ -47,7 +51,9 @@ def compare() -> None:
 
 
 def _rows() -> Iterator[tuple[float, list[tuple[float, float, float]]]]:
-    """Yield of each problem the length of the peer's best way [s], and of ours with each number of searches the length, the time of the motion and that of computing [s]."""
+    """Yield for each problem the length of the other solver's best path [s], and for each number of searches
+    the length of ours, the time of the motion and that of computing [s].
+    """
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     places = [one for one in tight.problems((robot,)) if one.kind in ("cage", "shelf", "table")]

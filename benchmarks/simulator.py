@@ -85,7 +85,7 @@ def main() -> None:
 
 
 def listing(target: Literal["prog", "rotary"]) -> tuple[float, list[str]]:
-    """The duration [s] and the lines of Listing 4 at TM 5."""
+    """Return the duration [s] and the lines of Listing 4 at TM 5."""
     module = parse(SourceFile(LISTING.name, LISTING.read_text())).value
     robot = load_robot("INDUSTRIAL6").value
     assert module is not None
@@ -96,21 +96,21 @@ def listing(target: Literal["prog", "rotary"]) -> tuple[float, list[str]]:
 
 
 def tell(machine: Machine, line: str) -> tuple[str, ...]:
-    """What the machine answers."""
+    """Return the machine's answer."""
     reply = machine.command(line)
     assert reply.error is None, (line, reply)
     return reply.items
 
 
 def ready() -> Machine:
-    """A machine that stands at Listing 4's start."""
+    """Return a machine at Listing 4's start."""
     robot = load_robot("INDUSTRIAL6").value
     assert robot is not None
     return commissioned(robot, settings_text(robot))
 
 
 def play(duration: float, lines: list[str]) -> float:
-    """Seconds for a program that is loaded before."""
+    """Return the seconds for a program that is loaded before."""
     machine = ready()
     for line in lines:
         tell(machine, line)
@@ -126,7 +126,7 @@ def play(duration: float, lines: list[str]) -> float:
 
 
 def refill(duration: float, lines: list[str]) -> float:
-    """Seconds for a rotary, reading of the lines included."""
+    """Return the seconds for a rotary, including the reading of lines."""
     machine = ready()
     rest = iter(lines)
     line = next(rest)
@@ -151,7 +151,7 @@ def refill(duration: float, lines: list[str]) -> float:
 
 @contextmanager
 def child(code: str) -> Iterator[int]:
-    """The port that a server in a process of its own says."""
+    """Yield the port that a server in a process of its own prints."""
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
         try:
             assert process.stdout is not None
@@ -163,7 +163,7 @@ def child(code: str) -> Iterator[int]:
 
 
 def bare_client(port: int) -> Callable[[], None]:
-    """A function that sends the bytes of a question and waits for those of a reply."""
+    """Return a function that sends the bytes of a question and waits for those of a reply."""
     wire = connect(port)
     question = encode(Ask("P1"))
 
@@ -175,14 +175,14 @@ def bare_client(port: int) -> Callable[[], None]:
 
 
 def connect(port: int) -> socket.socket:
-    """A socket that doesn't wait for more to send."""
+    """Return a socket that sends without delay."""
     wire = socket.create_connection(("127.0.0.1", port), timeout=10)
     wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     return wire
 
 
 def client(port: int) -> Callable[[Request], None]:
-    """A function that asks and waits for the reply."""
+    """Return a function that sends a question and waits for the reply."""
     wire, connection = connect(port), Connection()
 
     def ask(request: Request) -> None:
@@ -199,7 +199,7 @@ def client(port: int) -> Callable[[Request], None]:
 
 
 def both_codecs() -> Callable[[], None]:
-    """A question from end to end in this process."""
+    """Return a function that passes a question from end to end in this process."""
     station, reader, connection = Station(Machine(), 0), PacketReader(), Connection()
     station.answer(reader.receive(encode(Ask("I6=1 I3=2")))[0])
     ask = Ask("P1")
@@ -213,13 +213,13 @@ def both_codecs() -> Callable[[], None]:
 
 
 def machine() -> Callable[[], None]:
-    """A question of the machine, without the protocol."""
+    """Return a function that asks the machine a question, without the protocol."""
     one = Machine()
     return lambda: one.command("P1") and None
 
 
 def per_second(work: Callable[[], None], seconds: float) -> float:
-    """How often it is done in a second."""
+    """Return the calls in a second."""
     done, begun = 0, time.perf_counter()
     while (passed := time.perf_counter() - begun) < seconds:
         for _ in range(50):

@@ -15,7 +15,7 @@ from toolpaths import CENTRES, PATHS, SPEED
 
 
 def main() -> None:
-    """Measure what the command line asks for."""
+    """Measure the task of the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("counts", type=int, nargs="*", default=[1_000, 10_000, 100_000])
     parser.add_argument("--robot", default="INDUSTRIAL6", choices=sorted(CENTRES))
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def text(robot: str, path: str, count: int, command: str, time: str, *, turning: bool) -> str:
-    """A program of one spline through `count` points of a path."""
+    """Return a program of one spline through `count` points of a path."""
     pieces = PATHS[path]()
     points = [next(pieces) for _ in range(count + 1)]
     places, gone = [], 0.0

@@ -73,20 +73,20 @@ PROGRAM = "".join(
     for k in range(20)
 )
 Stop = tuple[float, float]
-"""Times to the wire: from the order, and from where the serving process has read it [s]."""
+"""Times to the wire: from the order, and from its reading by the serving process [s]."""
 
 GOAL = "20 ms"
 PHASES = ("a program", "a program, others planned", "a program, 8 watchers", "live at 50 Hz")
 WATCHERS = 8
 _DROP, _SYS_NICE = 24, 23
-"""Of prctl: PR_CAPBSET_DROP, and the capability CAP_SYS_NICE."""
+"""PR_CAPBSET_DROP of prctl, and the capability CAP_SYS_NICE."""
 
 PATIENCE = 20.0
-"""A hold that isn't on the wire by then never will be [s]."""
+"""Time after which a hold isn't expected on the wire any more [s]."""
 
 
 class Pipe:
-    """Lines of a pipe, with patience."""
+    """Lines of a pipe, with a time limit."""
 
     def __init__(self, descriptor: int) -> None:
         self._descriptor = descriptor
@@ -102,7 +102,7 @@ class Pipe:
         return line.decode()
 
     def drain(self) -> None:
-        """Forget what is there."""
+        """Drop the pending lines."""
         while self.line(0.0) is not None:
             pass
 
@@ -111,7 +111,7 @@ class Pipe:
 def process(
     code: str, *arguments: str, pipe: int | None = None, ordinary: bool = False
 ) -> Iterator[subprocess.Popen[str]]:
-    """A process of Python, as long as the context lasts; an ordinary one may not go before others."""
+    """Yield a process of Python, as long as the context lasts. An ordinary one may not raise its priority."""
     kept = () if pipe is None else (pipe,)
     with subprocess.Popen(
         [sys.executable, "-c", code, *arguments],
@@ -127,14 +127,14 @@ def process(
 
 
 def _give_up_rights() -> None:
-    """Be as an ordinary user where priorities are concerned."""
+    """Drop the right to raise the priority."""
     resource.setrlimit(resource.RLIMIT_RTPRIO, (0, 0))
     ctypes.CDLL(None).prctl(_DROP, _SYS_NICE, 0, 0, 0)
 
 
 @contextlib.contextmanager
 def served(folder: Path, *, ordinary: bool) -> Iterator[tuple[str, Pipe]]:
-    """The socket of a served robot, and the pipe that tells when holds are on its wire."""
+    """Yield the socket of a served robot, and the pipe that reports the holds on its wire."""
     reading, writing = os.pipe()
     with process(SIMULATOR) as simulator:
         assert simulator.stdout is not None
@@ -150,7 +150,7 @@ def served(folder: Path, *, ordinary: bool) -> Iterator[tuple[str, Pipe]]:
 
 @contextlib.contextmanager
 def company(role: str, path: str) -> Iterator[None]:
-    """Another process that is a client in a role."""
+    """Run another process that is a client in a role."""
     with process(
         f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import stopping; stopping.{role}({path!r})"
     ):
@@ -160,7 +160,7 @@ def company(role: str, path: str) -> Iterator[None]:
 
 @contextlib.contextmanager
 def busy(count: int) -> Iterator[None]:
-    """So many processes that compute and do nothing else."""
+    """Run processes that only compute."""
     with contextlib.ExitStack() as stack:
         for _ in range(count):
             stack.enter_context(process(BUSY))
@@ -172,7 +172,7 @@ def busy(count: int) -> Iterator[None]:
 
 
 def plan(path: str) -> None:
-    """Have long programs planned without end, each another one."""
+    """Plan long, different programs without end."""
     with Robot(path, name="planner", timeout=60.0) as robot:
         while True:
             lines = [
@@ -183,7 +183,7 @@ def plan(path: str) -> None:
 
 
 def watch(path: str) -> None:
-    """Be told all events, several times."""
+    """Receive all events, with several clients."""
 
     def one() -> None:
         with Robot(path, name="watcher") as robot:
@@ -198,7 +198,7 @@ def watch(path: str) -> None:
 
 
 def steer(path: str) -> None:
-    """Steer a joint to and fro, at 50 Hz; begin anew whenever somebody has stopped that."""
+    """Move a joint to and fro, at 50 Hz; begin again after each stop."""
     with Robot(path, name="master", timeout=60.0) as robot:
         robot.own()
         begun = time.monotonic()
@@ -218,7 +218,7 @@ def steer(path: str) -> None:
 
 
 def wait_for(robot: Robot, state: str, patience: float = PATIENCE) -> bool:
-    """True once the robot is in a state; False if it isn't in time [s]."""
+    """Return True when the robot is in a state; False if it isn't in time [s]."""
     until = time.monotonic() + patience
     while robot.status()["state"] != state:
         if time.monotonic() > until:
@@ -228,7 +228,7 @@ def wait_for(robot: Robot, state: str, patience: float = PATIENCE) -> bool:
 
 
 def ordered(order: str, path: str, robot: Robot, number: int, pipe: Pipe) -> Stop | None:
-    """Give an order, and return how long it took; None if the robot was at rest by then."""
+    """Give an order, and return its times; None if the robot was at rest before."""
     pipe.drain()
     if number % 2:
         begun = time.monotonic_ns()
@@ -245,7 +245,7 @@ def ordered(order: str, path: str, robot: Robot, number: int, pipe: Pipe) -> Sto
 
 
 def program(path: str, count: int, pipe: Pipe) -> list[Stop]:
-    """Hold a program, again and again."""
+    """Hold a program repeatedly."""
     found: list[Stop] = []
     with (
         Robot(path, name="owner", timeout=PATIENCE) as owner,
@@ -274,7 +274,7 @@ def program(path: str, count: int, pipe: Pipe) -> list[Stop]:
 
 
 def live(path: str, count: int, pipe: Pipe) -> list[Stop]:
-    """Stop a live motion, again and again."""
+    """Stop a live motion repeatedly."""
     found: list[Stop] = []
     with Robot(path, name="bench", timeout=PATIENCE) as robot:
         while len(found) < count:
@@ -288,7 +288,7 @@ def live(path: str, count: int, pipe: Pipe) -> list[Stop]:
 
 
 def measure(count: int, load: int, *, ordinary: bool) -> Iterator[tuple[str, list[Stop]]]:
-    """The phases, and the times of each [s]."""
+    """Yield the phases, and the times of each [s]."""
     with (
         tempfile.TemporaryDirectory() as folder,
         served(Path(folder), ordinary=ordinary) as (path, pipe),
@@ -306,7 +306,7 @@ def measure(count: int, load: int, *, ordinary: bool) -> Iterator[tuple[str, lis
 
 
 def row(what: str, load: int, found: list[Stop], goal: str = "") -> str:
-    """One row of the table."""
+    """Return a row of the table."""
     whole, inside = (sorted(times) for times in zip(*found, strict=True))
     shown = (statistics.median(whole), _p99(whole), whole[-1], statistics.median(inside), _p99(inside))
     times = " | ".join(f"{value * 1e3:.1f} ms" for value in shown)
@@ -329,7 +329,7 @@ def main() -> None:
     )
     parser.add_argument("--json", action="store_true", help="print all times instead")
     options = parser.parse_args()
-    with contextlib.suppress(PermissionError):  # who orders is a person, or another computer
+    with contextlib.suppress(PermissionError):  # this process stands for a person, or another computer
         os.sched_setscheduler(0, os.SCHED_RR | os.SCHED_RESET_ON_FORK, os.sched_param(1))
     kept: dict[str, Any] = {}
     if not options.json:

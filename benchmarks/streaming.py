@@ -78,7 +78,7 @@ def main() -> None:
 
 
 def job_at(tm: float, text: str) -> Job:
-    """A program at a segment time [ms]."""
+    """Return a program at a segment time [ms]."""
     opened = open_source(SourceFile("bench.yarc", text), Path.cwd(), Options(robot=ROBOT, tm=tm)).value
     assert opened is not None
     compiled = compile_module(opened.module, opened.request).value
@@ -90,7 +90,7 @@ def job_at(tm: float, text: str) -> Job:
 
 @contextmanager
 def simulator(options: list[str]) -> Iterator[int]:
-    """The port of a `yarc sim`."""
+    """Yield the port of a `yarc sim`."""
     code = SIMULATOR.format(options=options)
     with subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True) as process:
         try:
@@ -103,7 +103,7 @@ def simulator(options: list[str]) -> Iterator[int]:
 
 
 def streaming(options: list[str]) -> tuple[float, float]:
-    """Lines a second of dls-pmaclib, and of ours."""
+    """Return the lines a second of dls-pmaclib, and of ours."""
     from dls_pmaclib.dls_pmacremote import PmacEthernetInterface
 
     lines = [line for line in job_at(50.0, LISTING.read_text()).lines if line[0] == "X"]
@@ -143,7 +143,7 @@ def streaming(options: list[str]) -> tuple[float, float]:
 
 
 async def latencies(options: list[str], count: int) -> list[float]:
-    """Seconds from an order to its bytes on the wire, while a program is streamed."""
+    """Return the seconds from an order to its bytes on the wire, while a program is streamed."""
     job = job_at(50.0, "".join(TO_AND_FRO.format(a=2 * k + 1, b=2 * k + 2) for k in range(200)))
     found: list[float] = []
     with simulator(["--robot", ROBOT, *options]) as port:
@@ -191,7 +191,7 @@ async def latencies(options: list[str], count: int) -> list[float]:
 
 
 def world(delay: float = 0.0) -> World:
-    """A commissioned machine and the runtime, in virtual time."""
+    """Return a commissioned machine and the runtime, in virtual time."""
     robot = load_robot(ROBOT).value
     assert robot is not None
     chance = random.Random(1)
@@ -201,7 +201,7 @@ def world(delay: float = 0.0) -> World:
 
 
 def delayed(tm: float, seconds: float) -> tuple[float, int, int]:
-    """Motion [s], and how often it ran low or dry."""
+    """Return the time of motion [s], and the numbers of low waters and underruns."""
     job = job_at(tm, "".join(TO_AND_FRO.format(a=2 * k + 1, b=2 * k + 2) for k in range(3)))
     made = world(0.02)
     done, low, dry = 0.0, 0, 0
@@ -217,7 +217,7 @@ def delayed(tm: float, seconds: float) -> tuple[float, int, int]:
 
 
 def smallest() -> float:
-    """The smallest TM [ms] at which a minute passes without low water."""
+    """Return the smallest TM [ms] at which a minute passes without low water."""
     held = 5.0
     for tm in (4.5, 4.0):  # 4 ms: the controller's own limit, three real-time interrupts at I8=2
         done, low, dry = delayed(tm, 60.0)
@@ -228,7 +228,7 @@ def smallest() -> float:
 
 
 def hour() -> tuple[int, int]:
-    """Bytes that Python keeps after ten minutes of motion, and after sixty."""
+    """Return the bytes that Python keeps after ten minutes of motion, and after sixty."""
     job = job_at(50.0, "".join(TO_AND_FRO.format(a=2 * k + 1, b=2 * k + 2) for k in range(15)))
     made = world()
     tracemalloc.start()

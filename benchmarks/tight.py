@@ -1,7 +1,9 @@
-"""Problems of tight places with known ways, made backwards: a tool is drawn out of a place, what is around it is built about its way.
+"""Problems of tight places with known solutions, generated backwards: a tool is drawn out of a place, and the
+surroundings are built around its path.
 
-Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a head under the rails of a T-slot, with openings
-that are 40 to 5 mm wider than the tool. The known way of each is free, looked at every few millimetres; the straight way isn't. Nine more have no way.
+Forty problems on three arms: a tool in a box, on a shelf, in a cage, under a table, between two boxes, and a
+head under the rails of a T-slot, with openings that are 40 to 5 mm wider than the tool. The known path of
+each is free, checked every few millimetres; the straight path isn't. Nine more problems have no solution.
 """
 
 from __future__ import annotations
@@ -23,15 +25,15 @@ from yarclang.source import SourceFile
 
 SEED = 3
 LENGTH, WIDTH, FOOT = 0.2, 0.05, 0.03
-"""The tool: a stick of this length and width that begins this far from the flange [m]."""
+"""Length and width of the tool, a stick, and its distance from the flange [m]."""
 HEAD, HEAD_LENGTH, SHAFT = 0.08, 0.03, 0.03
-"""The other tool: a head of this width and length on a shaft [m]."""
+"""The other tool: width and length of a head, and width of its shaft [m]."""
 DRAWS = 5_000
-"""A problem is found in so many draws, or not at all."""
+"""Most draws for a problem."""
 DEEP, WALL, STEP = 0.16, 0.02, 0.004
-"""The depth of the tool in its place, the thickness of walls, and the step at which the known way is checked [m]."""
+"""Depth of the tool in its place, thickness of walls, and step at which the known path is checked [m]."""
 OUT = {"INDUSTRIAL6": 1, "TRACKED_MANIPULATOR": 1}
-"""The axis of the flange along which the tool points; z of the others."""
+"""Axis of the flange along which the tool points; z for other arms."""
 KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
     ("box", (40, 20, 10, 5)),
     ("shelf", (30, 10)),
@@ -40,12 +42,24 @@ KINDS: tuple[tuple[str, tuple[int, ...]], ...] = (
     ("two boxes", (40, 20, 10)),
     ("t-slot", (20,)),
 )
-"""The kinds of problems, and how much wider than the tool their openings are [mm]: each on each arm; one more T-slot of 10 mm makes forty."""
+"""Kinds of problems, and excess widths of their openings over the tool [mm]: each on each arm; one more
+T-slot of 10 mm makes forty.
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tight:
-    """A way is known from `start` to `goal` (n,) [rad or m] in a cell: `known` (k, n), no more than the start if there is none. The opening is `wider` than the tool [mm]."""
+    """A problem in a cell.
+
+    Attributes:
+        robot: the arm.
+        kind: of the problem.
+        wider: excess width of the opening over the tool [mm].
+        cell: the surroundings.
+        start: (n,) [rad or m].
+        goal: (n,) [rad or m].
+        known: (k, n) known path; only the start if there is none.
+    """
 
     robot: Robot
     kind: str
@@ -57,7 +71,7 @@ class Tight:
 
 
 def problems(robots: tuple[Robot, ...]) -> Iterator[Tight]:
-    """Yield the problems, of each arm those of all kinds."""
+    """Yield the problems of all kinds for each arm."""
     for at, robot in enumerate(robots):
         kinds = [(kind, wider) for kind, widths in KINDS for wider in widths]
         if not at:
@@ -67,7 +81,9 @@ def problems(robots: tuple[Robot, ...]) -> Iterator[Tight]:
 
 
 def shut(robots: tuple[Robot, ...]) -> Iterator[Tight]:
-    """Yield three problems without a way for each arm: the head stands in a T-slot that is closed at both ends and narrower than the head."""
+    """Yield three problems without a solution for each arm: the head is in a T-slot that is closed at both
+    ends and narrower than the head.
+    """
     for at, robot in enumerate(robots):
         for number in range(3):
             random = np.random.default_rng([SEED, at, 100 + number])
@@ -98,7 +114,7 @@ def _problem(robot: Robot, kind: str, wider: int, random: np.random.Generator) -
 
 
 def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> Tight | None:
-    """A problem, or None where what was drawn makes none."""
+    """Return a problem; None if the drawn surroundings make none."""
     tool = tuple(_tool(robot, kind))
     goal = _place(robot, random)
     if not _is_free(robot, tool, goal[None]):
@@ -140,7 +156,7 @@ def _drawn(robot: Robot, kind: str, wider: int, random: np.random.Generator) -> 
 
 
 def _place(robot: Robot, random: np.random.Generator) -> Array:
-    """A joint position in the middle of the limits with the tool before the arm."""
+    """Return a joint position in the middle of the limits with the tool in front of the arm."""
     limits = robot.limits
     low, high = np.maximum(limits.lower, -np.pi), np.minimum(limits.upper, np.pi)
     while True:
@@ -153,7 +169,7 @@ def _place(robot: Robot, random: np.random.Generator) -> Array:
 
 
 def _frame(robot: Robot, q: Array) -> Array:
-    """base_from_tool (4, 4): z points out of the flange, and x along the flange's x."""
+    """Return base_from_tool (4, 4): z points out of the flange, and x along the flange's x."""
     flange = flange_poses(robot.chain, q[None])[0]
     placed = np.eye(4)
     out, across = flange[:3, OUT.get(robot.name, 2)], flange[:3, 0]
@@ -163,7 +179,9 @@ def _frame(robot: Robot, q: Array) -> Array:
 
 
 def _drawn_out(robot: Robot, q: Array, kind: str) -> Array | None:
-    """Joint positions (k, n) from a place outwards, the orientation kept; None where the arm can't."""
+    """Return joint positions (k, n) from a place outwards at constant orientation; None if the arm can't
+    follow.
+    """
     frame = _frame(robot, q)
     pieces = [(-frame[:3, 2], DEEP + 0.1)]
     if kind == "t-slot":
@@ -184,7 +202,7 @@ def _drawn_out(robot: Robot, q: Array, kind: str) -> Array | None:
 
 
 def _straight(one: Array, other: Array) -> Array:
-    """The straight way between two joint positions (n,), (k, n)."""
+    """Return the straight path (k, n) between two joint positions (n,)."""
     count = int(np.ceil(np.abs(other - one).max() / 0.005)) + 2
     straight: Array = one + np.linspace(0.0, 1.0, count)[:, None] * (other - one)
     return straight
@@ -246,7 +264,7 @@ def _around(robot: Robot, kind: str, q: Array, wider: float, name: str) -> Itera
     for number, (shape, place) in enumerate(parts):
         placed = frame @ _at(np.array(place))
         if isinstance(shape, Capsule):
-            turned = np.eye(4)  # its axis along x
+            turned = np.eye(4)  # with its axis along x
             turned[:3, :3] = np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]])
             placed = placed @ turned
         yield _body(f"{name}{number}", shape, placed)

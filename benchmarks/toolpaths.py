@@ -27,7 +27,7 @@ Points = list[tuple[float, float, float]]
 
 
 def main() -> None:
-    """Measure what the command line asks for."""
+    """Measure the task of the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("count", type=int, nargs="?", default=10_000)
     parser.add_argument("--robot", default="INDUSTRIAL6", choices=sorted(CENTRES))
@@ -64,7 +64,7 @@ def main() -> None:
 
 
 def text(robot: str, path: str, count: int, *, turning: bool) -> str:
-    """A program of `count` pieces along a path."""
+    """Return a program of `count` pieces along a path."""
     x, y, z = CENTRES[robot]
     points = [next(pieces) for pieces in [PATHS[path]()] for _ in range(count + 1)]
     lines, gone = [f"DEFAULT {{TCP}} [V {SPEED:g}] (mm,deg,s) {{B}}"], 0.0
@@ -87,7 +87,7 @@ def _pieces() -> Iterator[float]:
 
 
 def weld() -> Iterator[tuple[float, float, float]]:
-    """Three seams that weave, one after the other."""
+    """Yield three weaving seams, one after the other."""
     s = 0.0
     for piece in _pieces():
         seam, along = divmod(s, 400.0)
@@ -100,7 +100,7 @@ def weld() -> Iterator[tuple[float, float, float]]:
 
 
 def bead() -> Iterator[tuple[float, float, float]]:
-    """Round a part with rounded corners, each time a little higher."""
+    """Yield a path around a part with rounded corners, each round a little higher."""
     sides, radius = (160.0, 90.0), 25.0
     legs = [sides[0], math.pi / 2 * radius, sides[1], math.pi / 2 * radius] * 2
     whole, s = sum(legs), 0.0
@@ -124,7 +124,7 @@ def bead() -> Iterator[tuple[float, float, float]]:
 
 
 def pocket() -> Iterator[tuple[float, float, float]]:
-    """To and fro with half circles of 4 mm, as a pocket is cleared."""
+    """Yield a path to and fro with half circles of 4 mm, as for clearing a pocket."""
     s, row, turn = 0.0, 120.0, math.pi * 4.0
     for piece in _pieces():
         number, along = divmod(s, row + turn)
@@ -139,7 +139,7 @@ def pocket() -> Iterator[tuple[float, float, float]]:
 
 
 def spiral() -> Iterator[tuple[float, float, float]]:
-    """Outwards and inwards again, 2 mm a turn."""
+    """Yield a path outwards and inwards again, 2 mm for each turn."""
     angle, radius, way = 0.0, 15.0, 1.0
     for piece in _pieces():
         yield radius * math.cos(angle), radius * math.sin(angle), 0.0
@@ -152,7 +152,7 @@ PATHS = {"weld": weld, "bead": bead, "pocket": pocket, "spiral": spiral}
 
 
 def share_of_ideal(program: str, robot: str) -> dict[str, float]:
-    """The mean speed of our text, and what of that of the ideal law it is."""
+    """Return the mean speed of our text, and its share of that of the ideal law."""
     import numpy as np
     import toppra
     import toppra.algorithm
@@ -184,7 +184,7 @@ def share_of_ideal(program: str, robot: str) -> dict[str, float]:
     bounds, speed = bounds_of(arm), 1e-3 * SPEED
 
     class Tool(toppra.constraint.LinearConstraint):  # type: ignore[misc]
-        """The way is the parameter: its rate is the speed of the tool."""
+        """Constraint on the tool's speed, which is the rate of the path parameter."""
 
         def compute_constraint_params(self, *_: object) -> tuple[object, ...]:
             """Return bounds of the squared rate alone."""

@@ -16,14 +16,14 @@ import yarclang
 from yarclang.syntax.parse import forget
 
 GOALS = {100: 0.15, 10_000: 3.0}
-"""The goals [s] by number of way-points."""
+"""Goals [s] by number of way-points."""
 
 STEP = 0.1
-"""From way-point to way-point [s]."""
+"""Time between two way-points [s]."""
 
 
 def main() -> None:
-    """Measure what the command line asks for."""
+    """Measure the task of the command line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("counts", type=int, nargs="*", default=[100, 1_000, 10_000])
     parser.add_argument("--rates", action="store_true", help="with velocities")
@@ -48,7 +48,9 @@ def main() -> None:
 
 
 def text(count: int, *, rates: bool) -> str:
-    """A program that swings all joints about, each at its own pace, through `count` way-points."""
+    """Return a program that moves all joints to and fro, each with its own period, through `count`
+    way-points.
+    """
     times = STEP * np.arange(1, count + 1)
     middle = np.array([0.0, 0.0, 20.0, 0.0, 30.0, 0.0])
     far, pace = np.array([30.0, 10.0, 10.0, 20.0, 20.0, 40.0]), np.array([0.5, 0.7, 0.4, 0.6, 0.9, 0.3])

@@ -29,7 +29,7 @@ YARC = (
 )
 EXAMPLE = Path(__file__).resolve().parents[1] / "examples" / "12_machine_cell.yarc"
 SILENCE = 1.0
-"""So long [s] nothing more is sent, once all is drawn."""
+"""Time without further data after which everything was sent [s]."""
 
 
 def main() -> None:
@@ -37,7 +37,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=5)
     rounds = parser.parse_args().rounds
-    _view(EXAMPLE)  # fills the folder for bytecode
+    _view(EXAMPLE)  # fills the bytecode cache
     found = [_view(EXAMPLE) for _ in range(rounds)]
     door, picture, cpu, peak, sent = (statistics.median(column) for column in zip(*found, strict=True))
     print(f"| example 12: to its address | {door:.2f} s |  |")
@@ -46,7 +46,9 @@ def main() -> None:
 
 
 def _view(file: Path) -> tuple[float, float, float, float, float]:
-    """One view: from the start of its process to its address and to the first picture [s], both on a core [s], its most memory [MB], and what it sends [bytes]."""
+    """Return the figures of one view: the times from the start of its process to its address and to the first
+    picture [s], both on a core [s], its peak memory [MB], and the bytes that it sends.
+    """
     begun = time.perf_counter()
     process = subprocess.Popen(
         [*YARC, str(file)], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=environment()
@@ -69,7 +71,9 @@ def _view(file: Path) -> tuple[float, float, float, float, float]:
 
 
 async def _picture(address: str) -> tuple[int, float]:
-    """The size of all that is sent to a new page [bytes], and when the last of it has come."""
+    """Return the size of everything that is sent to a new page [bytes], and the time at which the last of it
+    has arrived.
+    """
     import viser
     from websockets.asyncio.client import connect
 
@@ -85,7 +89,7 @@ async def _picture(address: str) -> tuple[int, float]:
 
 
 def _used(pid: int) -> tuple[float, float]:
-    """What a process has used: time on a core [s], and the most memory [MB]."""
+    """Return the time of a process on a core [s], and its peak memory [MB]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     cpu = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     high = re.search(r"VmHWM:\s+(\d+) kB", Path(f"/proc/{pid}/status").read_text())

@@ -1,4 +1,6 @@
-"""The figures of zones in RESULTS.md: `python benchmarks/zones.py`, in an environment with yarclang. Times are of the processor."""
+"""The figures of zones in RESULTS.md: `python benchmarks/zones.py`, in an environment with yarclang. Times
+are of the processor.
+"""
 
 from __future__ import annotations
 
@@ -89,7 +91,7 @@ def main() -> None:
 
 
 def best(work: Callable[[], object], count: int = 7) -> float:
-    """The shortest of some runs [ms]."""
+    """Return the shortest time of several runs [ms]."""
     spent = []
     for _ in range(count):
         begun = time.process_time()

@@ -1,1 +1,1 @@
-"""The commands `yarcc` and `yarc`. Importing this brings in no planner."""
+"""The commands `yarcc` and `yarc`. Importing this package imports no planner."""

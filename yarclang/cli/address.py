@@ -1,4 +1,4 @@
-"""Which controller, and which run: how the commands are told, and how they say that it went wrong."""
+"""Options that choose a controller or a run, and reports of their errors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 F = TypeVar("F", bound=Callable[..., Any])
 
 SIM = "sim"
-"""Instead of an address: a simulator of our own."""
+"""Value in place of an address for a simulator of our own."""
 
 _SHAPE = re.compile(
     r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[^\[\]:/@?#\s]*))(?::(?P<port>[^:/]*))?/?", re.ASCII
@@ -30,20 +30,26 @@ _HOST = re.compile(rf"(?=.{{1,253}}$){_LABEL}(?:\.{_LABEL})*\.?", re.ASCII | re.
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """Of a controller. `leash` is the time of a simulator in this process."""
+    """Address of a controller.
+
+    Attributes:
+        host: name or address.
+        port: TCP port.
+        leash: time of a simulator in this process; None for another controller.
+    """
 
     host: str
     port: int
     leash: Leash | None = field(default=None, compare=False, repr=False)
 
     def __str__(self) -> str:
-        """As it is given on a command line."""
+        """Format the address as on a command line."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"tcp://{host}:{self.port}"
 
 
 def _port() -> int:
-    """Where a controller listens whose address doesn't say it."""
+    """Return the port of an address without one."""
     from yarclang.backend import backend_called
     from yarclang.robot.kinds import DEFAULT
 
@@ -51,14 +57,14 @@ def _port() -> int:
 
 
 class AddressType(ParamType["Address | None"]):
-    """`tcp://HOST[:PORT]`; where `sim` is allowed, that is None."""
+    """`tcp://HOST[:PORT]`; None for `sim`, if that is allowed."""
 
     def __init__(self, *, sim: bool = True) -> None:
         self._sim = sim
         self.name = f"{SIM}|tcp://HOST[:PORT]" if sim else "tcp://HOST[:PORT]"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Address | None:
-        """The text as an address; what isn't one is wrong usage."""
+        """Parse an address. An invalid one is a usage error."""
         if isinstance(value, Address):
             return value
         text = str(value).strip()
@@ -90,7 +96,7 @@ class AddressType(ParamType["Address | None"]):
 
 
 def run_option(function: F, *, which: str = "Which run") -> F:
-    """--run NAME; `which` begins its help."""
+    """Add --run NAME; `which` begins its help."""
     return click.option(
         "--run",
         "run",
@@ -101,7 +107,7 @@ def run_option(function: F, *, which: str = "Which run") -> F:
 
 
 def controller_options(function: F) -> F:
-    """--to and --robot, for a controller without a run."""
+    """Add --to and --robot, for a controller without a run."""
     from yarclang.cli.options import _robots
 
     robot = click.option(
@@ -120,10 +126,10 @@ def controller_options(function: F) -> F:
 
 
 def check_controller_options(to: Address | None, robot: str | None, run: str | None) -> None:
-    """--to and --robot belong together, and exclude --run.
+    """Check that --to and --robot are given together, and without --run.
 
     Raises:
-        click.UsageError: it isn't so.
+        click.UsageError: they aren't.
     """
     if (to is None) != (robot is None):
         missing = "--robot" if robot is None else "--to"
@@ -134,7 +140,7 @@ def check_controller_options(to: Address | None, robot: str | None, run: str | N
 
 @contextlib.contextmanager
 def trouble_is_said() -> Iterator[None]:
-    """Troubles inside go to standard error with their remedies, and the exit status is 1."""
+    """Report troubles in the context on standard error with their remedies, and exit with status 1."""
     from yarclang.runtime.actions import Lost, Trouble
 
     what, remedy = "", ""
@@ -153,7 +159,7 @@ def trouble_is_said() -> Iterator[None]:
 
 
 def _runs(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
-    """The runs whose names begin so, for completion."""
+    """Return the runs whose names begin with a text, for completion."""
     from yarclang.runtime.actions import Trouble
     from yarclang.runtime.transports.runs import find_runs
 

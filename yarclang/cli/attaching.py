@@ -1,4 +1,6 @@
-"""Where a door finds its robot: at a coordinator that serves it, or at one that the door starts in its own process."""
+"""Connection of a door to its robot: by a coordinator that serves the robot, or by one that the door starts
+in its own process.
+"""
 
 from __future__ import annotations
 
@@ -32,15 +34,22 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.playing import SimulatedCell
 
 _ALONE = ("run", "exec")
-"""Doors that carry one program out; at the others somebody gives orders."""
+"""Doors that run one program; at the others users give orders."""
 
 _QUICK = 1.5
-"""Who takes longer to greet doesn't serve [s]."""
+"""Longest time for a greeting [s]. A slower process doesn't serve."""
 
 
 @dataclass(frozen=True, slots=True)
 class Served:
-    """A coordinator that serves a robot (`yarc serve`): its run, the robot's fingerprint, the controller, and whether that is simulated."""
+    """A coordinator that serves a robot (`yarc serve`).
+
+    Attributes:
+        run: its run.
+        fingerprint: of the robot.
+        controller: its address.
+        simulated: True if the controller is simulated.
+    """
 
     run: Run
     fingerprint: str
@@ -50,12 +59,12 @@ class Served:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a door works: at the controller with an address, or with a coordinator that is served.
+    """Controller or coordinator with which a door works.
 
     Attributes:
         address: of the controller.
-        served: by whom; None: the door starts a coordinator of its own.
-        own: whether the controller is a simulator that lives as long as the door.
+        served: the coordinator that serves the robot; None if the door starts a coordinator of its own.
+        own: True if the controller is a simulator that lives as long as the door.
         surroundings: the machines around the robot of such a simulator.
     """
 
@@ -65,18 +74,18 @@ class Place:
     surroundings: SimulatedCell | None = None
 
     def __str__(self) -> str:
-        """As people call it."""
+        """Format the place for people."""
         return str(self.address) if self.served is None else f"{self.served.run.name}, which serves it"
 
 
 def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served | None:
-    """Look for a coordinator that serves a robot.
+    """Find a coordinator that serves a robot.
 
-    Without an address nothing real moves: only a simulated robot is looked for.
+    Without an address nothing real moves: only a simulated robot is searched.
 
     Args:
-        to: of the controller; None: a simulator.
-        robot: gives the robot that is wanted; asked only where somebody serves one.
+        to: address of the controller; None for a simulator.
+        robot: returns the wanted robot; called only if a coordinator serves one.
     """
     if to is not None:
         run = run_on(to.host, to.port)
@@ -89,11 +98,11 @@ def served_at(to: Address | None, robot: Callable[[], Robot | None]) -> Served |
 
 
 def _served(run: Run) -> Served | None:
-    """What a run says of itself, if it serves others."""
+    """Return a run's coordinator, if it serves others."""
     try:
         with Asked(str(run.path), name="looking", timeout=_QUICK) as robot:
             told = robot.welcome
-    except (Gone, Refused, TimeoutError):  # one that hangs serves nobody
+    except (Gone, Refused, TimeoutError):  # a process that hangs doesn't serve
         return None
     if not told["serves"]:
         return None
@@ -110,7 +119,7 @@ def place_of(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Place]:
-    """Yield where a door works that starts a coordinator of its own: see `controller`."""
+    """Yield the place of a door that starts a coordinator of its own: see `controller`."""
     from yarclang.simulated_cell.playing import SimulatedCell
 
     around = (surroundings or SimulatedCell()) if to is None else None
@@ -119,11 +128,11 @@ def place_of(
 
 
 def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -> Place:
-    """Return where a door works that attaches to a coordinator.
+    """Return the place of a door that attaches to a coordinator.
 
     Raises:
-        Trouble: it serves another robot.
-        click.UsageError: an option is for a coordinator of its own.
+        Trouble: the coordinator serves another robot.
+        click.UsageError: an option requires a coordinator of the door's own.
     """
     for name in ("log", "no_log", "rate", "patience", "set", "inputs"):
         if options.get(name):
@@ -142,10 +151,10 @@ def place_served(served: Served, robot: Robot | None, options: dict[str, Any]) -
 
 
 def check_cell(robot: Attached, named: str) -> None:
-    """Check that a robot that somebody serves keeps to the cell that the command line names.
+    """Check that a served robot uses the cell of the command line.
 
     Raises:
-        Trouble: it keeps to another one, or to none.
+        Trouble: it uses another one, or none.
     """
     known = robot.welcome.status.cell
     if known is None or not is_same_file(Path(known), Path(named)):
@@ -154,7 +163,7 @@ def check_cell(robot: Attached, named: str) -> None:
 
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Makes a client of a coordinator, by the name that others know it by."""
+"""Function that makes a client of a coordinator from its name for others."""
 
 
 @asynccontextmanager
@@ -167,31 +176,33 @@ async def attached(
     what: str,
     folder: Path | None = None,
 ) -> AsyncIterator[Attached]:
-    """Yield a client of the coordinator of a robot; who leaves the context is a client no longer.
+    """Yield a client of a robot's coordinator, which detaches at the end of the context.
 
     Args:
-        place: where it works.
-        robot: that hangs on the controller; None where it is served, which knows it.
-        name: what others know the client by.
+        place: of the door.
+        robot: of the controller; None if the robot is served, because the coordinator knows it.
+        name: of the client for others.
         options: of the command line.
-        what: what `yarc status` calls it while nothing is under way.
-        folder: where modules, cells and yarc.toml are looked for; None: the working directory.
+        what: text of `yarc status` while nothing is running.
+        folder: in which modules, cells and yarc.toml are searched; None for the working directory.
 
     Raises:
         ControlError: another process of this computer drives the controller.
-        Trouble: the controller can't be reached, or isn't what the robot needs (`NotReady`).
+        Trouble: the controller can't be reached, or doesn't fit the robot (`NotReady`).
     """
     async with reached(place, robot, options, what=what, folder=folder, door=name) as attach:
         one = await attach(name)
         try:
             yield one
         finally:
-            if place.served is not None:  # what is in this process ends with its coordinator
+            if place.served is not None:  # clients in this process end with their coordinator
                 await one.leave()
 
 
 def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
-    """Return what makes clients of a coordinator that serves a robot; where that has ended, of the one that serves the same robot now."""
+    """Return a function that makes clients of a coordinator that serves a robot. If that coordinator has
+    ended, it uses the one that serves the same robot now.
+    """
     known = served
 
     async def there(name: str) -> Attached:
@@ -209,7 +220,7 @@ def _attaching(served: Served, address: Address, robot: Robot | None) -> Attach:
 
 
 def tell_whether_ready(coordinator: Coordinator) -> None:
-    """Say on the terminal what keeps a robot from moving that is there all the same."""
+    """Report on the terminal why a connected robot can't move."""
     if coordinator.engine.lost:
         click.echo(f"there is no connection yet: {coordinator.engine.lost}; it is tried again", err=True)
     elif coordinator.inspection is not None and coordinator.inspection.errors:
@@ -228,11 +239,22 @@ async def reached(
     door: str = "",
     patient: bool = False,
 ) -> AsyncIterator[Attach]:
-    """Yield what makes clients of the coordinator of a robot, as `attached` does one; each is left by whoever has made it. `door` is whose they are; `patient`: a coordinator that the door starts is there also while its controller isn't ready."""
+    """Yield a function that makes clients of a robot's coordinator, like `attached`. The caller detaches each
+    client.
+
+    Args:
+        place: of the door.
+        robot: of the controller; None if the robot is served.
+        options: of the command line.
+        what: text of `yarc status` while nothing is running.
+        folder: in which modules, cells and yarc.toml are searched; None for the working directory.
+        door: to which the clients belong.
+        patient: True to start a coordinator also while its controller isn't ready.
+    """
     if place.served is not None:
         yield _attaching(place.served, place.address, robot)
         return
-    assert robot is not None  # who starts a coordinator knows whose
+    assert robot is not None  # a coordinator is started for a known robot
     address = place.address
     ground = Ground(
         address.host,

@@ -1,4 +1,4 @@
-"""Files checked, and fixed, one after the other or several at once in processes of their own."""
+"""Checks and fixes of files, one after the other or in several processes."""
 
 from __future__ import annotations
 
@@ -20,13 +20,21 @@ if TYPE_CHECKING:
     from yarclang.source import SourceFile
 
 _MANY = 4
-"""From so many files on they are shared among processes: each of them imports everything once."""
+"""Number of files from which they are shared among processes, because each process imports everything
+once.
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Task:
-    """What to do with each file: `shown` are the codes that are wanted (None: all); errors are told all the same. `chosen` are those that somebody
-    has named: their fixes are made even where they repair nothing.
+    """Task for each file.
+
+    Attributes:
+        options: of the command line.
+        plans: True to plan motions.
+        fix: True to apply fixes.
+        shown: codes to report; None for all. Errors are always reported.
+        chosen: codes that the user has named. Their fixes are applied even if they fix no error.
     """
 
     options: Options
@@ -38,7 +46,15 @@ class Task:
 
 @dataclass(frozen=True, slots=True)
 class Done:
-    """What was found in a file; if it was to be fixed, its text before and after, and what was done."""
+    """Result for a file.
+
+    Attributes:
+        path: of the file.
+        found: findings.
+        before: the text before fixes; None if it wasn't to be fixed.
+        after: the text after fixes; None if it wasn't to be fixed.
+        applied: descriptions of the fixes.
+    """
 
     path: str
     found: tuple[Diagnostic, ...]
@@ -48,7 +64,7 @@ class Done:
 
     @property
     def is_changed(self) -> bool:
-        """Whether a fix was applied."""
+        """True if a fix was applied."""
         return self.after is not None and self.after != self.before
 
 
@@ -64,9 +80,9 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
     from multiprocessing import get_context
 
     size = max(1, min(8, len(files) // (4 * workers)))
-    # not forked: a library that has threads already may wait for them for ever
+    # not forked: a library with running threads may wait for them for ever
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_in_silence)
-    # Ctrl-C is for this process; the others, which are begun here, don't hear it while they import
+    # Ctrl-C is for this process: the others, which are started here, ignore it while they import
     heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
     try:
         results = pool.map(check_one, files, [task] * len(files), chunksize=size)
@@ -83,22 +99,22 @@ def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
 
 
 def _end_in_silence() -> None:
-    """Let Ctrl-C end a process at once, without a traceback."""
+    """End the process at once on Ctrl-C, without a traceback."""
     import signal
 
     signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def check_one(path: str, task: Task) -> Done:
-    """Check one file, and fix it if that is wanted. An exception is a finding."""
+    """Check one file, and fix it if requested. An exception becomes a finding."""
     try:
         return _checked(path, task)
-    except Exception as error:  # a bug of ours: other files are checked all the same
+    except Exception as error:  # a bug of ours: continue with the other files
         return Done(path, (failure_of(error, path),))
 
 
 def _checked(path: str, task: Task) -> Done:
-    seldom_look_for_garbage()  # in each process that has a share of the files
+    seldom_look_for_garbage()  # in each process that checks files
     from yarclang.pipeline.checking import Checked, check_file, check_text
     from yarclang.pipeline.fixing import fixed, is_repair
 

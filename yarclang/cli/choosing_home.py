@@ -1,4 +1,4 @@
-"""HOME of a new robot: where its links are apart and its motors can hold it."""
+"""Choice of HOME for a new robot: a position in which its links are apart and its motors can hold it."""
 
 from __future__ import annotations
 
@@ -17,11 +17,12 @@ if TYPE_CHECKING:
 
 
 def with_home(made: NewRobot, robot: Robot) -> tuple[NewRobot, Robot, tuple[str, ...]]:
-    """Return a new robot with the first HOME in which it doesn't touch itself and can stand, before and after it is read, and notes if there is none.
+    """Return a new robot with the first HOME in which it doesn't collide with itself and can hold its pose,
+    the loaded robot, and notes if there is none.
 
     Args:
-        made: with the positions that may be HOME, the best first.
-        robot: as it is read, with the first of them.
+        made: with candidates for HOME, best first.
+        robot: loaded with the first of them.
     """
     proposed = np.array([home.value for home in made.homes]) * robot.axis_units
     stands = np.flatnonzero(standing(robot, proposed).max(axis=1) <= STANDS)

@@ -1,4 +1,4 @@
-"""Columns of a table on a terminal: how wide they are, how names in them become shorter."""
+"""Columns of a table on a terminal: their widths, and abbreviations of names."""
 
 from __future__ import annotations
 
@@ -8,17 +8,25 @@ from typing import Literal
 from yarclang.frozen import frozen
 
 LONGEST_PLACE, SHORTEST_PLACE = 48, 16
-"""Characters of a command's place on a terminal; on a narrow one it is cut down to the shorter of these before a column is left out."""
+"""Most characters of a command's place on a terminal. On a narrow one it is cut to the smaller number before
+a column is left out.
+"""
 LEAST_PLACE = 8
-"""Characters of a command's place for which even the column of the worst share is left out."""
+"""Characters to which a command's place is cut before the column of the worst share is left out."""
 
 _LONG_NAME = 4
-"""Characters of a joint's name above which a table without room numbers the joints."""
+"""Length of a joint's name above which a narrow table numbers the joints."""
 
 
 @frozen
 class Column:
-    """A column: its name, its cells, and the side at which they stand."""
+    """A column.
+
+    Attributes:
+        name: its heading.
+        cells: from top to bottom.
+        side: alignment.
+    """
 
     name: str
     cells: tuple[str, ...]
@@ -26,31 +34,33 @@ class Column:
 
     @property
     def width(self) -> int:
-        """Characters of the widest cell, the name counted."""
+        """Characters of the widest cell or the heading."""
         return max(len(self.name), *map(len, self.cells))
 
     def lines(self) -> Iterator[str]:
-        """Yield the name, a rule and the cells, all as wide as the column."""
+        """Yield the heading, a rule and the cells, padded to the column's width."""
         width = self.width
         for cell in (self.name, "-" * width, *self.cells):
             yield cell.ljust(width) if self.side == "left" else cell.rjust(width)
 
 
 def whole_width(columns: Sequence[Column]) -> int:
-    """Return the characters of a line with all columns, their places cut as on a wide terminal."""
+    """Return the characters of a line with all columns, with places cut as on a wide terminal."""
     place, *others = columns
     return min(place.width, LONGEST_PLACE) + sum(column.width + 2 for column in others)
 
 
 def numbers_of(joints: Sequence[str]) -> dict[str, str]:
-    """Return J1, J2, ... for the names of joints; empty if all are short, or a joint has such a name itself."""
+    """Return J1, J2, ... by the names of joints; empty if all names are short, or a joint has such a name
+    already.
+    """
     numbers = {name: f"J{number}" for number, name in enumerate(joints, 1)}
     is_worth_it = max(map(len, joints), default=0) > _LONG_NAME and not set(numbers) & set(numbers.values())
     return numbers if is_worth_it else {}
 
 
 def renamed(column: Column, numbers: Mapping[str, str]) -> Column:
-    """Return a column with numbers instead of the names of joints."""
+    """Return a column with the names of joints replaced by numbers."""
 
     def numbered(cell: str) -> str:
         bracket = cell[: cell.startswith("(")]
@@ -61,7 +71,7 @@ def renamed(column: Column, numbers: Mapping[str, str]) -> Column:
 
 
 def cut(place: str, most: int) -> str:
-    """Return a place in at most so many characters: its beginning and its end say most."""
+    """Shorten a place to at most `most` characters, keeping its beginning and its end."""
     if len(place) <= most:
         return place
     end = (most - 3) * 2 // 3

@@ -1,4 +1,4 @@
-"""Options of the commands that move a robot: which controller, which log."""
+"""Options of the commands that move a robot: the controller and the log."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 _LEAST_PATIENCE, _MOST_PATIENCE = 0.1, 60.0
-"""With less, a controller would hold at each pause of a computer; with more, nobody watches a robot whose computer is dead [s]."""
+"""Bounds of the patience [s]: below, a controller would hold at each pause of a computer; above, it would
+leave a robot whose computer is dead alone for too long.
+"""
 
 
 def controller_option(function: F) -> F:
-    """--to sim|tcp://HOST[:PORT]; a simulator of our own is None."""
+    """Add --to sim|tcp://HOST[:PORT]; None for a simulator of our own."""
     return click.option(
         "--to",
         type=AddressType(),
@@ -31,7 +33,7 @@ def controller_option(function: F) -> F:
 
 
 def patience_option(function: F) -> F:
-    """--patience S."""
+    """Add --patience S."""
     return click.option(
         "--patience",
         type=PositiveNumber("S", _LEAST_PATIENCE, _MOST_PATIENCE),
@@ -41,12 +43,12 @@ def patience_option(function: F) -> F:
 
 
 class _Setting(ParamType[str]):
-    """INPUT=VALUE; the input is looked for when the program is known."""
+    """INPUT=VALUE. The input is resolved when the program is known."""
 
     name = "INPUT=VALUE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """The text itself; another form is wrong usage."""
+        """Return the text itself. Another form is a usage error."""
         from yarclang.simulated_cell.script import check_setting
 
         try:
@@ -57,7 +59,7 @@ class _Setting(ParamType[str]):
 
 
 def inputs_option(function: F) -> F:
-    """--inputs SCRIPT.toml."""
+    """Add --inputs SCRIPT.toml."""
     return click.option(
         "--inputs",
         type=click.Path(dir_okay=False),
@@ -67,7 +69,7 @@ def inputs_option(function: F) -> F:
 
 
 def motion_options(function: F) -> F:
-    """--log, --no-log, --patience, --rate, --set and --inputs."""
+    """Add --log, --no-log, --patience, --rate, --set and --inputs."""
     for option in (
         inputs_option,
         click.option(
@@ -95,7 +97,7 @@ def motion_options(function: F) -> F:
 
 
 def run_options(function: F) -> F:
-    """What is run, where, and from which command on."""
+    """Add the program, the controller, and the first command."""
     for option in (
         click.option(
             "--from", "first", metavar="P0010", help="Begin at this command; the way to its start is planned."
@@ -119,7 +121,7 @@ def run_options(function: F) -> F:
 
 
 def check_controller_usage(to: Address | None, options: dict[str, Any]) -> None:
-    """What excludes each other is wrong usage."""
+    """Reject options that exclude each other."""
     if options["log"] and options["no_log"]:
         raise click.UsageError("--log and --no-log exclude each other")
     if options["rate"] and to is not None:

@@ -1,4 +1,4 @@
-"""The controller that a command talks to: one with an address, or a simulator that lives as long as the command."""
+"""Controller of a command: one with an address, or a simulator that lives as long as the command."""
 
 from __future__ import annotations
 
@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from yarclang.simulated_cell.playing import SimulatedCell
 
 SIMULATED_REPLY_TIME = 20.0
-"""A simulator of our own isn't lost before [s]: where it is late, this computer has much to do."""
+"""Time without a reply after which a simulator of our own counts as lost [s]; long, because the computer may
+be busy.
+"""
 
 
 @contextlib.contextmanager
@@ -30,14 +32,14 @@ def controller(
     tells: bool = True,
     surroundings: SimulatedCell | None = None,
 ) -> Iterator[Address]:
-    """The address to talk to.
+    """Yield the address of a controller.
 
     Args:
-        to: the controller that was named; None for a simulator.
-        robot: that hangs on it.
-        stands: (n,) where a simulated robot stands [rad or m].
-        rate: how fast a simulator's time passes.
-        tells: whether it is said that the robot is simulated.
+        to: the given controller; None for a simulator.
+        robot: of the controller.
+        stands: (n,) start of a simulated robot [rad or m].
+        rate: speed of a simulator's time.
+        tells: True to report that the robot is simulated.
         surroundings: the machines around a simulated robot.
 
     Raises:
@@ -57,7 +59,7 @@ def controller(
 
 
 def robot_argument(robot: Robot, given: str | None) -> str:
-    """What to write behind --robot: what was given, else the robot's name, else where it is."""
+    """Return the value for --robot: the given one, otherwise the robot's name or its path."""
     if given is None and any(one.folder == robot.folder for one in list_robots()):
         return robot.name
     return shlex.quote(given or str(robot.folder))

@@ -1,4 +1,4 @@
-"""How a file differs from what it would become, and how it is written back."""
+"""Differences of a file from its new text, and the bytes to write."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from yarclang.source import SourceFile
 
 
 def difference(path: str, before: str | None, after: str | None) -> str:
-    """A unified diff; lines end with LF in it, whatever they end with in the file."""
+    """Return a unified diff. Its lines end with LF, regardless of the file."""
     name = "<stdin>" if path == STANDARD else path
     old, new = (SourceFile(name, text or "").lines for text in (before, after))
     lines = unified_diff(old, new, name, name, lineterm="")
@@ -19,7 +19,7 @@ def difference(path: str, before: str | None, after: str | None) -> str:
 
 
 def with_mark(path: Path, text: str) -> bytes:
-    """A text as the bytes of a file that keeps its byte order mark, if it has one."""
+    """Return a text as the bytes of a file, with a byte order mark if the file has one."""
     try:
         with path.open("rb") as file:
             marked = file.read(len(codecs.BOM_UTF8)) == codecs.BOM_UTF8

@@ -1,4 +1,4 @@
-"""A run as it is shown: a line for each command, and on a terminal one more, which changes."""
+"""Display of a run: a line for each command, and on a terminal one more, which changes."""
 
 from __future__ import annotations
 
@@ -32,34 +32,38 @@ from yarclang.runtime.signals import signal_text
 from yarclang.runtime.state import State
 
 _SAME = 1e-6
-"""Times that are nearer to each other are one [s]."""
+"""Difference below which times count as equal [s]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Axes:
-    """The joints of a robot that is known by messages only: their positions are told in deg and mm."""
+    """Joints of a robot that is known from messages only, whose positions are in deg and mm."""
 
     joint_names: tuple[str, ...]
 
     @property
     def axis_units(self) -> Array:
-        """(n,) ones."""
+        """Ones (n,)."""
         return np.ones(len(self.joint_names))
 
     @classmethod
     def of(cls, status: Status) -> Axes:
-        """Return those that a status tells."""
+        """Return the joints of a status."""
         return cls(tuple(one.name for one in status.joints))
 
 
 _MANY, _FEW = 200, 4
-"""Of a program of more commands than this, so many that have begun are written as one."""
+"""Number of commands above which a program is long, and number of begun commands that a long program shows as
+one line.
+"""
 _SELDOM = 1.0
-"""How often the commands of such a program are written [s]."""
+"""Time between two lines on the commands of a long program [s]."""
 
 
 class Display:
-    """Shows a run: a line for each command; on a terminal, one more, which changes; elsewhere, one now and then for a long command."""
+    """Display of a run: a line for each command. On a terminal, one more line changes; elsewhere, a long
+    command gets an additional line now and then.
+    """
 
     def __init__(self, screen: Screen, picture: Picture, joints: Axes, program: ProgramDescribed) -> None:
         self._screen = screen
@@ -75,7 +79,7 @@ class Display:
         self._written = 0.0
         self._ahead: list[ProgramCommand] = []
         self._next = 0
-        """Which of these begins next."""
+        """Index of the command that begins next."""
 
     def take(self, event: BaseEvent) -> None:
         """Show an event."""
@@ -103,7 +107,7 @@ class Display:
                 )
 
     def _begin(self, part: PartBegan) -> None:
-        """From here on, this part is carried out."""
+        """Note that a part begins."""
         program = self._program
         again = part.number > 1
         if again and not program.steps:
@@ -120,7 +124,7 @@ class Display:
         ]
 
     def _of_program(self, progress: Progress) -> Progress:
-        """Progress of a part as that of the whole program."""
+        """Convert the progress of a part to that of the whole program."""
         left = progress.left + self._behind / max(self._picture.override / 100.0, 0.01)
         return replace(progress, left=left, command=self._instead or progress.command)
 
@@ -142,7 +146,7 @@ class Display:
         """Return a line for each command that has begun since the last call, at `now` [s]."""
         if self._instead:
             begun = [] if self._command else [self._instead]
-        elif self._program.by_legs:  # which commands are executed isn't known before
+        elif self._program.by_legs:  # the executed commands aren't known in advance
             command = _command_of(self._program, progress) if progress.command else None
             begun = [self._command_line(command)] if command and progress.command != self._command else []
         else:
@@ -151,9 +155,10 @@ class Display:
         return begun
 
     def _begun(self, done: float, now: float) -> list[str]:
-        """The commands that have begun since the last ones were written, `done` [s] into the program at `now`; at the end all, also those that nobody was told of.
+        """Return lines for the commands that have begun since the last ones were written, at `done` [s] of
+        the program and `now`; at the end for all, including those without a report.
 
-        Of a long program they are written seldom, and then as one.
+        The commands of a long program are written seldom, and then as one line.
         """
         count = bisect_right(self._ahead, done + _SAME, self._next, key=lambda one: one.begins_s)
         last = count == len(self._ahead)
@@ -167,17 +172,21 @@ class Display:
         return [f"{begun[0].title} to {begun[-1].title}, {len(begun):,} commands  {times} of {whole}"]
 
     def _command_line(self, command: ProgramCommand) -> str:
-        """A command, and when it is executed."""
+        """Return a command with its time."""
         begins, ends = time_text(command.begins_s), time_text(command.ends_s)
         return f"{command.title}  {begins} to {ends} of {self._lasting.text(time_text)}"
 
     def _left_out(self, change: Changed, before: State) -> bool:
-        """How it ends is told when all of it is known. Again and again, only what is out of the ordinary counts."""
+        """Return True if a change of state needs no line.
+
+        The end is reported later, when all of it is known. After the first motion, ordinary changes are left
+        out.
+        """
         if change.state is State.FAULT or (change.state is State.STOP and not self._instead):
             return True
         ordinary = before is not State.HOLD and change.state in (State.INIT, State.MOVE)
         left_out = self._brief and ordinary
-        # a program that waits for an input, say, is loaded leg by leg
+        # a program that waits for an input, for example, is loaded leg by leg
         self._brief = self._brief or change.state is State.MOVE
         return left_out
 
@@ -187,7 +196,9 @@ def _progress(event: ProgressMade) -> Progress:
 
 
 def _command_of(program: ProgramDescribed, progress: Progress) -> ProgramCommand | None:
-    """The command that is executed: of those with one name and line, such as in a loop, the one at that time."""
+    """Return the command that is executed. Among commands of one name and line, such as in a loop, the time
+    decides.
+    """
     found = [
         one for one in program.commands if (one.title, one.line) == (progress.command, progress.source_line)
     ]

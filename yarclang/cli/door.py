@@ -1,4 +1,4 @@
-"""What all commands have in common: no exception is shown as a traceback, and any text can be written."""
+"""Common behaviour of all commands: no exception is shown as a traceback, and any text can be written."""
 
 from __future__ import annotations
 
@@ -16,10 +16,12 @@ if TYPE_CHECKING:
 
 
 class Door(click.Command):
-    """A command whose bugs are findings with a report, and whose exit status is then 1."""
+    """A command whose bugs become findings with a report, and whose exit status is then 1."""
 
     def main(self, *args: Any, **extra: Any) -> Any:
-        """Run the command; what the terminal's encoding doesn't have, such as names of files that are no text, is written in ASCII."""
+        """Run the command. Characters that the terminal's encoding lacks, such as in names of files, are
+        escaped in ASCII.
+        """
         for stream in (sys.stdout, sys.stderr):
             if isinstance(stream, io.TextIOWrapper):
                 stream.reconfigure(errors="backslashreplace")
@@ -27,7 +29,7 @@ class Door(click.Command):
         return super().main(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Carry the command out."""
+        """Run the command's function."""
         try:
             return super().invoke(ctx)
         except Exception as error:
@@ -40,20 +42,22 @@ class Door(click.Command):
 
 
 def is_failure(error: Exception) -> bool:
-    """Return True for a bug of ours; False for what click makes of wrong usage, of an end, or of a pipe that nobody reads."""
+    """Return True for a bug of ours; False for click's exceptions on usage errors and exits, and for closed
+    pipes.
+    """
     if isinstance(error, click.ClickException | click.exceptions.Exit | click.Abort):
         return False
     return not (isinstance(error, OSError) and error.errno == errno.EPIPE)
 
 
 def failure_of(error: Exception, file: str | None = None) -> Diagnostic:
-    """Make a finding of an exception, about a file if there is one."""
+    """Convert an exception to a finding, about a file if there is one."""
     from yarclang.internal_errors import internal_error
     from yarclang.source import SourceFile
 
     source = None if file is None else SourceFile(file, "")
     try:
         from yarclang.pipeline.guarding import failure
-    except ImportError:  # it may be the very failure
+    except ImportError:  # the failure itself may be an import
         return internal_error(error, source)
     return failure(error, source)

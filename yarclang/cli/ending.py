@@ -1,4 +1,4 @@
-"""How a run has ended, in words: why, where, in which command, and how to go on."""
+"""Texts on the end of a run: why, where, in which command, and how to continue."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from yarclang.runtime.state import State
 
 
 def say(text: str, *, err: bool = True) -> None:
-    """Say something; a terminal that is gone doesn't change how a run ends."""
+    """Print a text. A closed terminal doesn't change how a run ends."""
     with contextlib.suppress(OSError):
         click.echo(text, err=err)
 
 
 def error_text(what: str, remedy: str) -> str:
-    """An error that is no finding."""
+    """Format an error that is no finding."""
     text = click.style("error", fg="red", bold=True) + f": {what}"
     return f"{text}\n  help: {remedy}" if remedy else text
 
 
 def joints_text(joints: Joints, status: Status) -> str:
-    """`J1 10.000 deg, ...` of joint positions in deg or mm."""
+    """Format joint positions in deg or mm: `J1 10.000 deg, ...`."""
     return ", ".join(f"{one.name} {joints[one.name]:.3f} {one.unit}" for one in status.joints)
 
 
 class Ending:
-    """Knows what was run, and what is recommended then.
+    """Texts on the end of a program.
 
     Args:
         name: of the program.
-        where: options that name the controller and the robot, for commands that are recommended.
-        again: the command line without --from, for whoever wants to go on; empty or None: there is none.
-        program: what was run; None: it wasn't loaded.
+        where: options for the controller and the robot, for recommended commands.
+        again: the command line without --from, for continuing; empty or None if there is none.
+        program: that was run; None if it wasn't loaded.
     """
 
     def __init__(
@@ -50,7 +50,13 @@ class Ending:
         self._program = program
 
     def lines(self, ended: Ended, status: Status, option: str = "") -> Iterator[str]:
-        """What is said of an end that isn't well, of a robot that had a status before; `option` goes on with the way to the start, if it isn't the usual one."""
+        """Yield the lines on a failed end.
+
+        Args:
+            ended: the end.
+            status: of the robot before.
+            option: for the way to the start when continuing, if it isn't the usual one.
+        """
         what, remedy = self.filled(ended.what or ""), self.filled(ended.help or "")
         if ended.state is State.STOP and not ended.code:
             yield f"{self._name}: {what}"
@@ -71,12 +77,14 @@ class Ending:
             yield from self._in_command(ended)
 
     def filled(self, text: str) -> str:
-        """Commands that a text recommends, with this controller and robot, so that they can be copied."""
+        """Return a text with this controller and robot in its recommended commands, so that they can be
+        copied.
+        """
         text = text.replace("`yarc stop --to ...`", f"`yarc stop {self._where}`")
         return text.replace("`yarc doctor`", f"`yarc doctor {self._where}`")
 
     def _in_command(self, ended: Ended) -> Iterator[str]:
-        """Which command was executed, and how to go on with it."""
+        """Yield the executed command, and how to continue with it."""
         option = f"--from {shlex.quote(ended.go_on)}" if ended.go_on else ""
         if not ended.is_motion:
             yield f"  it stood at {ended.command}"
@@ -88,13 +96,13 @@ class Ending:
             yield from self.going_on(option)
 
     def going_on(self, option: str) -> Iterator[str]:
-        """Yield the command line to go on with, if there is one."""
+        """Yield the command line for continuing, if there is one."""
         if self._again:
             yield f"  to go on: {self._again} {option}".rstrip()
 
     @property
     def _first_option(self) -> str:
-        """What was given for the way to the start."""
+        """Return the given option for the way to the start."""
         program = self._program
         within = program is not None and program.begins_within and program.first
         return f"--from {shlex.quote(program.first)}" if program is not None and within else "--approach"

@@ -1,6 +1,7 @@
-"""How much of a compilation is done, and how long the rest takes: over all its stages, of which most can't count what they have to do.
+"""Estimate of a compilation's progress and remaining time over all its stages, most of which can't count
+their work.
 
-Time comes in as an argument.
+Times are arguments.
 """
 
 from __future__ import annotations
@@ -17,21 +18,26 @@ _STAGES = (
     ("certifying", 33.0, 1.0),
     ("looking for what else", 2.0, 1.0),
 )
-"""What the stages tell of themselves, or how it begins, in their order; how long each takes against the others, measured with long chains of lines; and the
-share of it that is done when all that it counts is: motions are counted before chains are made of them."""
+"""Stages in order: their report or its beginning; their relative durations, measured with long chains of
+lines; and the share of each that is done when its count is complete: motions are counted before chains are
+made of them.
+"""
 
 _WHOLE = sum(weight for _, weight, _ in _STAGES)
 _BEFORE = tuple(sum(weight for _, weight, _ in _STAGES[:number]) for number in range(len(_STAGES)))
 
 _SURE = 0.05
-"""Before this share is done, nothing is said of the time left."""
+"""Share of the work before which no remaining time is given."""
 _SLOWLY = 4.0
-"""In about so many seconds the time left follows a better estimate: it doesn't jump to and fro."""
+"""Time in which the remaining time follows a new estimate [s], so that it doesn't jump."""
 
 
 @lru_cache(maxsize=256)
 def stage_of(what: str) -> int | None:
-    """Return which stage says this; None if it is none of a compilation. What it is a part of comes before: `a.yarc: planning`."""
+    """Return the stage of a report; None if it is none of a compilation.
+
+    The name of a file may be in front: `a.yarc: planning`.
+    """
     found = [
         number for number, (name, *_) in enumerate(_STAGES) if what.startswith(name) or f": {name}" in what
     ]
@@ -40,9 +46,12 @@ def stage_of(what: str) -> int | None:
 
 @dataclass(slots=True)
 class Estimate:
-    """Follows one compilation, or one of `files` after the other: `file` of them are done.
+    """Estimate of one compilation, or of several files in turn. The share that is done never decreases,
+    except for a new attempt.
 
-    The share that is done never falls, but for what begins anew.
+    Attributes:
+        file: number of finished files.
+        files: number of all files.
     """
 
     file: int = 0
@@ -56,9 +65,9 @@ class Estimate:
     _looked: float = 0.0
 
     def tell(self, stage: int, done: int, total: int, now: float) -> None:
-        """Take what a stage tells at a time `now` [s]."""
+        """Take a stage's report at the time `now` [s]."""
         if stage < self._stage or self._stage < 0:
-            # another file, or another try: what was known of the time left isn't known any more
+            # another file, or another attempt: the remaining time is unknown again
             self._share, self._begun, self._entered, self._left = 0.0, now, now, None
             self._counted = None
         elif stage > self._stage:
@@ -70,13 +79,13 @@ class Estimate:
         self._reach(stage, max(inside, self._passed(stage, now)))
 
     def share(self, now: float) -> float:
-        """Return how much of all files is done, 0 to 1."""
+        """Return the share of all files that is done, 0 to 1."""
         if self._stage >= 0:
             self._reach(self._stage, self._passed(self._stage, now))
         return (self.file + self._share) / max(self.files, 1)
 
     def left(self, now: float) -> float | None:
-        """Return how long the rest takes [s]; None before that is known."""
+        """Return the remaining time [s]; None before it is known."""
         share = self.share(now)
         if self._stage < 0 or self._share < _SURE or (self.file and share <= 0.0):
             return None
@@ -94,10 +103,10 @@ class Estimate:
         self._share = max(self._share, (_BEFORE[stage] + _STAGES[stage][1] * inside) / _WHOLE)
 
     def _passed(self, stage: int, now: float) -> float:
-        """Return how much of a stage is done by the time that it takes, as far as that is known; it never says that all is."""
+        """Return the share of a stage that is done, from its expected time if known; always less than 1."""
         before, (_, weight, counted) = _BEFORE[stage], _STAGES[stage]
         if self._counted is not None and counted < 1.0:
-            # the rest goes on as what was counted
+            # the rest continues at the speed of the counted work
             took = max(self._counted - self._entered, 1e-3)
             return counted + (1.0 - counted) * _eased(
                 (now - self._counted) / took * counted / (1.0 - counted)
@@ -109,18 +118,18 @@ class Estimate:
 
 
 _EVEN = 0.7
-"""Up to this share of the time that is expected, work goes on evenly; from there on ever slower, as it takes longer than expected."""
+"""Share of the expected time up to which progress is linear. Beyond, it slows down."""
 
 
 def _eased(share: float) -> float:
-    """Return how much is done after a share of the time that is expected, below 1."""
+    """Return the share that is done after a share of the expected time; always less than 1."""
     if share < _EVEN:
         return share
     return 1.0 - (1.0 - _EVEN) * math.exp((_EVEN - share) / (1.0 - _EVEN))
 
 
 def left_text(seconds: float | None) -> str:
-    """Return the time left in words, rounded as far as it is known."""
+    """Format the remaining time, rounded to its accuracy."""
     if seconds is None:
         return ""
     if seconds < 5.0:

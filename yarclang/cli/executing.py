@@ -1,4 +1,4 @@
-"""`yarc exec` from the door's side: a program without a terminal, events as JSON lines, signals as orders."""
+"""The door of `yarc exec`: a program without a terminal, events as JSON lines, signals as orders."""
 
 from __future__ import annotations
 
@@ -28,13 +28,14 @@ from yarclang.report.finding import finding_json
 from yarclang.runtime.actions import Lost, Trouble
 
 _LAST_WORDS = 5.0
-"""A reader that takes longer for the last lines doesn't get them [s]."""
+"""Longest wait for a reader to take the last lines [s]."""
 
 
 class Lines:
-    """JSON lines on standard output, written by a thread of its own: a reader that is slow, or gone, delays no robot.
+    """JSON lines on standard output, written by a thread of its own, so that a slow or closed reader delays
+    no robot.
 
-    Events that come while one is being written wait in their bounded stream, not here.
+    Events that arrive during a write wait in their bounded stream, not here.
     """
 
     def __init__(self) -> None:
@@ -51,11 +52,11 @@ class Lines:
         await written.wait()
 
     def say(self, content: dict[str, Any]) -> None:
-        """Write a line some time."""
+        """Queue a line."""
         self._queue.put((self._line(content), lambda: None))
 
     def close(self) -> None:
-        """Write what is left, if somebody reads it."""
+        """Write the remaining lines, if they are read."""
         self._queue.put(None)
         self._thread.join(_LAST_WORDS)
 
@@ -73,21 +74,21 @@ class Lines:
                     sys.stdout.write(text)
                     sys.stdout.flush()
                 except (OSError, ValueError):
-                    gone = True  # the run goes on without readers
+                    gone = True  # the run continues without readers
             with contextlib.suppress(RuntimeError):  # the loop has ended
                 written()
         if gone:
-            with contextlib.suppress(OSError):  # nothing is left for the interpreter to flush
+            with contextlib.suppress(OSError):  # leave nothing for the interpreter to flush
                 os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
 
 
 def findings_line(found: tuple[Diagnostic, ...]) -> dict[str, Any]:
-    """The event of a program's findings."""
+    """Return the event of a program's findings."""
     return {"event": "findings", "findings": [finding_json(one) for one in found]}
 
 
 def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
-    """The last event of a program that wasn't begun."""
+    """Return the last event of a program that wasn't begun."""
     return {
         "event": "ended",
         "status": 1,
@@ -103,10 +104,10 @@ def refused_line(what: str, remedy: str, code: str = "") -> dict[str, Any]:
 
 
 def log_line(log: LogTold | None, lines: Lines) -> tuple[str | None, bool]:
-    """Tell what is wrong with a closed log, if anything is.
+    """Report the problem of a closed log, if there is one.
 
     Returns:
-        Where the log is, for the last event, and true if nothing is wrong with it.
+        The path of the log, for the last event, and True if there is no problem.
     """
     if log is None:
         return None, True
@@ -118,14 +119,14 @@ def log_line(log: LogTold | None, lines: Lines) -> tuple[str | None, bool]:
 def execute(
     loaded: Loaded | orders.Load, name: str, place: Place, options: dict[str, Any], lines: Lines
 ) -> int:
-    """Carry a program out.
+    """Run a program.
 
     Args:
-        loaded: the program, or the order to load it there where the robot is.
-        name: what people call it.
-        place: where.
+        loaded: the program, or the order to load it at the coordinator.
+        name: for people.
+        place: of the robot.
         options: of the command line.
-        lines: where events go.
+        lines: output of events.
 
     Returns:
         The exit status.
@@ -134,7 +135,7 @@ def execute(
 
 
 def status_of(work: Coroutine[Any, Any, int], lines: Lines) -> int:
-    """The exit status of work with a robot; what keeps it from being done is the last line."""
+    """Return the exit status of work with a robot. The last line is the reason if it fails."""
     try:
         return asyncio.run(work)
     except Trouble as trouble:
@@ -177,7 +178,7 @@ async def _execute(
 
 
 def _ended(ended: Ended) -> dict[str, Any]:
-    """The part of an end that the last line tells."""
+    """Return the fields of an end for the last line."""
     content = ended.to_json()
     return {key: content[key] for key in ("well", "what", "help", "code", "command", "done_s", "joints")}
 
@@ -185,9 +186,9 @@ def _ended(ended: Ended) -> dict[str, Any]:
 async def _run(
     robot: Attached, loaded: Loaded | orders.Load, options: dict[str, Any], signals: Signals, lines: Lines
 ) -> Ended | None:
-    """How it has ended; None where it wasn't begun, which was told."""
+    """Return the end of a run; None if it wasn't begun, which was reported."""
     if isinstance(loaded, Loaded):
-        assert isinstance(robot, Here)  # who loads it here runs it here
+        assert isinstance(robot, Here)  # a program loaded in this process runs in this process
         program = robot.desk.keep(loaded)
     else:
         made = await robot.ask(loaded)
@@ -225,7 +226,7 @@ def _finding(one: Finding) -> dict[str, Any]:
 
 
 def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str, Any] | None:
-    """Return the last event of a program that can't be carried out several times; None where it can, or where that isn't wanted."""
+    """Return the last event of a program that can't be repeated; None if it can, or isn't to be repeated."""
     if options["times"] <= 1 or not program.not_looped:
         return None
     what = f"{program.name} doesn't end where it starts, so that it can't be repeated: {program.not_looped}"
@@ -233,20 +234,21 @@ def not_repeated(program: ProgramDescribed, options: dict[str, Any]) -> dict[str
 
 
 async def tell(stream: Subscription, lines: Lines) -> None:
-    """Events to lines, as fast as they are read."""
+    """Write events as lines, as fast as they are read."""
     async for event in stream:
         await lines.put(event.to_json())
 
 
 class Signals:
-    """A termination stops the robot on its path, and ends then; a second one gives up a coordinator of whom nothing is heard. Ctrl-Z holds.
+    """Handlers of signals. A termination stops the robot on its path, and then ends the command; a second one
+    gives up a coordinator that doesn't answer. Ctrl-Z holds.
 
     Args:
         ended: called with each termination.
 
     Attributes:
-        attached: who is ordered; None before there is somebody.
-        ended: whether a termination has come.
+        attached: client for orders; None before there is one.
+        ended: True after a termination.
     """
 
     def __init__(self, ended: Callable[[], object] = lambda: None) -> None:
@@ -275,7 +277,7 @@ class Signals:
             and self.attached.silence > SILENT
             and self._task is not None
         ):
-            self._task.cancel()  # nobody is there who could stop it
+            self._task.cancel()  # there is no coordinator to stop it
             return
         self.ended = True
         self._tell_end()
@@ -283,6 +285,6 @@ class Signals:
             self.attached.send(orders.Stop())
 
     def _hold(self) -> None:
-        """A process that sleeps can't look after a robot."""
+        """Hold the robot, because a suspended process can't supervise it."""
         if self.attached is not None:
             self.attached.send(orders.Hold())

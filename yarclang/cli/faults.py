@@ -1,4 +1,4 @@
-"""A fault of a run as a finding at the command that it is about."""
+"""Faults of a run as findings at their commands."""
 
 from __future__ import annotations
 
@@ -12,37 +12,39 @@ from yarclang.source import SourceFile, Span
 
 
 class Placed(Protocol):
-    """A place in a source, as far as the source is known; else `note` says why not."""
+    """Interface of a place in a source. `note` says why the source is unknown."""
 
     @property
     def file(self) -> str:
-        """Empty where the source isn't known."""
+        """Path of the source; empty if unknown."""
 
     @property
     def line(self) -> int:
-        """From 1."""
+        """Line, from 1."""
 
     @property
     def column(self) -> int:
-        """From 1."""
+        """Column, from 1."""
 
     @property
     def end_column(self) -> int:
-        """Behind the last character."""
+        """Column after the last character."""
 
     @property
     def text(self) -> str:
-        """The line."""
+        """Text of the line."""
 
     @property
     def note(self) -> str:
-        """Why the source isn't known; of a command in a module, the module's line."""
+        """Reason why the source is unknown; for a command in a module, the module's line."""
 
 
 def fault_text(code: str, what: str, remedy: str, where: Placed | None) -> str:
-    """A fault with its place, the source line and the remedy; where the source isn't known, the line that the text gives it."""
+    """Format a fault with its place, the source line and the remedy. If the source is unknown, the place
+    contains the line.
+    """
     if where is not None and where.file:
-        # of the whole source only this line is known, and no other is shown
+        # only this line of the source is known, and no other is shown
         source = SourceFile(where.file, "\n" * (where.line - 1) + where.text + "\n")
         span = Span.on_line(where.line, where.column, where.end_column)
         lines = [

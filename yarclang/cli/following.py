@@ -1,4 +1,4 @@
-"""`yarc follow` from the door's side: another process steers the robot; events as JSON lines, signals as orders."""
+"""The door of `yarc follow`: another process moves the robot; events as JSON lines, signals as orders."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _EACH = 0.02
-"""How often it is looked whether the robot rests [s]."""
+"""Time between two checks if the robot rests [s]."""
 
 
 def follow(robot: Robot, place: Place, options: dict[str, Any], lines: Lines) -> int:
-    """Let another process steer the robot until a termination comes.
+    """Let another process move the robot until a termination.
 
     Args:
-        robot: that hangs on the controller.
-        place: where.
+        robot: of the controller.
+        place: of the robot.
         options: of the command line.
-        lines: where events go.
+        lines: output of events.
 
     Returns:
         The exit status.
@@ -46,17 +46,17 @@ def _door(options: dict[str, Any]) -> Door:
 
 @contextlib.contextmanager
 def _known(server: MasterServer, token_file: Path | None) -> Iterator[dict[str, Any]]:
-    """Make known where masters connect to, and with which token.
+    """Publish the address for masters, and the token.
 
     Yields:
-        The event that says so.
+        The event with the address.
 
     Raises:
         Trouble: the file of the token can't be written.
     """
     event: dict[str, Any] = {"event": "listening"}
     if not isinstance(server.door, TcpDoor):
-        assert server.path is not None  # it listens
+        assert server.path is not None  # the server listens
         yield event | {"unix": str(server.path.absolute())}
         return
     event |= {"host": server.door.host, "port": server.port}
@@ -95,7 +95,7 @@ async def _follow(whose: Robot, place: Place, options: dict[str, Any], lines: Li
 
 
 async def _at_rest(robot: Attached) -> dict[str, float]:
-    """Where the robot stands, when it does [deg or mm]."""
+    """Wait until the robot rests, and return its position [deg or mm]."""
     while True:
         try:
             return (await robot.ask(orders.AskPlace())).joints

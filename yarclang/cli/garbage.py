@@ -1,4 +1,4 @@
-"""What becomes of garbage in a process that checks programs and ends."""
+"""Garbage collection in a process that checks programs and ends."""
 
 from __future__ import annotations
 
@@ -9,22 +9,24 @@ import os
 import sys
 
 _ALIVE = 200_000
-"""So many more objects may come before they are looked through: a long program has a million."""
+"""New objects before a collection. A long program has a million."""
 
 
 def seldom_look_for_garbage() -> None:
-    """Look through objects for cycles seldom, and not at the end.
+    """Collect cycles seldom, and not at exit.
 
-    Trees and steps are no garbage, have no cycles, and were looked through again and again while they grew. At its end Python looks
-    through all of them once more, for nothing: a twentieth of the time of 10,000 lines.
+    Trees and steps are no garbage and have no cycles, but were scanned repeatedly while they grew. At exit
+    Python scans all objects once more, which takes a twentieth of the time for 10,000 lines.
     """
     gc.set_threshold(_ALIVE, 20, 20)
-    atexit.unregister(gc.freeze)  # once, however many files there are
+    atexit.unregister(gc.freeze)  # only once for all files
     atexit.register(gc.freeze)
 
 
 def end_quietly() -> None:
-    """Hide what OMPL's bindings write about their own memory after the interpreter has ended: thirty lines about nothing that anybody could do."""
+    """Hide the messages of OMPL's bindings about their own memory after the interpreter has ended: thirty
+    lines that no user can act on.
+    """
     atexit.unregister(_close_errors)
     atexit.register(_close_errors)
 
@@ -33,7 +35,7 @@ def _close_errors() -> None:
     if "ompl" not in sys.modules:
         return
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(OSError, ValueError):  # closed, or nobody reads it any more
+        with contextlib.suppress(OSError, ValueError):  # closed, or not read any more
             stream.flush()
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 2)

@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 def import_cloud(
     file: str, output: str | None, units: Mapping[Any, Unit] | None, voxel: float | None
 ) -> NoReturn:
-    """Write the mesh of a point cloud, say how a cell.toml names it, and end.
+    """Write the mesh of a point cloud, print its line for a cell.toml, and exit.
 
     Args:
         file: a PCD or PLY file.
-        output: where to write the STL file; None for beside it.
-        units: that of the file's numbers, a length alone.
-        voxel: the edge of a cube [mm].
+        output: path of the STL file; None for beside the input.
+        units: of the file's numbers; only a length is allowed.
+        voxel: edge of a cube [mm].
     """
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_standard_output, write_whole

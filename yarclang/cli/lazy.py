@@ -1,4 +1,6 @@
-"""Groups of commands that are imported when they are called for; the list of commands needs none of them."""
+"""Groups of commands that are imported only when they are called. The list of commands imports none of
+them.
+"""
 
 from __future__ import annotations
 
@@ -37,11 +39,11 @@ class LazyGroup(Door, click.Group):
         self.prefix = prefix
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
-        """The names of the commands."""
+        """Return the names of the commands."""
         return list(self.commands_by_name)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
-        """The command of a name."""
+        """Return the command of a name."""
         if cmd_name not in self.commands_by_name:
             return None
         module = f"{cmd_name}_" if iskeyword(cmd_name) else f"{self.prefix}{cmd_name}"
@@ -58,7 +60,7 @@ class LazyGroup(Door, click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Unknown commands get a suggestion."""
+        """Resolve a command, with a suggestion for an unknown one."""
         if args and args[0] not in self.commands_by_name and not args[0].startswith("-"):
             from difflib import get_close_matches
 

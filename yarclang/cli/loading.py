@@ -1,4 +1,4 @@
-"""A program's file to what can be run, with progress."""
+"""Loading of a program's file for a run, with progress."""
 
 from __future__ import annotations
 
@@ -23,15 +23,15 @@ Found = tuple[Diagnostic, ...]
 
 
 def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
-    """Return what a command line wants to be run.
+    """Return the program that a command line selects.
 
     Args:
         file: a .yarc or .pmc file.
-        first: the index of the command to begin with, or None.
+        first: index of the first command, or None.
         options: of the command line.
 
     Raises:
-        click.UsageError: an option doesn't go with the file.
+        click.UsageError: an option isn't allowed for the file.
     """
     if options.get("source") is not None and not is_compiled(file):
         raise click.UsageError("--source: only with a .pmc, which it is the program of")
@@ -47,10 +47,10 @@ def source_of(file: str, first: str | None, options: dict[str, Any]) -> Source:
 
 
 def load(source: Source) -> tuple[Loaded | None, Found]:
-    """Compile a program, or read a compiled one and judge it again.
+    """Compile a program, or read and check a compiled one.
 
     Returns:
-        None where an error forbids to run it; all findings.
+        The program, None if an error prevents a run; and all findings.
     """
     with Progress():
         made = load_source(source)
@@ -58,7 +58,9 @@ def load(source: Source) -> tuple[Loaded | None, Found]:
 
 
 def load_order(source: Source, *, recover: bool = False) -> orders.Load:
-    """Return the order to load it there where the robot is, to be run or only to be recovered; standard input is read here."""
+    """Return the order to load a program at the coordinator, to run or only to recover it. Standard input is
+    read here.
+    """
 
     def absolute(path: str | None) -> str | None:
         return None if path is None else str(Path(path).absolute())
@@ -84,7 +86,7 @@ def load_order(source: Source, *, recover: bool = False) -> orders.Load:
 
 
 def robot_of(source: Source) -> Robot | None:
-    """Return the robot that a program is for, without compiling it; None where that isn't known, as of standard input."""
+    """Return the robot of a program, without compiling it; None if unknown, as for standard input."""
     if source.options.robot is not None:
         return robot_for(Path(), source.options.robot).value
     if source.is_compiled:

@@ -15,31 +15,31 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def _robots(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
-    """The robots' names that begin so, for completion."""
+    """Return the robots' names that begin with a text, for completion."""
     from yarclang.robot.library import list_robots
 
     return [robot.name for robot in list_robots() if robot.name.startswith(incomplete.upper())]
 
 
 def _codes(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001
-    """The findings' codes that begin so, for completion."""
+    """Return the findings' codes that begin with a text, for completion."""
     from yarclang.lint.registry import everything
 
     return [code for code in everything() if code.startswith(incomplete.upper())]
 
 
 def file_argument(name: str, *, required: bool = True, **settings: Any) -> Callable[[F], F]:
-    """The programs to read, completed as paths; - is standard input."""
+    """Add the programs to read, completed as paths; - is standard input."""
     return click.argument(name, required=required, type=click.Path(allow_dash=True), **settings)
 
 
 def robot_argument(name: str, **settings: Any) -> Callable[[F], F]:
-    """Robots, completed by their names."""
+    """Add robots, completed by name."""
     return click.argument(name, shell_complete=_robots, **settings)
 
 
 def code_argument(name: str, **settings: Any) -> Callable[[F], F]:
-    """Codes of findings, completed."""
+    """Add codes of findings, with completion."""
     return click.argument(name, shell_complete=_codes, **settings)
 
 
@@ -52,7 +52,7 @@ class Numbers(ParamType[tuple[float, ...]]):
     def convert(
         self, value: Any, param: click.Parameter | None, ctx: click.Context | None
     ) -> tuple[float, ...]:
-        """The text as numbers; what isn't one is wrong usage."""
+        """Parse numbers. Other text is a usage error."""
         if isinstance(value, tuple):
             return value
         try:
@@ -71,14 +71,14 @@ class Numbers(ParamType[tuple[float, ...]]):
 
 
 class PositiveNumber(ParamType[float]):
-    """One positive, finite number, within bounds if there are any."""
+    """A positive, finite number, optionally within bounds."""
 
     def __init__(self, name: str, least: float = 0.0, most: float = math.inf) -> None:
         self.name = name
         self._least, self._most = least, most
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The text as a number; what isn't one is wrong usage."""
+        """Parse a number. Other text is a usage error."""
         try:
             number = float(value)
         except ValueError:
@@ -91,7 +91,7 @@ class PositiveNumber(ParamType[float]):
 
 
 def robot_option(function: F) -> F:
-    """--robot NAME|PATH."""
+    """Add --robot NAME|PATH."""
     return click.option(
         "--robot",
         metavar="NAME|PATH",
@@ -101,7 +101,7 @@ def robot_option(function: F) -> F:
 
 
 def cell_option(function: F) -> F:
-    """--cell FILE.toml."""
+    """Add --cell FILE.toml."""
     return click.option(
         "--cell",
         type=click.Path(dir_okay=False),
@@ -111,7 +111,7 @@ def cell_option(function: F) -> F:
 
 
 def planning_options(function: F) -> F:
-    """--robot, --start, --tolerance and --cell: they belong to every command that plans."""
+    """Add --robot, --start, --tolerance and --cell, for every command that plans."""
     for option in (
         cell_option,
         click.option(
@@ -136,7 +136,7 @@ class Findings(ParamType[frozenset[str]]):
     name = "CODES"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """The words as codes; one that is none is wrong usage."""
+        """Parse codes. An unknown one is a usage error."""
         from yarclang.lint.registry import codes_of, everything
         from yarclang.subjects import suggest
 
@@ -155,12 +155,12 @@ class Findings(ParamType[frozenset[str]]):
 
 
 def finding_words(name: str, **settings: Any) -> Callable[[F], F]:
-    """An option that takes codes of findings, completed; None without it."""
+    """Add an option for codes of findings, with completion; None without it."""
     return click.option(name, type=Findings(), shell_complete=_codes, **settings)
 
 
 def format_option(function: F) -> F:
-    """--format text|json."""
+    """Add --format text|json."""
     return click.option(
         "--format",
         "format_",
@@ -171,7 +171,7 @@ def format_option(function: F) -> F:
 
 
 def jobs_option(function: F) -> F:
-    """-j, --jobs N."""
+    """Add -j, --jobs N."""
     return click.option(
         "-j",
         "--jobs",
@@ -182,7 +182,7 @@ def jobs_option(function: F) -> F:
 
 
 def tm_option(function: F) -> F:
-    """--tm MS."""
+    """Add --tm MS."""
     return click.option(
         "--tm",
         type=PositiveNumber("MS"),
@@ -191,7 +191,7 @@ def tm_option(function: F) -> F:
 
 
 def avoid_effort_option(function: F) -> F:
-    """--avoid-effort N."""
+    """Add --avoid-effort N."""
     return click.option(
         "--avoid-effort",
         type=click.IntRange(min=1, max=MOST_SEARCHES),

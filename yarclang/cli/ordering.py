@@ -1,4 +1,4 @@
-"""Orders to a run from another terminal: sent, and waited for until they are so."""
+"""Orders to a run from another terminal: sent, then awaited."""
 
 from __future__ import annotations
 
@@ -27,24 +27,24 @@ _NEEDED = frozenset(
         "since",
     ]
 )
-"""What a status tells."""
+"""Content of a status."""
 
 _ENDED = ("stop", "fault")
-"""States in which nothing moves."""
+"""States without motion."""
 
 Status = dict[str, Any]
 
 
 class GoneError(ControlError):
-    """There is no run behind a socket any more."""
+    """Raised if a socket's run has ended."""
 
 
 def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> Status:
-    """Ask a run something, and return what it answers.
+    """Send an order to a run, and return its answer.
 
     Raises:
-        GoneError: it has ended.
-        ControlError: it doesn't answer within `timeout` [s], or denies it.
+        GoneError: the run has ended.
+        ControlError: it doesn't answer within `timeout` [s], or denies the order.
     """
     try:
         with Robot(str(run.path), name=None, timeout=timeout) as robot:
@@ -61,7 +61,7 @@ def send(run: Run, order: str, timeout: float = REPLY_TIME, **fields: Any) -> St
 
 
 def status_of(run: Run) -> Status:
-    """Return how a run is going.
+    """Return the status of a run.
 
     Raises:
         GoneError, ControlError: as `send`.
@@ -73,14 +73,14 @@ def status_of(run: Run) -> Status:
 
 
 def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
-    """Order something, and wait until it is so.
+    """Give an order, and wait until it is fulfilled.
 
     Returns:
-        How the run is going then; None if it has ended since it took the order.
+        The final status of the run; None if it has ended after the order.
 
     Raises:
-        GoneError: it had ended before.
-        ControlError: it doesn't answer, denies it, or it isn't so after `patience` [s].
+        GoneError: the run had ended before.
+        ControlError: it doesn't answer, denies the order, or hasn't fulfilled it after `patience` [s].
     """
     send(run, word, **fields)
     until = time.monotonic() + patience
@@ -100,10 +100,10 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
 
 
 def fulfilled(word: str, status: Status, percent: float = 100.0, **_: Any) -> bool:
-    """Whether what was ordered is so by now, or can't be any more as nothing moves."""
+    """Return True if an order is fulfilled, or can't be any more because nothing moves."""
     state = status["state"]
     if word == "hold" and state in _ENDED:
-        return True  # a run that hasn't begun looks at its orders later
+        return True  # a run that hasn't begun handles its orders later
     if status["waiting"]:
         return False
     match word:

@@ -1,4 +1,4 @@
-"""Where results are written: nothing overwrites a source, or another result."""
+"""Paths of results, which overwrite neither a source nor another result."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ STANDARD = "-"
 
 
 def beside(file: str, suffix: str, folder: Path | None = None) -> str:
-    """The path of a result: `file` with another suffix, in a folder or beside it."""
+    """Return the path of a result: `file` with another suffix, in a folder or beside it."""
     if file == STANDARD:
         return STANDARD if folder is None else str(folder / f"stdin{suffix}")
     path = Path(file)
@@ -20,11 +20,11 @@ def beside(file: str, suffix: str, folder: Path | None = None) -> str:
 
 
 def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]) -> None:
-    """Wrong usage where a result would overwrite a source or another result.
+    """Reject results that would overwrite a source or another result, as a usage error.
 
     Args:
         sources: the files that are read.
-        results: path of each result, and what it is made of.
+        results: path of each result, and its source.
     """
     read = {_real(source): source for source in sources if source != STANDARD}
     taken: dict[str, str] = {}
@@ -42,5 +42,5 @@ def refuse_collisions(sources: Iterable[str], results: Iterable[tuple[str, str]]
 
 
 def _real(path: str) -> str:
-    """One name for one file, whatever links lead to it."""
+    """Return one name for a file, regardless of links to it."""
     return os.path.realpath(path)

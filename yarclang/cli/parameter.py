@@ -1,4 +1,4 @@
-"""The type of a parameter, whose value's type is said in brackets: click can do so only from 8.4 on."""
+"""Base class of parameter types, with the value's type in brackets, which click supports only from 8.4 on."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The files that paths on a command line mean."""
+"""Files of the paths on a command line."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ SUFFIX = ".yarc"
 
 
 def programs(paths: Iterable[str]) -> list[str]:
-    """The files to read, in order, each once: a folder means all its .yarc files, those in its folders too.
+    """Return the files to read, in order, each once. A folder means all .yarc files in it and below it.
 
     Raises:
         click.UsageError: a folder has none.
@@ -33,7 +33,7 @@ def programs(paths: Iterable[str]) -> list[str]:
 
 
 def _inside(folder: Path) -> Iterator[str]:
-    """The programs in a folder; hidden folders are left out."""
+    """Yield the programs in a folder, except those in hidden folders."""
     for root, folders, files in os.walk(folder):
         folders[:] = [one for one in folders if not one.startswith(".")]
         yield from (str(Path(root) / one) for one in files if one.lower().endswith(SUFFIX))

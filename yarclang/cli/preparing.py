@@ -1,4 +1,6 @@
-"""What commands need that own a robot for a session: which robot, where a simulated one stands, its cell, the machines around it."""
+"""Preparation of commands that own a robot for a session: the robot, a simulated one's start, its cell, and
+the machines around it.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def session_options(function: F) -> F:
-    """--robot, --to, --start, --cell, --log, --no-log, --patience, --rate, --set, --inputs and --tm."""
+    """Add --robot, --to, --start, --cell, --log, --no-log, --patience, --rate, --set, --inputs and --tm."""
     for option in (
         tm_option,
         motion_options,
@@ -40,7 +42,12 @@ def session_options(function: F) -> F:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A robot, and (n,) where a simulated one stands [rad or m]."""
+    """A robot for a session.
+
+    Attributes:
+        robot: the robot.
+        stands: (n,) start of a simulated robot [rad or m].
+    """
 
     robot: Robot
     stands: Array
@@ -50,8 +57,8 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
     """Return the robot of a command line. Findings are shown; with an error the exit status is 1.
 
     Args:
-        folder: where yarc.toml is looked for.
-        to: the controller; None: a simulator.
+        folder: in which yarc.toml is searched.
+        to: address of the controller; None for a simulator.
         options: of the command line.
 
     Raises:
@@ -74,7 +81,9 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
 
 
 def machines(folder: Path, robot: Robot, options: dict[str, Any]) -> SimulatedCell:
-    """Return the machines around a simulated robot: of --set, --inputs and the session's cell. Findings are shown; with an error the exit status is 1."""
+    """Return the machines around a simulated robot, from --set, --inputs and the session's cell. Findings are
+    shown; with an error the exit status is 1.
+    """
     from yarclang.cli.surroundings import surroundings_of
     from yarclang.pipeline.cells import session_cell
     from yarclang.simulated_cell.script import known_in

@@ -1,4 +1,6 @@
-"""`yarc run --recover`: from wherever the robot stands to the start of a program, or to the nearest place at which it may begin."""
+"""`yarc run --recover`: motion from the robot's position to the start of a program, or to the nearest place
+at which it may begin.
+"""
 
 from __future__ import annotations
 
@@ -20,14 +22,14 @@ from yarclang.coordinator.subscription import Subscription
 from yarclang.runtime.actions import Trouble
 
 _LAST_WORDS = 5.0
-"""Events that are on their way are waited for so long after the end [s]."""
+"""Longest wait for pending events after the end [s]."""
 
 _HOW = {"MOVEJ": "all joints straight", "MOVEL": "along the line on which the robot stands"}
-"""How a slow way goes, by its command without the profile."""
+"""Descriptions of a slow motion, by its command without the profile."""
 
 
 def how_it_goes(title: str) -> str:
-    """Return how a slow way goes, by the title of its command."""
+    """Return the description of a slow motion, by the title of its command."""
     return _HOW.get(title.rsplit(maxsplit=1)[-1].rpartition("_")[0], "round what is in the way")
 
 
@@ -40,15 +42,15 @@ async def recover(
     ending: Ending,
     options: dict[str, Any],
 ) -> int:
-    """Show the way to a program, ask, and move there. Nothing of the program is carried out.
+    """Show the way to a program, ask, and move there. The program itself isn't run.
 
     Args:
-        robot: whose, as its owner.
+        robot: client that owns the robot.
         program: that was loaded.
-        picture: what the robot does.
-        terminal: asks, and hears what is typed.
-        screen: shows it.
-        ending: knows which commands to recommend.
+        picture: state of the robot.
+        terminal: for questions and keys.
+        screen: for output.
+        ending: texts on the end.
         options: of the command line.
 
     Returns:
@@ -107,7 +109,7 @@ async def _go(
     if log is not None and log.problem:
         screen.say(error_text(log.problem, log.help))
     if not ended.well:
-        # the way is no command of the program: there is nothing to go on with but the way itself
+        # the way is no command of the program: only the way itself can be continued
         for line in ending.lines(ended.model_copy(update={"on_the_way": True}), status, "--recover"):
             screen.say(line)
         return 1
@@ -125,7 +127,7 @@ async def _show(stream: Subscription, picture: Picture, display: Display, termin
 
 
 def _told(way: Recovery, offer: OfferDescribed, program: ProgramDescribed, where: str) -> str:
-    """Return what is shown before somebody is asked."""
+    """Return the text that is shown before the question."""
     how = how_it_goes(offer.motions[0].title)
     lines = [
         f"recovery: to {_place(way, program)}, {offer.duration_s:.1f} s at {100.0 * way.share:g} % of the joints' limits, {how}, to {where}",

@@ -1,4 +1,4 @@
-"""`yarc ros` from the terminal's side: its life, and what it says."""
+"""The terminal's side of `yarc ros`: its life, and its output."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from yarclang.ros.simple_message import ByteOrder
 
 
 async def ros_door(robot: Robot, place: Place, options: dict[str, Any]) -> None:
-    """Serve a ROS door until a termination comes; then the robot comes to rest on its path.
+    """Serve a ROS door until a termination; then the robot comes to rest on its path.
 
     Args:
         robot: that is served.
-        place: where its coordinator is, or its controller.
+        place: of its coordinator, or its controller.
         options: of the command line.
 
     Raises:

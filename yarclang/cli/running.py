@@ -1,4 +1,4 @@
-"""`yarc run` from the door's side: ask, show, and say how it ended."""
+"""The door of `yarc run`: questions, display, and the report of the end."""
 
 from __future__ import annotations
 
@@ -29,15 +29,20 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _LAST_WORDS = 5.0
-"""Events that are on their way are waited for so long behind the end [s]."""
+"""Longest wait for pending events after the end [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What is to be run: a program that was loaded in this process, or the order to load it there where the robot is.
+    """A program to run.
 
-    `robot` is whose it is, where that must be known, `name` what people call it, `where` and `again` are for the commands that are recommended: the options that name controller
-    and robot, and the command line without --from (empty: none can be given).
+    Attributes:
+        loaded: program that was loaded in this process; None to load it at the coordinator.
+        load: order to load it at the coordinator; None if it is loaded in this process.
+        robot: of the program; None if unknown.
+        name: for people.
+        where: options for the controller and the robot, for recommended commands.
+        again: the command line without --from; empty if there is none.
     """
 
     loaded: Loaded | None
@@ -52,8 +57,8 @@ def run_program(wanted: Wanted, place: Place, options: dict[str, Any]) -> int:
     """Run a program.
 
     Args:
-        wanted: what.
-        place: where.
+        wanted: the program.
+        place: of the robot.
         options: of the command line.
 
     Returns:
@@ -106,7 +111,7 @@ class _Run:
         self._attached: Attached | None = None
 
     async def whole(self) -> int:
-        """Everything, in order."""
+        """Run all steps in order, and return the exit status."""
         task = asyncio.current_task()
         assert task is not None
 
@@ -171,7 +176,7 @@ class _Run:
                 self.terminal.performing = True
                 ended = await robot.ask(orders.Run(program=program.number, approach=goes, times=self._times))
             except Trouble as trouble:
-                # what was so a moment ago isn't any more
+                # the state has changed since it was checked
                 self.screen.say(error_text(trouble.what, ending.filled(trouble.remedy)))
                 return 1
             finally:
@@ -186,9 +191,9 @@ class _Run:
         return self.options["times"] or (None if self.options["loop"] else 1)
 
     async def _loaded(self, robot: Attached) -> ProgramDescribed | None:
-        """The program, as the coordinator knows it; None where it has errors."""
+        """Return the program, as the coordinator describes it; None if it has errors."""
         if self.wanted.loaded is not None:
-            assert isinstance(robot, Here)  # who loads it here runs it here
+            assert isinstance(robot, Here)  # a program loaded in this process runs in this process
             return robot.desk.keep(self.wanted.loaded)
         assert self.wanted.load is not None
         made = await robot.ask(self.wanted.load)
@@ -196,7 +201,7 @@ class _Run:
         return made.program
 
     async def _way_to_start(self, robot: Attached, program: ProgramDescribed, ending: Ending) -> bool | None:
-        """Whether the robot moves to the start first; None where the run is refused."""
+        """Return True if the robot moves to the start first; None if the run is refused."""
         options = self.options
         way = await robot.ask(orders.AskWay(program=program.number))
         if not way.text:
@@ -227,7 +232,7 @@ class _Run:
             display.take(event)
 
     def _told(self, ended: Ended, ending: Ending, log: LogTold | None, status: Status) -> int:
-        """Say how it ended.
+        """Report the end.
 
         Returns:
             The exit status.
@@ -240,7 +245,7 @@ class _Run:
             for line in ending.lines(ended, status):
                 self.screen.say(line)
             return 1
-        self.screen.close()  # what follows goes elsewhere
+        self.screen.close()  # the rest goes to standard output
         times = f" {ended.passes} times" if ended.passes > 1 else ""
         where = f"{status.robot} stands where it ends, to a count"
         say(f"{self.wanted.name}: done{times}; {where}", err=False)
@@ -250,5 +255,5 @@ class _Run:
         return 1
 
     def _wrong(self, what: str, remedy: str, ending: Ending) -> None:
-        """Say what is wrong, behind what the screen shows."""
+        """Report an error, after the output of the screen."""
         self.screen.say(error_text(what, ending.filled(remedy)))

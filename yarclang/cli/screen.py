@@ -14,17 +14,19 @@ from typing import TextIO
 import click
 
 _WIDTH = 80
-"""Columns of a terminal that doesn't say how many it has."""
+"""Columns of a terminal of unknown width."""
 
 _STAYS = "\xa0"
 _TOGETHER = re.compile(r"(?<=\d) (?=(?:deg|mm|s|ms)\b|%)|(?<=\bJ\d) (?=[-+]?\d)")
-"""A space that no line ends at: between a joint and its value, and a value and its unit."""
+"""A space at which no line is broken: between a joint and its value, and between a value and its unit."""
 
 _VALUE = re.compile(r"(?:-?\d+\.\d+|left)(?= |$)")
 
 
 class Screen:
-    """Standard error, written by a thread of its own: a terminal that was stopped by Ctrl-S, or is gone, delays no robot."""
+    """Standard error, written by a thread of its own, so that a terminal that was stopped by Ctrl-S, or
+    closed, delays no robot.
+    """
 
     def __init__(self) -> None:
         self.live = sys.stderr.isatty()
@@ -34,11 +36,11 @@ class Screen:
         self._thread.start()
 
     def say(self, text: str, below: str = "") -> None:
-        """Write whole lines; on a terminal, broken where words end.
+        """Write whole lines; on a terminal, wrapped between words.
 
         Args:
             text: the lines.
-            below: on a terminal, the line that changes from then on; none if empty.
+            below: on a terminal, the changing line from then on; empty for none.
         """
         before = "\r\x1b[K" if self._shown else ""
         self._shown = self.live and bool(below)
@@ -46,17 +48,17 @@ class Screen:
         self._queue.put(f"{before}{self._broken(text) if self.live else text}\n{after}")
 
     def change(self, text: str) -> None:
-        """Put a line in the place of the one that changes."""
+        """Replace the changing line."""
         if self._queue.empty():
             self._queue.put(_changing(text))
             self._shown = True
 
     def ask(self, text: str) -> None:
-        """Write what somebody is to answer behind."""
+        """Write a question, whose answer is typed after it."""
         self._queue.put(text)
 
     def close(self) -> None:
-        """Write what is left, if the terminal is still there; the line that changes goes away."""
+        """Write the remaining lines, if the terminal is still open, and remove the changing line."""
         if self._shown:
             self._queue.put("\r\x1b[K")
             self._shown = False
@@ -64,7 +66,7 @@ class Screen:
         self._thread.join()
 
     def _write(self) -> None:
-        with contextlib.suppress(OSError, ValueError):  # it is gone
+        with contextlib.suppress(OSError, ValueError):  # the terminal is closed
             while (text := self._queue.get()) is not None:
                 click.echo(text, err=True, nl=False)
 
@@ -74,7 +76,7 @@ class Screen:
         for line in text.split("\n"):
             indent = len(line) - len(line.lstrip(" ")) + 4
             long = click.unstyle(line)
-            if len(long) < width or "yarc run" in line:  # what somebody may copy stays whole
+            if len(long) < width or "yarc run" in line:  # don't break lines that may be copied
                 lines.append(line)
             else:
                 lines += wrapped(line, width - 1, indent)
@@ -82,12 +84,12 @@ class Screen:
 
 
 def _changing(text: str) -> str:
-    """Return what puts a line in the place of the one that changes."""
+    """Return the text that replaces the changing line."""
     return f"\r\x1b[K{_cut(text, _columns_of(sys.stderr) - 1)}"
 
 
 def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
-    """Return a text in lines of at most so many characters, which end where words end.
+    """Wrap a text into lines of at most `width` characters, between words.
 
     Args:
         text: one line.
@@ -102,7 +104,9 @@ def wrapped(text: str, width: int | None, indent: int = 0) -> list[str]:
 
 
 def width_of(stream: TextIO) -> int | None:
-    """Return the columns of the terminal that a stream writes to, COLUMNS first; None if it writes to no terminal: a file's lines are as long as they need to be."""
+    """Return the columns of a stream's terminal, by COLUMNS first; None if the stream is no terminal, because
+    the lines of a file have no limit.
+    """
     if not stream.isatty():
         return None
     wanted = os.environ.get("COLUMNS", "")
@@ -119,7 +123,9 @@ def _columns_of(stream: TextIO) -> int:
 
 
 def _cut(line: str, width: int) -> str:
-    """What of a line fits, to the end of a value: half a number would be another number."""
+    """Return the beginning of a line that fits, up to the end of a value, because half a number would be
+    another number.
+    """
     if len(line) <= width:
         return line
     ends = [found.end() for found in _VALUE.finditer(line, 0, width + 1) if found.end() <= width]

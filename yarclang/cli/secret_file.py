@@ -1,4 +1,4 @@
-"""A file with a secret, which only its owner can read, as long as it is good for something."""
+"""File with a secret, which only its owner can read, and which is removed after use."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from yarclang.runtime.actions import Trouble
 def secret_file(path: Path, text: str) -> Iterator[None]:
     """Keep a secret in a file as long as the context lasts.
 
-    The file is made anew and takes the place of one that is there. No other user can read a byte of it at any time.
+    The file is created anew and replaces an existing one. No other user can read a byte of it at any time.
 
     Args:
         path: of the file.
         text: the secret.
 
     Raises:
-        Trouble: it can't be written, or something else than a file has that name.
+        Trouble: the file can't be written, or the name belongs to something that is no file.
     """
     try:
         made = _write(path, text)
@@ -35,7 +35,7 @@ def secret_file(path: Path, text: str) -> Iterator[None]:
     finally:
         with contextlib.suppress(OSError):
             there = path.lstat()
-            # a new file may have the number of one that was removed
+            # a new file may have the inode of one that was removed
             if os.path.samestat(there, made) and there.st_mtime_ns == made.st_mtime_ns:
                 path.unlink()
 

@@ -1,4 +1,4 @@
-"""`yarc serve` from the door's side: own a robot for others, and tell what they do."""
+"""The door of `yarc serve`: owns a robot for others, and reports what they do."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ async def serve(
     own: SimulatedCell | None,
     values: TcpDoor | None = None,
 ) -> int:
-    """Own a robot until a termination comes; then it comes to rest on its path.
+    """Own a robot until a termination; then it comes to rest on its path.
 
     Args:
-        robot: that hangs on the controller.
+        robot: of the controller.
         address: of the controller.
         options: of the command line.
-        own: the machines around the robot, if the controller is a simulator of our own.
-        values: where values for running programs are taken; None: only on the socket.
+        own: machines around the robot, if the controller is a simulator of our own.
+        values: port for values of running programs; None for only the socket.
 
     Returns:
         The exit status.
@@ -70,7 +70,7 @@ async def serve(
         serves=True,
         patient=True,
     )
-    screen = Screen()  # a terminal that is stopped, or gone, delays no robot
+    screen = Screen()  # a stopped or closed terminal delays no robot
     try:
         with terminations() as ends:
             async with opened(robot, ground) as coordinator:
@@ -94,7 +94,7 @@ async def serve(
 
 
 async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack, screen: Screen) -> None:
-    """Take values until the context ends, and say where.
+    """Accept values until the context ends, and report the address.
 
     Raises:
         Trouble: the port can't be listened on, or the token can't be written.
@@ -105,7 +105,7 @@ async def _open(door: ValuesDoor, token: Path, doors: contextlib.AsyncExitStack,
 
 
 async def _tell(stream: Subscription, screen: Screen) -> None:
-    """Say who moves the robot, what begins and ends, and what is wrong."""
+    """Report the client that moves the robot, beginnings and ends, and problems."""
     async for event in stream:
         if text := _text(event):
             screen.say(text)

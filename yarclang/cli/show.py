@@ -12,11 +12,15 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.report.finding import finding_text
 
 MOST_ALIKE = 20
-"""Warnings and notes of one code in one file that are written to a terminal; a chain of 100,000 lines may have hundreds."""
+"""Most warnings and notes of one code in one file that are written to a terminal. A chain of 100,000 lines
+may have hundreds.
+"""
 
 
 def show_without_notes(diagnostics: Iterable[Diagnostic], file: str) -> None:
-    """Write errors and warnings as `show_findings` does, and notes as one line: for commands that use a program that `yarc check` and yarcc have examined."""
+    """Write errors and warnings as `show_findings` does, and notes as one line, for commands that use a
+    program after `yarc check` and yarcc.
+    """
     found = list(diagnostics)
     show_findings(one for one in found if one.severity != "note")
     notes = [one for one in found if one.severity == "note"]
@@ -32,8 +36,9 @@ def show_findings(diagnostics: Iterable[Diagnostic], *, whole: bool = False) -> 
     """Write findings to standard error, each with its place and the source line.
 
     Args:
-        diagnostics: in the order in which they are written.
-        whole: True to write all of them. Else of warnings and notes of one code in one file only the first `MOST_ALIKE`, and how many more there are.
+        diagnostics: in the order of writing.
+        whole: True to write all of them. Otherwise only the first `MOST_ALIKE` warnings and notes of one code
+            in one file are written, and the number of further ones.
     """
     left_out: dict[tuple[str, str, str], list[Diagnostic]] = {}
     counts: Counter[tuple[str, str, str]] = Counter()

@@ -1,4 +1,4 @@
-"""The machines around a simulated robot, as a command line describes them."""
+"""Machines around a simulated robot, from a command line."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from yarclang.simulated_cell.script import Change, Known, load_script, read_sett
 def surroundings_of(
     options: dict[str, Any], known: Known, robot: Robot | None, cell: Cell | None, *, waits: bool
 ) -> Result[SimulatedCell]:
-    """Return what --set and --inputs describe, and the sensors of a cell.
+    """Return the machines of --set and --inputs, and the sensors of a cell.
 
     Args:
         options: of the command line.
-        known: the names that may be used.
+        known: names that may be used.
         robot: that is simulated.
         cell: whose sensors drive inputs.
-        waits: True if times count from the beginning of a run; else from that of the simulation.
+        waits: True if times count from the beginning of a run, False from that of the simulation.
 
     Returns:
         None with findings if a name or the script is wrong.

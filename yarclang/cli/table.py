@@ -1,4 +1,6 @@
-"""The certificate as a table: a command a row, or, of a long program, a line of the source a row."""
+"""The certificate as a table: one row for each command or, for a long program, for each line of the
+source.
+"""
 
 from __future__ import annotations
 
@@ -29,15 +31,17 @@ if TYPE_CHECKING:
     from yarclang.runtime.inspection import Checked
 
 SHORT = 10
-"""Commands of which a table always shows each by itself."""
+"""Number of commands up to which a table shows each in a row of its own."""
 
 MANY = 40
-"""Motions that flow into each other of which a table shows no one by itself."""
+"""Number of motions that flow into each other above which a table shows only one row."""
 
 _CLEAR = "clear mm"
-"""Of programs in a cell with obstacles: the smallest distance, proved, and the two that come so near."""
+"""Column for programs in a cell with obstacles: the smallest proved distance, and its two bodies."""
 _ZONES = "zones mm"
-"""Of programs in a cell with zones that may not be left or entered: the smallest distance from such a border, proved, what comes so near, to which zone, and when."""
+"""Column for programs in a cell with zones: the smallest proved distance from a border, its body and zone,
+and its time.
+"""
 _NAMES = "names"
 _LEAST_WANTED = (
     "hold",
@@ -53,7 +57,9 @@ _LEAST_WANTED = (
     _CLEAR,
     "torque",
 )
-"""Columns that a narrow terminal does without, the first one first; `names` are those of bodies beside their distances."""
+"""Columns that a narrow terminal does without, the first one first; `names` are those of bodies beside their
+distances.
+"""
 
 _COLUMN_OF = {
     "clearance": _CLEAR,
@@ -65,7 +71,7 @@ _COLUMN_OF = {
 """Column of a quantity that is measured, where it has another name."""
 
 _LOADED = "*"
-"""Mark of a motion on which the robot carries a part."""
+"""Mark of a motion during which the robot carries a part."""
 
 
 def certificate_table(
@@ -76,18 +82,21 @@ def certificate_table(
     robot: Robot | None = None,
     cell: Cell | None = None,
 ) -> str:
-    """Return duration, the worst joint and its share of each limit, the proved deviation, and in a cell the clearance and the distance from zones.
+    """Return duration, the worst joint and its share of each limit, the proved deviation, and in a cell the
+    clearance and the distance from zones.
 
-    A motion on which the robot carries a part is marked.
+    A motion during which the robot carries a part is marked.
 
     Args:
-        certificate: what was proved.
-        full: True for a row a command, with all columns. Else a program of more than `SHORT` commands has a row for each line of its source: the longest
-            time and the worst of each column, of all times that the line is carried out; and one for a whole chain of more than `MANY` motions.
-        width: of the terminal, in characters. Unless `full`, a table without room has numbers instead of long joint names, and then fewer columns. None for a
-            table that is as wide as it needs to be.
-        robot: has the names of the joints, and the limits: the column of what comes nearest to its limit stays. None if no column is worth more than another.
-        cell: has the margins of obstacles and zones.
+        certificate: to show.
+        full: True for one row for each command, with all columns. False to give a program of more than
+            `SHORT` commands one row for each line of its source, with the longest time and the worst of each
+            column over all executions of the line, and one row for a chain of more than `MANY` motions.
+        width: of the terminal, in characters. Unless `full`, a table without room has numbers in place of
+            long joint names, and then fewer columns. None for a table of any width.
+        robot: for the names of the joints, and the limits: the column that comes nearest to its limit is
+            kept. None to keep no particular column.
+        cell: for the margins of obstacles and zones.
     """
     groups = [[command] for command in certificate.commands]
     is_folded = not full and len(groups) > SHORT
@@ -125,7 +134,7 @@ def certificate_table(
 
 
 def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertificate]]:
-    """Return commands by rows: long chains, and of all others those of one line of the source."""
+    """Group commands by rows: long chains, and for all others one line of the source."""
     rows: dict[tuple[str, int, str], list[CommandCertificate]] = {}
     found: list[list[CommandCertificate]] = []
     for chain in _chains(commands):
@@ -142,7 +151,7 @@ def _folded(commands: Sequence[CommandCertificate]) -> list[list[CommandCertific
 
 
 def _chains(commands: Sequence[CommandCertificate]) -> Iterator[list[CommandCertificate]]:
-    """Yield the commands that flow into each other together."""
+    """Yield groups of commands that flow into each other."""
     chain: list[CommandCertificate] = []
     for command in commands:
         chain.append(command)
@@ -154,17 +163,18 @@ def _chains(commands: Sequence[CommandCertificate]) -> Iterator[list[CommandCert
 
 
 def _is_chain(group: Sequence[CommandCertificate]) -> bool:
-    """Return True for a row of a long chain: its lines differ."""
+    """Return True for the row of a long chain, whose commands have different lines."""
     return len(group) > MANY and source_command(group[0]) != source_command(group[1])
 
 
 def nearest_table(certificate: Certificate, robot: Robot, cell: Cell | None, width: int | None = None) -> str:
-    """Return the places that come nearest to what they are held to, the nearest first; empty for a program of up to `SHORT` commands.
+    """Return the places nearest to their limits, nearest first; empty for a program of up to `SHORT`
+    commands.
 
     Args:
-        certificate: what was proved.
-        robot: has the limits.
-        cell: has the margins of obstacles and zones.
+        certificate: to show.
+        robot: for the limits.
+        cell: for the margins of obstacles and zones.
         width: of the terminal, in characters; None for lines of any length.
     """
     if len(certificate.commands) <= SHORT:
@@ -193,7 +203,9 @@ def _share(one: Nearest) -> str:
 
 
 def _full_place(command: CommandCertificate) -> str:
-    """Return where a command is, and its name; of one in a module, the program's line that led there, and the module's own."""
+    """Return place and name of a command; in a module, the program's line that led there, followed by the
+    module's own.
+    """
     if not command.module:
         return f"{command.index or f'line {command.source_line}'} {command.name}"
     return f"{command.index.partition('>')[0]}, {command.module} line {command.source_line}: {command.name}"
@@ -241,18 +253,20 @@ def _columns(
 
 
 def _time(group: Sequence[CommandCertificate]) -> float:
-    """Return how long a chain takes, or the longest of many times that a line takes [s]."""
+    """Return the duration of a chain, or the longest duration of a line [s]."""
     times = [one.duration for one in group]
     return sum(times) if _is_chain(group) else max(times)
 
 
 def _name(group: Sequence[CommandCertificate]) -> str:
-    """Return what the command of a row is called, with a mark if it carries a part at any time."""
+    """Return the name of a row's command, with a mark if it carries a part at any time."""
     return f"{group[0].name} {_LOADED}" if any(one.carries for one in group) else group[0].name
 
 
 def _place(group: Sequence[CommandCertificate]) -> str:
-    """Return what a row is called: of one command its place; of many what their places have in common, without the rounds of loops, else their line."""
+    """Return the place of a row: that of a single command; for several, the common part of their places
+    without passes of loops, otherwise their line.
+    """
     first = group[0]
     if _is_chain(group):
         begin, end = (one.index.partition(">")[0] or f"line {one.source_line}" for one in (first, group[-1]))
@@ -266,15 +280,15 @@ def _place(group: Sequence[CommandCertificate]) -> str:
 
 
 def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column], list[str]]:
-    """Choose the columns that a terminal has room for.
+    """Choose the columns that fit on a terminal.
 
     Args:
         columns: all of them, the place first.
         width: of the terminal, in characters.
-        worst: name of the column that stays as long as there is room for anything; empty for none.
+        worst: name of the column that is kept as long as there is room for any; empty for none.
 
     Returns:
-        The columns, the place cut if need be, and the names of the others.
+        The columns, with the place cut if needed, and the names of the others.
     """
     place, *others = columns
     longest = min(place.width, LONGEST_PLACE)
@@ -301,7 +315,7 @@ def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column]
 
 
 def _without_names(column: Column) -> Column:
-    """Return a column of distances without what comes so near; any other one as it is."""
+    """Return a column of distances without the names of bodies; any other column unchanged."""
     if column.name not in (_CLEAR, _ZONES):
         return column
     cells = (cell if cell.startswith("over") else cell.partition(" ")[0] for cell in column.cells)
@@ -309,19 +323,21 @@ def _without_names(column: Column) -> Column:
 
 
 def _segment(group: Sequence[CommandCertificate]) -> str:
-    """Return the longest segment time of the commands that have segments."""
+    """Return the longest segment time of the commands with segments."""
     times = [one.segment_time for one in group if one.segments]
     return f"{max(times) * 1e3:.4g}" if times else "-"
 
 
 def _jerk(group: Sequence[CommandCertificate]) -> str:
-    """Return the worst jerk, in parentheses if it isn't judged: a time-optimal law has no limit of the jerk."""
+    """Return the worst jerk, in parentheses if it isn't judged, because a time-optimal motion has no limit of
+    jerk.
+    """
     worst = max(group, key=lambda one: one.jerk.share)
     return _load(worst.jerk) if worst.jerk_judged else f"({_load(worst.jerk)})"
 
 
 def _least(found: Sequence[Clearance | None]) -> str:
-    """Return the smallest of some distances."""
+    """Return the smallest of several distances."""
     told = [one for one in found if one is not None]
     return _clearance(min(told, key=lambda one: one.distance) if told else None, with_time=len(found) == 1)
 
@@ -343,7 +359,9 @@ _VERDICTS = {"ok": "ok", "warning": "warning", "error": "ERROR"}
 
 
 def checked_table(checked: Sequence[Checked]) -> str:
-    """What was looked at on a controller: what, found, wanted, and the remedy where they differ."""
+    """Return the checks of a controller as a table: item, found value, wanted value, and the remedy for a
+    difference.
+    """
     lines = []
     for verdict, one in ((_VERDICTS[one.verdict], one) for one in checked):
         lines.append(f"{verdict:<8} {one.subject}: {one.found}")

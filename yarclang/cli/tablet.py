@@ -1,4 +1,4 @@
-"""`yarc pendant` from the door's side: where it listens, its life, and what the terminal says."""
+"""The door of `yarc pendant`: its address, its life, and its output on the terminal."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from yarclang.runtime.log import FOLDER
 
 
 def check_usage(options: dict[str, Any]) -> None:
-    """Check what excludes each other.
+    """Reject options that exclude each other.
 
     Raises:
-        click.UsageError: the options are wrong together.
+        click.UsageError: they are given together.
     """
     certificate, key = options["tls_cert"], options["tls_key"]
     if (certificate is None) != (key is None):
@@ -46,25 +46,26 @@ def check_usage(options: dict[str, Any]) -> None:
 
 @dataclass(frozen=True, slots=True)
 class Again:
-    """The process is to begin anew: `arguments` (of the command line) go after its own."""
+    """Request to restart the process, with `arguments` appended to its command line."""
 
     arguments: tuple[str, ...]
 
 
 async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, Any]) -> Again | None:
-    """Serve a pendant until a termination comes, or somebody at a page ends it; then the robot comes to rest on its path.
+    """Serve a pendant until a termination, or until a user ends it from a page; then the robot comes to rest
+    on its path.
 
     Args:
         robot: that is served.
-        place: where its coordinator is, or its controller.
+        place: of its coordinator, or its controller.
         folder: of the project.
         options: of the command line.
 
     Returns:
-        How it begins anew; None if it doesn't.
+        The requested restart; None for none.
 
     Raises:
-        Trouble: the coordinator can't be reached; the port is taken; a file can't be used.
+        Trouble: the coordinator can't be reached, the port is taken, or a file can't be used.
     """
     data = options["data"] or _state_folder()
     life = Life(lambda: _check_again(folder, place, options))
@@ -92,12 +93,12 @@ async def tablet(robot: Robot, place: Place, folder: Path, options: dict[str, An
                     one.cancel()
     if life.wanted != "restart" or ends.is_set():
         return None
-    # its pages look for it where it was
+    # its pages reconnect to the same port
     return Again(("--port", address.rstrip("/").rpartition(":")[2]))
 
 
 def begin_again(again: Again) -> NoReturn:
-    """Begin this process anew, with the same command line. Nothing of it may be open any more."""
+    """Restart this process with the same command line. Everything must be closed before."""
     sys.stdout.flush()
     sys.stderr.flush()
     os.execv(sys.executable, [sys.executable, *sys.orig_argv[1:], *again.arguments])
@@ -107,7 +108,7 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
     """Check that a process with the same command line would start.
 
     Raises:
-        Trouble: it wouldn't, and why.
+        Trouble: it wouldn't, with the reason.
     """
     read = robot_for(folder.absolute(), options["robot"])
     cell = None if read.value is None else session_cell(folder, read.value, options["cell"])
@@ -124,7 +125,7 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
 
 
 def _port(options: dict[str, Any], data: Path) -> tuple[Port, str]:
-    """Return where to listen, and the fingerprint of a certificate of our own."""
+    """Return the address to listen on, and the fingerprint of a self-signed certificate."""
     host, names = options["host"].strip(), frozenset(options["names"])
     if options["tls"] is None:
         return Port(host, options["port"], names, options["tls_cert"], options["tls_key"]), ""

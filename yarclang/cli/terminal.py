@@ -1,4 +1,4 @@
-"""The terminal that a run was started in: signals and keys that give orders, and questions."""
+"""The terminal of a run: signals and keys that give orders, and questions."""
 
 from __future__ import annotations
 
@@ -21,26 +21,27 @@ from yarclang.coordinator.picture import Picture
 from yarclang.runtime.state import State
 
 SILENT = 3.0
-"""Of whom nothing was heard for so long, nothing is known any more [s]."""
+"""Time without a message of the coordinator after which the robot's state is unknown [s]."""
 
 _ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
 
 
 def has_keys() -> bool:
-    """Return True if somebody can type."""
+    """Return True if standard input is a terminal."""
     return sys.stdin is not None and sys.stdin.isatty()
 
 
 class Terminal:
-    """Ctrl-C holds, and aborts the second time; Enter goes on behind a hold; a termination ends on the path.
+    """Orders from signals and keys: Ctrl-C holds, and aborts the second time; Enter resumes after a hold; a
+    termination ends the run on the path.
 
     Args:
-        screen: where it is told.
-        give_up: called where nothing moves yet, and where nothing can be done.
+        screen: for output.
+        give_up: called if nothing moves yet, or nothing can be done.
 
     Attributes:
-        performing: whether a job is; before that, there is nothing to hold.
-        gave_up: whether somebody gave up a robot that can't be reached.
+        performing: True while a job runs; before, there is nothing to hold.
+        gave_up: True after the user gave up a robot that can't be reached.
     """
 
     def __init__(self, screen: Screen, give_up: Callable[[], object]) -> None:
@@ -75,11 +76,11 @@ class Terminal:
             loop.remove_signal_handler(number)
 
     def serve(self, attached: Attached, picture: Picture) -> None:
-        """Give what is ordered to somebody from now on, whose robot does what a picture shows."""
+        """Send orders to a client from now on. The picture shows the state of its robot."""
         self._attached, self._picture = attached, picture
 
     async def agrees(self, question: str) -> bool:
-        """Whether the user says yes. Without a terminal nobody can be asked, and that is wrong usage."""
+        """Return True if the user agrees. Without a terminal, a question is a usage error."""
         if not self._keys:
             raise click.UsageError(f"{question} Nobody can be asked here: give --yes")
         self._screen.ask(f"{question} [y/N]: ")
@@ -90,7 +91,7 @@ class Terminal:
             self._answer = None
 
     def hear(self, event: BaseEvent) -> None:
-        """Take note of an event: behind a resume, Ctrl-C holds again."""
+        """Take an event: after a resume, Ctrl-C holds again."""
         if isinstance(event, StateChanged) and event.state is State.MOVE:
             self._asked_to_hold = False
 
@@ -105,7 +106,7 @@ class Terminal:
             self._attached.send(order, lambda trouble: self._screen.say(trouble.what))
 
     def _interrupted(self) -> None:
-        """Ctrl-C."""
+        """Handle Ctrl-C."""
         state = self._state
         if not self.performing:
             self._give_up()
@@ -133,7 +134,7 @@ class Terminal:
             self._give_up()
 
     def _suspended(self) -> None:
-        """Ctrl-Z: a process that sleeps can't look after a robot."""
+        """Handle Ctrl-Z: hold, because a suspended process can't supervise a robot."""
         state = self._state
         if self.performing and state in (State.MOVE, State.HOLD):
             self._order(orders.Hold())
@@ -148,11 +149,11 @@ class Terminal:
             self._give_up()
 
     def _typed(self) -> None:
-        """A line, or the end of the terminal."""
+        """Handle a line, or the end of the terminal's input."""
         descriptor = sys.stdin.fileno()
         try:
             if os.tcgetpgrp(descriptor) != os.getpgrp():
-                return  # it is somebody else's
+                return  # another process is reading it
             data = os.read(descriptor, 4096)
         except OSError:
             data = b""
@@ -166,6 +167,6 @@ class Terminal:
 
 
 def _number_in(data: bytes) -> int | None:
-    """Return the integer that was typed; None if it was none."""
+    """Return the integer that was typed; None for other text."""
     text = data.decode(errors="replace").strip()
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,9}", text) else None

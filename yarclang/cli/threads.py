@@ -1,4 +1,4 @@
-"""How many threads numpy's matrix products may have."""
+"""Number of threads for numpy's matrix products."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ _SETTINGS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 
 
 def one_for_products() -> None:
-    """Leave matrix products one thread, unless the environment says otherwise; before numpy is imported.
+    """Limit matrix products to one thread, unless the environment says otherwise. Call it before numpy is
+    imported.
 
-    Ours are small: with more threads these wait for each other, a sixth of the time that a long program takes. Cores are used by processes.
+    Our matrices are small: several threads would wait for each other for a sixth of a long program's time.
+    Processes use the cores.
     """
     for name in _SETTINGS:
         os.environ.setdefault(name, "1")

@@ -1,4 +1,4 @@
-"""Which files have changed, again and again."""
+"""Repeated search for changed files."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from pathlib import Path
 from yarclang.cli.paths import SUFFIX, programs
 
 _BESIDE = (SUFFIX, ".toml", ".urdf", ".csv")
-"""What a program is made of besides itself: modules, cells, settings, robots, tables of way-points."""
+"""Suffixes of a program's further files: modules, cells, settings, robots, tables of way-points."""
 
 
 def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[str]]:
-    """The programs to check: at first all, then, behind each pause, those that have changed. Where something beside a program has changed, it
-    counts as changed as well.
+    """Yield the programs to check: first all, then, after each pause, those that have changed. A program also
+    counts as changed after a change of a file beside it.
 
     Args:
         paths: files and folders, as on the command line.
-        pause: waits a little.
+        pause: waits for a short time.
     """
     seen: dict[str, dict[str, tuple[int, int]]] = {}
     while True:
@@ -30,7 +30,7 @@ def changes(paths: Sequence[str], pause: Callable[[], None]) -> Iterator[list[st
 
 
 def _stamps(file: Path) -> dict[str, tuple[int, int]]:
-    """When each file that a program may be made of was written, and its size."""
+    """Return the time and size of each file that a program may depend on."""
     stamps: dict[str, tuple[int, int]] = {}
     beside = [file]
     with contextlib.suppress(OSError):

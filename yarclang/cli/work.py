@@ -1,4 +1,4 @@
-"""What the commands do around the pipeline: options, progress, files."""
+"""Support for commands: options, progress, files."""
 
 from __future__ import annotations
 
@@ -19,17 +19,18 @@ if TYPE_CHECKING:
     from yarclang.pipeline.inputs import Options
 
 _SILENT = 1.0
-"""Work shorter than this [s] shows no progress."""
+"""Duration of work below which no progress is shown [s]."""
 
 _EACH = 0.1
-"""The bar is drawn anew each so many seconds."""
+"""Time between two updates of the bar [s]."""
 
 
 class Progress:
-    """A progress bar on standard error for all that is told of work in its block: only on a terminal, and only for long work.
+    """Progress bar on standard error for work in the context; only on a terminal, and only for long work.
 
-    Of a compilation the bar tells how much is done of all its stages, and the time left; of other work, how much of what is being done. A thread draws it, so
-    that long steps between two reports show as well.
+    For a compilation the bar shows the progress over all stages, and the remaining time; for other work, the
+    progress of the present step. A thread draws it, so that long steps between two reports are visible as
+    well.
     """
 
     def __init__(self) -> None:
@@ -60,7 +61,7 @@ class Progress:
             self._thread.join()
 
     def __call__(self, what: str, done: int, total: int) -> None:
-        """Say what is being done, and how much of it is done."""
+        """Report the present step and its progress."""
         if (stage := stage_of(what)) is not None:
             self._estimate.tell(stage, done, total, time.monotonic())
         self._told = what, done, total
@@ -68,13 +69,13 @@ class Progress:
             self._draw_now()
 
     def file(self, number: int, count: int) -> None:
-        """Say that `number` of `count` files are done: what is told next is of the next one."""
+        """Report that `number` of `count` files are done. Further reports concern the next file."""
         self._estimate = Estimate(number, count)
         if count > 1:
             self("files", number, count)
 
     def pause(self) -> None:
-        """Take the bar away, so that something else can be written."""
+        """Remove the bar, so that other text can be written."""
         with self._lock:
             self._told = None
             self._since = time.monotonic()
@@ -87,7 +88,7 @@ class Progress:
             self._draw_now()
 
     def _draw_now(self) -> None:
-        """Draw the bar, if there is something to show for long enough."""
+        """Draw the bar, if the work is long enough."""
         with self._lock:
             if self._told is not None and time.monotonic() - self._since >= _SILENT:
                 self._show(*self._told)
@@ -105,7 +106,7 @@ class Progress:
                 TextColumn("{task.fields[left]}"),
             )
             bar = Bar(*columns, console=Console(stderr=True), transient=True)
-            # Ctrl-C may come between any two lines: a bar that is kept has its task, and one that is started is kept
+            # Ctrl-C may come between any two lines: a stored bar has its task, and a started bar is stored
             self._task = bar.add_task(what, total=None, share="", left="")
             self._bar = bar
             bar.start()
@@ -125,7 +126,7 @@ class Progress:
 
 
 def options_from(planning: dict[str, Any]) -> Options:
-    """The options of a command line."""
+    """Return the options of a command line."""
     from yarclang.pipeline.inputs import Options
 
     tolerance = planning.get("tolerance")
@@ -141,7 +142,7 @@ def options_from(planning: dict[str, Any]) -> Options:
 
 
 def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write to standard output; a full device is a finding, a closed pipe ends the program in silence."""
+    """Write to standard output. A full device is a finding; a closed pipe ends the program silently."""
     import click
 
     try:
@@ -158,7 +159,7 @@ def write_standard_output(content: str | bytes) -> tuple[Diagnostic, ...]:
 
 
 def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
-    """Write several files; where one can't be written, those before it are put back as they were."""
+    """Write several files. If one can't be written, the ones before it are restored."""
     before: list[tuple[Path, bytes | None]] = []
     for path, content in files:
         try:
@@ -178,7 +179,9 @@ def write_all(files: Sequence[tuple[Path, str]]) -> tuple[Diagnostic, ...]:
 
 
 def write_whole(path: Path, content: str | bytes) -> tuple[Diagnostic, ...]:
-    """Write a file whole or not at all, as `replace_file` does; a finding if it can't be written."""
+    """Write a file as a whole or not at all, as `replace_file` does. Return a finding if it can't be
+    written.
+    """
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         replace_file(path, data)

@@ -1,4 +1,4 @@
-"""xacro files to URDF, in a process of its own with bounded time and memory."""
+"""Conversion of xacro files to URDF, in a process of its own with bounded time and memory."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.source import SourceFile
 
 LONGEST = 30.0
-"""xacro is a language with recursion: it gets so much time [s]."""
+"""Longest time of the process [s], because xacro allows recursion."""
 
 LARGEST = 20_000_000
-"""Bytes that it may write, as for any URDF."""
+"""Largest output [bytes], as for any URDF."""
 
 MEMORY = 2_000_000_000
-"""Bytes of memory that it gets."""
+"""Most memory of the process [bytes]."""
 
 
 def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> SourceFile | Diagnostic:
-    """Return the URDF that a xacro file writes.
+    """Return the URDF of a xacro file.
 
     Args:
         path: of the file.
         packages: folders with the ROS packages that `$(find ...)` names.
-        given: the values of its arguments.
+        given: values of its arguments.
     """
     import json
     import subprocess
@@ -34,7 +34,7 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
     if find_spec("xacro") is None:
         remedy = "Install it: pip install 'yarclang[xacro]'; or run xacro yourself and name the URDF that it writes."
         return Diagnostic("Y1341", f"{path.name[:80]} is xacro, and xacro isn't installed.", help=remedy)
-    # -P: nothing is imported from the current folder, which may be a stranger's archive
+    # -P: import nothing from the current folder, which may be an untrusted archive
     arguments = [
         sys.executable,
         "-P",
@@ -63,7 +63,7 @@ def expanded(path: Path, packages: Sequence[Path], given: Mapping[str, str]) -> 
 
 
 def _child(path: str, given: str, packages: Sequence[str]) -> None:
-    """Write the URDF on standard output."""
+    """Write the URDF to standard output."""
     import json
     import resource
     from types import ModuleType
@@ -81,7 +81,7 @@ def _child(path: str, given: str, packages: Sequence[str]) -> None:
             raise LookupError(f"the ROS package {name} isn't found")
         return str(folder)
 
-    # what xacro asks for packages, without ROS
+    # replacement for the modules in which xacro looks up packages, without ROS
     index, module = ModuleType("ament_index_python"), ModuleType("ament_index_python.packages")
     module.get_package_share_directory = share  # type: ignore[attr-defined]
     sys.modules |= {index.__name__: index, module.__name__: module}

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def _known_target(context: click.Context, parameter: click.Parameter, value: str) -> str:  # noqa: ARG001 - the signature is click's
-    """Return what a text is for, as one kind of controller at least knows it."""
+    """Return the target of a text, after checking that a kind of controller supports it."""
     if value:
         from yarclang.backend import backend_called
         from yarclang.robot.kinds import kind_names
@@ -145,7 +145,7 @@ def main(
 def _check_usage(
     files: tuple[str, ...], output: str | None, out_dir: Path | None, certificate: Path | None, format_: str
 ) -> None:
-    """What can't be meant together is wrong usage."""
+    """Reject options that exclude each other."""
     if output is not None and out_dir is not None:
         raise click.UsageError("-o and --out-dir exclude each other")
     if len(files) > 1 and (output is not None or certificate is not None):
@@ -161,7 +161,7 @@ def _check_usage(
 
 
 def _called(destination: str, compiled: Compiled) -> str:
-    """Return how a text is called for its kind of controller."""
+    """Return the name of a text for its kind of controller."""
     from yarclang.backend import backend_of
 
     if destination == "-":
@@ -170,7 +170,7 @@ def _called(destination: str, compiled: Compiled) -> str:
 
 
 def _compiled(file: str, options: Options, strict: bool) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
-    """Compile a file. None if there is nothing to write."""
+    """Compile a file; None if there is nothing to write."""
     from yarclang.pipeline.checking import check_program_file
 
     checked = check_program_file(file, options)
@@ -249,7 +249,7 @@ def _show(
 
 
 def _show_table(compiled: Compiled, width: int | None, *, full: bool, err: bool) -> None:
-    """Write the certificate's table, and before that of a long program the places nearest to a limit."""
+    """Write the certificate's table; for a long program, first the places nearest to a limit."""
     from yarclang.cli.table import certificate_table, nearest_table
 
     certificate, robot, cell = compiled.certificate, compiled.plan.robot, compiled.program.cell

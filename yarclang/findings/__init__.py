@@ -1,4 +1,6 @@
-"""The catalogue of codes: each file y*.py of this folder is a family. Nothing here imports the rest of yarclang but `named`."""
+"""The catalogue of codes. Each file y*.py of this folder is a family. Only `named` imports other parts of
+yarclang.
+"""
 
 from importlib import import_module
 from pkgutil import iter_modules
@@ -28,13 +30,13 @@ FAMILIES = {
     "19": "calibration",
     "20": "yarclang itself",
 }
-"""The families of the codes by their two digits."""
+"""Titles of the families, by their two digits."""
 
 SYNTAX = "01"
-"""The family of syntax errors."""
+"""Family of syntax errors."""
 
 YARCLANG = "20"
-"""The family of what is no fault of the user."""
+"""Family of findings that aren't the user's fault."""
 
 
 def _catalogue() -> dict[str, Finding]:

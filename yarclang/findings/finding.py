@@ -1,4 +1,4 @@
-"""What the catalogue says of one code."""
+"""Entries of the catalogue."""
 
 from __future__ import annotations
 
@@ -9,15 +9,19 @@ from yarclang.frozen import frozen
 Severity = Literal["error", "warning", "note"]
 
 Need = Literal["", "name", "meaning", "use", "default", "unit", "end", "block", "place"]
-"""What an earlier or a damaged line should have given: a name; what a name stands for; the use of a name; what DEFAULT gives; the right unit; the END or the
-first line of a block; the place where a motion leads. Empty: nothing."""
+"""Information that an earlier or invalid line may have failed to give: a name; the meaning of a name; the use
+of a name; the value of DEFAULT; the right unit; the END or the first line of a block; the end of a motion.
+Empty for nothing.
+"""
 
 Sort = Literal["", "meeting", "time", "unreachable", "limits", "tolerance"]
-"""What went wrong, where several findings share it: bodies meet or come too near; a time is too short; no configuration or way was found; the certificate has
-broken limits, or a difference that is judged by the tolerance. Empty: no other finding shares it."""
+"""Kind of fault that several findings have in common: bodies collide or come too near; a time is too short;
+no configuration or path was found; the certificate exceeds limits, or a difference that the tolerance
+judges. Empty for none.
+"""
 
 _OF_PLACES = frozenset(["05", "06", "07", "08", "09"])
-"""Families of what depends on where a motion leads."""
+"""Families of findings that depend on the end of a motion."""
 
 
 def family_of(code: str) -> str:
@@ -34,7 +38,12 @@ def number_of(code: str) -> int | None:
 
 @frozen
 class Follows:
-    """A finding by which another one is explained: one of this code, on the same line, on a line above, or on any other line."""
+    """A finding that explains another one.
+
+    Attributes:
+        code: of the explaining finding.
+        where: its line: the same one, one above, or any other one.
+    """
 
     code: str
     where: Literal["here", "above", "elsewhere"]
@@ -44,11 +53,23 @@ class Follows:
 class Finding:
     """A kind of finding.
 
-    `code` is permanent: `Y` and four digits, the first two the family. `why` says what is
-    wrong and why it matters at the machine; `example` shows it and `better` shows what to
-    write instead (YARC source, or a line of robot.toml).
+    Most fields after `better` relate findings to each other, so that a fault is reported only once.
 
-    The other fields say how it is related to others, so that one fault is said once.
+    Attributes:
+        code: permanent: `Y` and four digits, the first two the family.
+        name: for selection.
+        severity: of the finding.
+        title: its heading.
+        why: explanation of the fault, and of its effect at the machine.
+        example: a text with the fault (YARC source, or a line of robot.toml).
+        better: the corrected text.
+        needs: what an invalid line may have failed to give; use `need` to read it.
+        follows: findings that explain this one, so that it isn't reported.
+        hides: what is unknown because of it: the names that its line would use, or all names of a module.
+        sort: kind of fault that several findings have in common.
+        is_explained: True if a rule's warning about the same command gives the reason, so that both are
+            reported as one.
+        tag: display in editors: as superfluous text, or as an outdated form.
     """
 
     code: str
@@ -59,35 +80,32 @@ class Finding:
     example: str = ""
     better: str = ""
     needs: Need = ""
-    """What a line with an error may have failed to give; read it by `need`."""
     follows: tuple[Follows, ...] = ()
-    """Findings that explain this one, so that it needn't be said."""
     hides: Literal["", "names", "module"] = ""
-    """What can't be seen because of it: the names that its line would use, or all names of a module."""
     sort: Sort = ""
     is_explained: bool = False
-    """True if a rule's warning about the same command gives its reason, so that both are said as one."""
     tag: Literal["", "unneeded", "outdated"] = ""
-    """How editors show the text: as something that could as well be taken away, or as something that is written otherwise today."""
 
     @property
     def family(self) -> str:
-        """The two digits of the family."""
+        """Two digits of the family."""
         return family_of(self.code)
 
     @property
     def anchor(self) -> str:
-        """The anchor of its page among those of all findings."""
+        """Anchor of its section on the page of all findings."""
         return f"{self.code.lower()}-{self.name}"
 
     @property
     def need(self) -> Need:
-        """What another line should have given; the place of a motion for all families that speak of one."""
+        """Information that another line may have failed to give. Families that depend on the end of a motion
+        need that end.
+        """
         return self.needs or ("place" if self.family in _OF_PLACES else "")
 
 
 def page(finding: Finding) -> str:
-    """Return a finding's page in Markdown: what it means, an example, and a better one."""
+    """Return a finding's page in Markdown: its meaning, an example, and a better text."""
     parts = [f"# {finding.code} {finding.name}", f"**{finding.severity}**: {finding.title}.", finding.why]
     for title, lines in (("For example", finding.example), ("Better", finding.better)):
         if lines:

@@ -1,4 +1,6 @@
-"""Analysts: language servers for pages that edit, each a process of its own that can't disturb the one that streams."""
+"""Analysts: language servers for the editor pages, each in a process of its own so that it can't disturb the
+process that streams.
+"""
 
 from __future__ import annotations
 
@@ -17,19 +19,19 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 MOST = 4
-"""Analysts at once."""
+"""Largest number of analysts at once."""
 
 MOST_MEMORY = 4 << 30
-"""Address space of one [bytes]; a compiler with its libraries takes 1 GiB of it."""
+"""Address space of each analyst [bytes]. A compiler with its libraries takes 1 GiB of it."""
 
 _LARGEST = 16 << 20
 """Longest message of an analyst [bytes]."""
 
 _LARGEST_TOLD = 4 << 20
-"""Longest message that a page is sent [characters]."""
+"""Longest message to a page [characters]."""
 
 _LAST = 2.0
-"""Time for an analyst to end by itself once its input has ended [s]."""
+"""Time for an analyst to end by itself after its input has ended [s]."""
 
 Say = Callable[[str], Awaitable[None]]
 
@@ -38,7 +40,7 @@ class Analysts:
     """The analysts of a pendant.
 
     Args:
-        robot: of programs that name none.
+        robot: for programs that name no robot.
         folder: of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
     """
@@ -52,13 +54,13 @@ class Analysts:
 
     @contextlib.asynccontextmanager
     async def one(self, say: Say) -> AsyncIterator[Analyst]:
-        """Serve a page as long as the context lasts.
+        """Serve a page with an analyst as long as the context lasts.
 
         Args:
-            say: tells the page something.
+            say: sends a message to the page.
 
         Raises:
-            Trouble: there are as many as may be.
+            Trouble: `MOST` analysts are running.
         """
         if self._serving >= MOST:
             raise Trouble(
@@ -79,13 +81,13 @@ class Analysts:
 
 
 class Analyst:
-    """The analyst of one page: begun once, and once more if it dies.
+    """The analyst of one page. It is restarted once if it dies.
 
     Args:
         command: that starts it.
         folder: of the project.
         inside: returns the path of a file of the project, or raises `Trouble`.
-        say: tells the page something.
+        say: sends a message to the page.
     """
 
     def __init__(
@@ -100,11 +102,11 @@ class Analyst:
 
     @property
     def pid(self) -> int | None:
-        """The number of its process."""
+        """Process id of the analyst."""
         return self._process.pid if self._process else None
 
     async def run(self) -> None:
-        """Start it, and tell the page what it says; return once it can't be used any more."""
+        """Start the analyst and pass its messages to the page. Return when it can't be used any more."""
         for last in (False, True):
             try:
                 self._process = await begun(self._command, folder=self._folder)
@@ -121,10 +123,10 @@ class Analyst:
         )
 
     async def take(self, text: str) -> None:
-        """Take a message of the page.
+        """Pass a message of the page to the analyst.
 
         Args:
-            text: as it came.
+            text: the message as it was received.
         """
         async with self._sending:
             process = self._process
@@ -139,11 +141,11 @@ class Analyst:
             await _write(process, message)
 
     async def close(self) -> None:
-        """End it."""
+        """End the analyst."""
         await self._end()
 
     async def _listen(self, process: Process) -> None:
-        """Tell the page what the analyst says until that one's output ends."""
+        """Pass the analyst's messages to the page until its output ends."""
         assert process.stdout is not None
         while True:
             head = await process.stdout.readuntil(b"\r\n\r\n")
@@ -174,7 +176,7 @@ class Analyst:
 
 
 async def _write(process: Process, message: dict[str, Any]) -> None:
-    """Send a message; one that comes too late for an analyst that has died is lost with it."""
+    """Send a message. It is lost if the analyst has died."""
     assert process.stdin is not None
     with contextlib.suppress(ConnectionError):
         process.stdin.write(written(message))
@@ -182,10 +184,10 @@ async def _write(process: Process, message: dict[str, Any]) -> None:
 
 
 def _size(head: bytes) -> int:
-    """Return the length of a message by its head.
+    """Return the length of a message from its header [bytes].
 
     Raises:
-        ValueError: it has none, or more than a message may.
+        ValueError: the header has no length, or the message is too long.
     """
     for line in head.split(b"\r\n"):
         name, _, value = line.partition(b":")

@@ -1,4 +1,6 @@
-"""Processes for work that mustn't disturb the one that streams: of low priority, with bounded memory, on one core each."""
+"""Processes for work that mustn't disturb the process that streams: with low priority and bounded memory, on
+one core each.
+"""
 
 from __future__ import annotations
 
@@ -19,17 +21,17 @@ resource.setrlimit(resource.RLIMIT_AS, (most, most))
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 importlib.import_module(sys.argv.pop(1)).main()
 """
-"""What such a process does first: it is an ordinary one, whatever the one that started it is."""
+"""First statements of each process: they give it ordinary scheduling, whatever the pendant's is."""
 
 
 def command_of(module: str, arguments: Sequence[str], most_memory: int, nice: int = 10) -> tuple[str, ...]:
-    """Return the command of a process.
+    """Return the command that starts a process.
 
     Args:
-        module: whose `main` it calls.
-        arguments: that `main` finds in sys.argv.
-        most_memory: address space [bytes]; a compiler with its libraries takes 1 GiB of it.
-        nice: by which its priority is lower.
+        module: whose `main` the process calls.
+        arguments: for `main`, in sys.argv.
+        most_memory: address space [bytes]. A compiler with its libraries takes 1 GiB of it.
+        nice: number by which its priority is lower.
     """
     return sys.executable, "-c", _BEGINS, str(nice), str(most_memory), module, *arguments
 
@@ -42,17 +44,17 @@ async def begun(
     folder: Path | None = None,
     handles: Sequence[int] = (),
 ) -> Process:
-    """Start a process; Ctrl-C in a terminal is for the pendant, not for it.
+    """Start a process. Ctrl-C in a terminal does not reach it, because it is for the pendant.
 
     Args:
-        command: of it (`command_of`).
-        talks: whether it is told something.
+        command: of the process (`command_of`).
+        talks: True if the process has an input.
         limit: longest line of its output [bytes].
-        folder: where it works; None: here.
-        handles: numbers of open files that it gets.
+        folder: its working folder; None for the present one.
+        handles: numbers of open files that it inherits.
 
     Raises:
-        OSError: it can't be started.
+        OSError: the process can't be started.
     """
     environment = dict(os.environ) | dict.fromkeys(
         ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1"

@@ -1,4 +1,4 @@
-"""A certificate of our own, for those who have none."""
+"""Self-signed certificates, for users without a certificate of their own."""
 
 from __future__ import annotations
 
@@ -18,23 +18,24 @@ from yarclang.files import reason_of
 from yarclang.runtime.actions import Trouble
 
 _LASTS = timedelta(days=397)
-"""Browsers trust none that lasts longer."""
+"""Validity of a certificate. Browsers reject longer ones."""
 
 _RENEWED = timedelta(days=30)
 
 
 def self_signed(folder: Path, names: frozenset[str]) -> tuple[Path, Path, str]:
-    """Return a certificate and its key for some names; they are made if they are missing, are for others, or end soon.
+    """Return a certificate and its key. They are made if they are missing, are for other names, or expire
+    soon.
 
     Args:
-        folder: where they are kept, for this user alone.
+        folder: where they are kept, readable for this system user alone.
         names: names and addresses of this server.
 
     Returns:
-        Both files, and the SHA-256 fingerprint of the certificate, by which people know it.
+        Both files, and the SHA-256 fingerprint of the certificate, by which users recognise it.
 
     Raises:
-        Trouble: they can't be written.
+        Trouble: the files can't be written.
     """
     certificate, key = folder / "certificate.pem", folder / "key.pem"
     wanted = frozenset({*names, "localhost", "127.0.0.1", socket.gethostname().lower()})

@@ -1,4 +1,4 @@
-"""What people do with the files of the project: who may, what the audit trail says of it, and uploads."""
+"""Changes of the project's files by users: their rights, the audit trail, and uploads."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ MOST_UPLOADED = 100_000_000
 """Largest file that is uploaded [bytes]."""
 
 _AT_ONCE, _OF_ONE = 4, 2
-"""Uploads at a time, of all and of one session."""
+"""Uploads at a time, of all sessions and of one."""
 _PIECE = 1 << 18
-"""Bytes that are written at a time: few enough for the memory, many enough for the disk."""
+"""Bytes that are written at a time."""
 _SILENCE = 20.0
-"""Time in which something of an upload has to come [s]."""
+"""Longest time without data in an upload [s]."""
 _START, _SLOWEST = 30.0, 10_000
-"""An upload may take this time [s], and one second more for so many bytes."""
+"""Longest time of an upload [s], plus one second for each of this many bytes."""
 _MOST_DEEDS = 20_000
 _MOST_HASHED = 200
 _LARGEST_HASHED = 16_000_000
@@ -44,10 +44,10 @@ _MOST_CHANGES = 2000
 
 
 class Filing:
-    """The files of the project for those who are logged in.
+    """Access to the project's files for users.
 
     Args:
-        accounts: who they are.
+        accounts: of the pendant.
         folder: the files.
     """
 
@@ -62,11 +62,11 @@ class Filing:
         """Save a text.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            file: its path.
-            text: that it has then.
-            known: SHA-256 of what it was made from; None: there is no such file yet.
+            session: of the user.
+            address: from which the request came.
+            file: path in the project.
+            text: the new text.
+            known: SHA-256 of the version that was edited; None if the file doesn't exist yet.
 
         Raises:
             Trouble: the file has changed meanwhile, or can't be written.
@@ -91,18 +91,18 @@ class Filing:
     async def change(
         self, session: Session, address: str, file: str, text: str, known: str, what: str
     ) -> Written:
-        """Change a description of the robot or of its cell; what it was is kept with what was deleted.
+        """Change a description of the robot or of its cell. The old version is kept in the trash.
 
         Args:
-            session: whose; of a service user who has entered the PIN lately.
-            address: that it comes from.
-            file: its path.
-            text: that it has then.
-            known: SHA-256 of what it was made from.
-            what: that is changed, in words.
+            session: of a service user who has entered the PIN lately.
+            address: from which the request came.
+            file: path in the project.
+            text: the new text.
+            known: SHA-256 of the version that was edited.
+            what: description of the change, in words.
 
         Raises:
-            NotAllowed: the session may not.
+            NotAllowed: the session lacks the role or the PIN.
             Trouble: the file has changed meanwhile, or can't be written.
         """
         self.check_service(session)
@@ -115,18 +115,18 @@ class Filing:
     async def upload(
         self, session: Session, address: str, file: str, known: str | None, length: int | None, stream: AsyncIterator[bytes]
     ) -> Written:  # fmt: skip
-        """Write a file as it arrives; nothing is left of one that is broken off.
+        """Write a file while it arrives. An interrupted upload leaves nothing.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            file: its path.
-            known: SHA-256 of what it replaces; None: there is no such file yet.
-            length: that was announced [bytes]; None: none was.
-            stream: its content.
+            session: of the user.
+            address: from which the request came.
+            file: path in the project.
+            known: SHA-256 of the version that is replaced; None if the file doesn't exist yet.
+            length: announced length [bytes]; None if there is none.
+            stream: the content.
 
         Raises:
-            Trouble: it is too large, too slow, one of too many, or can't be written.
+            Trouble: the upload is too large or too slow, there are too many, or the file can't be written.
         """
         self._accounts.check(session, Role.PROGRAMMER)
         if (length or 0) > MOST_UPLOADED:
@@ -159,7 +159,7 @@ class Filing:
             await asyncio.to_thread(drafting.close)
 
     async def copy(self, session: Session, address: str, file: str, to: str) -> Written:
-        """Copy a file to a path that is free (`ProjectFolder.copy`)."""
+        """Copy a file to an unused path (`ProjectFolder.copy`)."""
         read = await asyncio.to_thread(self.folder.sha256, file)
         detail = {"file": to, "from": file, "sha256": read}
 
@@ -173,7 +173,7 @@ class Filing:
         return await self._done(session, address, "copy", detail, copied)
 
     async def rename(self, session: Session, address: str, file: str, to: str) -> None:
-        """Give a file or folder another path (`ProjectFolder.rename`)."""
+        """Move a file or folder to another path (`ProjectFolder.rename`)."""
         detail = {"file": to, "from": file}
         guarded = self.folder.guarded
         await self._done(
@@ -190,13 +190,13 @@ class Filing:
         await self._done(session, address, "folder", {"file": file}, lambda: self.folder.make_folder(file))
 
     async def delete(self, session: Session, address: str, file: str) -> Deleted:
-        """Delete a file or folder, so that it can be brought back (`ProjectFolder.delete`)."""
+        """Move a file or folder to the trash (`ProjectFolder.delete`)."""
         return await self._done(
             session, address, "delete", {"file": file}, lambda: self.folder.delete(file, session.user)
         )
 
     async def restore(self, session: Session, address: str, number: str) -> str:
-        """Bring back what was deleted (`ProjectFolder.restore`)."""
+        """Restore a file or folder from the trash (`ProjectFolder.restore`)."""
         kept = await asyncio.to_thread(self.folder.trash.kept)
         file = next((one.file for one in kept if one.number == number), "")
 
@@ -218,15 +218,16 @@ class Filing:
         do: Callable[[], T],
         objection: Callable[[], str] | None = None,
     ) -> T:
-        """Write a deed down, do it in a thread, and note if it failed.
+        """Write an action to the audit trail, carry it out in a thread, and note if it failed.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            action: what is done, in a word.
-            detail: of it; its `file` is the path that is changed.
-            do: does it.
-            objection: returns why it is for service users alone, in words (empty: it isn't); None: by the path.
+            session: of the user.
+            address: from which the request came.
+            action: name of the action.
+            detail: details for the audit trail; `file` is the path that is changed.
+            do: carries the action out.
+            objection: returns why the action is for service users alone (empty if it isn't); None to decide
+                by the path.
         """
         self._accounts.check(session, Role.PROGRAMMER)
         self._accounts.used(session)
@@ -241,7 +242,7 @@ class Filing:
                 self._check_service(session, reason)
 
         def checked() -> T:
-            # two that come together may change what a path leads to
+            # another request may change what a path leads to
             with self.folder.unchanged():
                 check()
                 return do()
@@ -262,10 +263,10 @@ class Filing:
             raise
 
     def check_service(self, session: Session) -> None:
-        """Check that a session may change what describes the robot or its cell.
+        """Check that a session may change a description of the robot or its cell.
 
         Raises:
-            NotAllowed: it is no service user's, or the PIN wasn't entered lately.
+            NotAllowed: the user has no service role, or the PIN wasn't entered lately.
         """
         self._accounts.check(session, Role.SERVICE, pin=True)
 
@@ -278,7 +279,7 @@ class Filing:
     # since the last commit
 
     async def changed(self) -> GitState:
-        """Return what has changed since the last commit, and who did so."""
+        """Return the changes since the last commit, and who made them."""
         async with self._asking:
             try:
                 state = await asyncio.to_thread(self._git.state)
@@ -293,7 +294,7 @@ class Filing:
         return await asyncio.to_thread(self._shown, state, [deed for _, deed in deeds])
 
     async def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text as of the last commit, and its present one (`Git.difference`)."""
+        """Return a file's text in the last commit, and its present text (`Git.difference`)."""
         async with self._asking:
             return await asyncio.to_thread(self._git.difference, file)
 
@@ -318,14 +319,14 @@ class Filing:
 
 
 async def arriving(file: str, stream: AsyncIterator[bytes]) -> AsyncIterator[bytes]:
-    """Yield what arrives in pieces for the disk.
+    """Yield an upload in pieces for the disk.
 
     Args:
         file: its name, for messages.
-        stream: what arrives.
+        stream: the received data.
 
     Raises:
-        Trouble: it comes too slowly.
+        Trouble: the data comes too slowly.
     """
     clock = asyncio.get_running_loop().time
     begun, received = clock(), 0

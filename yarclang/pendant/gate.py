@@ -1,4 +1,4 @@
-"""Orders of people to their robot: who may give them, which files they may name, and what the audit trail says of them."""
+"""Orders of users to their robot: rights, allowed files, and the audit trail."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from yarclang.runtime.actions import Trouble
 R = TypeVar("R", bound=Reply)
 
 _AT_ONCE = (orders.Stop, orders.Hold, orders.Abort)
-"""Orders for everybody, which never wait for a disk or a place."""
+"""Orders that are allowed for everybody, and that never wait for a disk or a seat."""
 
 _SHARED = (
     orders.AskStatus,
@@ -45,25 +45,26 @@ _SHARED = (
     orders.AskHoming,
     orders.AskSettings,
 )
-"""What needs no place at the coordinator of one's own."""
+"""Orders that need no seat of the session at the coordinator."""
 
 _MOST_FILES = 10_000
 _MOST_CALLED = 1000
 _LONGEST_DETAIL = 500
 _ABSENT = 10.0
-"""An owner without a page for so long has left the robot, if nothing is under way [s]."""
+"""Time without a page after which an owner has left the robot, if nothing is running [s]."""
 
 
 class Gate:
-    """Carries out what people order.
+    """Gate between users and the coordinator.
 
     Args:
-        accounts: who they are.
-        seats: their places at the coordinator.
+        accounts: of the pendant.
+        seats: the sessions' clients of the coordinator.
         watched: the robot.
-        files: of the project: those outside of it don't exist here.
-        now: a clock that never goes back [s].
-        loaded: is told which program a session has loaded, by its number and with the files' paths.
+        files: of the project; orders can't name files outside of it.
+        now: a monotonic clock [s].
+        loaded: called after a session has loaded a program, with its number and the order with its files'
+            paths.
     """
 
     def __init__(
@@ -89,13 +90,13 @@ class Gate:
         """Carry an order out.
 
         Args:
-            session: whose.
-            order: what.
-            address: that it comes from.
+            session: that gives the order.
+            order: to carry out.
+            address: from which the request came.
 
         Raises:
-            NotAllowed: it is for another role.
-            Trouble: it can't be carried out, and why.
+            NotAllowed: the order needs another role.
+            Trouble: the order can't be carried out.
         """
         if type(order) in _AT_ONCE:
             return await self._at_once(session, order, address)
@@ -126,10 +127,10 @@ class Gate:
         return made
 
     def check(self, session: Session, order: Order[Any], address: str) -> None:
-        """Check that a session may give an order, and that what it does can be written down.
+        """Check that a session may give an order, and that the audit trail can be written.
 
         Raises:
-            NotAllowed: it may not.
+            NotAllowed: the session lacks the role or the PIN.
             Trouble: the audit trail can't be written.
         """
         if self._accounts.is_over(session):
@@ -150,7 +151,7 @@ class Gate:
             raise self._accounts.trouble
 
     def _remember(self, session: Session, order: Order[Any], answer: Reply) -> None:
-        """Remember what a number of an offer or a program means, for the audit trail."""
+        """Remember the meaning of an offer's or a program's number, for the audit trail."""
         if isinstance(answer, Offered) and answer.offer is not None:
             meant = answer.offer.text or answer.offer.title
             self._called[session.id, "go", answer.offer.number] = meant
@@ -160,7 +161,7 @@ class Gate:
             self._called.popitem(last=False)
 
     def meant(self, session: Session, order: Order[Any]) -> str:
-        """Return what the audit trail says of an order."""
+        """Return the text of the audit trail for an order."""
         number = getattr(order, "offer", None) or getattr(order, "program", None)
         meant = self._called.get((session.id, name_of(order), number or 0), "")
         return f"{meant} {_detail(order)}".strip()[:_LONGEST_DETAIL]
@@ -178,10 +179,10 @@ class Gate:
     # control of the robot
 
     async def ask_for_control(self, session: Session, address: str) -> Asked:
-        """Own the robot if nobody does, else ask its owner for it.
+        """Take control of the robot if it has no owner, otherwise ask its owner for it.
 
         Raises:
-            Trouble: it is somebody's who isn't at a pendant.
+            Trouble: the owner isn't at a pendant.
         """
         self.check(session, orders.Own(), address)
         seat = await self._seats.of(session)
@@ -202,15 +203,15 @@ class Gate:
         return Asked(given=True, owner=seat.welcome.name, what="you control the robot")
 
     async def give_control(self, session: Session, to: str, address: str) -> Asked:
-        """Give the robot to another session.
+        """Give control of the robot to another session.
 
         Args:
-            session: whose it is.
-            to: the id of the other one; empty: to nobody.
-            address: that this comes from.
+            session: the present owner.
+            to: id of the other session; empty to release the robot.
+            address: from which the request came.
 
         Raises:
-            Trouble: it isn't this session's, or the other one has gone.
+            Trouble: the session isn't the owner, or the other one has ended.
         """
         if not to:
             await self.order(session, orders.Release(), address)
@@ -230,11 +231,11 @@ class Gate:
         return bool(name) and name == self._watched.showing.owner
 
     def page_gone(self, session: str) -> None:
-        """Note that the last page of a session is gone."""
+        """Note that the last page of a session has closed."""
         self._gone[session] = self._now()
 
     def page_there(self, session: str) -> None:
-        """Note that a session has a page."""
+        """Note that a session has an open page."""
         self._gone.pop(session, None)
 
     def _is_absent(self, session: str) -> bool:
@@ -245,13 +246,15 @@ class Gate:
     # files
 
     def programs(self) -> Programs:
-        """Return the programs of the project; those in hidden folders are left out. Takes long in a large folder: call it in a thread."""
+        """Return the programs of the project, except those in hidden folders. Slow for a large folder: call
+        it in a thread.
+        """
         found, _ = self._files.programs(_MOST_FILES)
         shown = [ProgramFile(file=one.file, size=one.size, changed=one.changed) for one in found]
         return Programs(folder=str(self.folder), programs=tuple(shown))
 
     def _within(self, order: Order[R]) -> Order[R]:
-        """Return an order whose files are in the project."""
+        """Return an order with its files' paths resolved in the project."""
         if isinstance(order, orders.Load):
             named = {key: getattr(order, key) for key in ("file", "cell", "source")}
         elif isinstance(order, orders.Save):
@@ -264,7 +267,9 @@ class Gate:
 
 
 def _outcome(made: Reply) -> str:
-    """Return what the audit trail says of how an order has ended; empty: nothing more than that it was given."""
+    """Return the audit trail's text for the outcome of an order; empty if there is no outcome beyond that it
+    was given.
+    """
     match made:
         case Ended(well=well, what=what):
             return "ended" if well else f"ended: {what}"
@@ -277,6 +282,6 @@ def _outcome(made: Reply) -> str:
 
 
 def _detail(order: Order[Any]) -> str:
-    """What the audit trail says of an order, without the texts of programs."""
+    """Return the audit trail's text for an order, without the texts of programs."""
     content = order.model_dump(mode="json", exclude={"order", "text"}, exclude_defaults=True)
     return json.dumps(content, sort_keys=True)[:_LONGEST_DETAIL] if content else ""

@@ -1,4 +1,6 @@
-"""Hold-to-run of what the coordinator carries out while it is held: the way to a point, planned and proved to its end, and the home search of motors."""
+"""Hold-to-run of orders that the coordinator carries out: a way to a point, planned and proved to its end, or
+the home search of motors.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +21,21 @@ Wanted = orders.Go | orders.Home
 
 
 class Going:
-    """One offer, or home search, that is carried out while it is held, from its first press to its end.
+    """An offer or a home search that runs while a button is held, from its first press to its end.
 
-    The coordinator has a watchdog of its own for it: without `keep` every 0.2 s the robot comes to rest on its path.
+    The coordinator has a watchdog for it: without `keep` every 0.2 s the robot comes to rest on its path.
 
     Args:
-        order: to carry it out.
-        seat: of the session that gives it.
+        order: to carry out.
+        seat: of the session that gives the order.
         accounts: for the audit trail.
-        deed: makes the entry of an order there.
-        moves: returns True if the robot is known to carry something out.
-        ended: is told why it is over; empty: the robot has reached the end.
+        deed: makes the audit trail's entry of an order.
+        moves: returns True if the robot is executing something.
+        ended: called with the reason of the end; empty if the robot has reached the end.
 
     Attributes:
-        order: likewise.
-        ends: True from when it can't go on: it is over, or about to be.
+        order: the order.
+        ends: True from when it can't continue: it is over, or about to be.
     """
 
     def __init__(
@@ -57,42 +59,42 @@ class Going:
         self._task: asyncio.Task[None] | None = None
 
     def begin(self) -> None:
-        """Begin to carry it out, once it is written down."""
+        """Begin after the order is in the audit trail."""
         self._task = asyncio.create_task(self._carried_out())
 
     def keep(self) -> None:
-        """Say that it is still held."""
+        """Report that the button is still held."""
         if self._asked and self._held:
             self._seat.send(orders.Keep())
 
     async def resume(self, held: Callable[[], bool]) -> None:
-        """Go on along the same path, where it was let go before.
+        """Continue along the same path after a release.
 
         Args:
-            held: returns False if it was let go again meanwhile.
+            held: returns False if the button was released again meanwhile.
 
         Raises:
-            Trouble: it can't go on.
+            Trouble: it can't continue.
         """
         order = orders.Resume()
         await self._accounts.did(self._deed(order, ""))
         if self.ends or not held():
             return
-        # from here to the orders nothing else is heard: a release comes after them
+        # no await from here to the orders: a release is handled after them
         self._held = True
         self._seat.send(orders.Keep())
         await self._seat.ask(order)
 
     def rest(self) -> None:
-        """Come to rest on the path: it was let go."""
+        """Come to rest on the path after a release."""
         self._held = False
         if self._asked and self._moves() and not self.ends:
             self._seat.send(orders.Hold())
         else:
-            self.stop()  # what hasn't begun yet doesn't begin then
+            self.stop()  # an order that hasn't begun doesn't begin any more
 
     def stop(self) -> None:
-        """End it where it is on its path."""
+        """End it at the present place on its path."""
         self._held = False
         if self._asked and not self.ends:
             self._seat.send(orders.Stop())
@@ -102,7 +104,7 @@ class Going:
         """End it, and wait until it is over.
 
         Args:
-            within: how long it may take [s].
+            within: longest wait [s].
         """
         self.stop()
         if self._task is not None:
@@ -131,12 +133,12 @@ class Going:
 def deed_of(
     user: str, address: str, meant: Callable[[Wanted | orders.Resume], str]
 ) -> Callable[[Wanted | orders.Resume, str], Deed]:
-    """Return what makes an entry of the audit trail.
+    """Return a function that makes entries of the audit trail.
 
     Args:
         user: who holds the button.
-        address: that it comes from.
-        meant: says of an order what it means.
+        address: from which the requests come.
+        meant: returns the text of an order.
     """
 
     def made(order: Wanted | orders.Resume, outcome: str) -> Deed:

@@ -1,7 +1,8 @@
-"""Hold-to-run: what is pressed in a browser, as wants of a live motion.
+"""Hold-to-run: buttons that are pressed in a browser, as requests to a live motion.
 
-A press moves the robot only as long as fresh messages come: 20 times a second the page says what is wanted and which heartbeat it has heard last. The coordinator's own watchdog
-ends the motion 0.2 s after the last of them. A message that was on its way for longer than `FRESH` heartbeats is what somebody wanted before, not what they want now: it ends the press.
+A press moves the robot only while fresh messages arrive: 20 times a second the page sends what is pressed and
+the last heartbeat that it has received. The coordinator's own watchdog ends the motion 0.2 s after the last
+message. A message that is older than `FRESH` heartbeats is out of date and ends the press.
 """
 
 from __future__ import annotations
@@ -36,13 +37,15 @@ FRESH = 5
 """Heartbeats after which a message is too old."""
 
 SILENCE = 0.2
-"""A press of which nothing is heard for so long ends [s]; the coordinator's own watchdog ends its motion just then."""
+"""Time without a message after which a press ends [s]. The coordinator's watchdog ends its motion at the same
+time.
+"""
 
 TURN = 30.0
-"""The largest rate of a jog about an axis [deg/s]."""
+"""Largest rate of a jog about an axis [deg/s]."""
 
 _REST = 1.5
-"""Time for the jog before to come to rest [s]."""
+"""Longest wait for the previous jog to come to rest [s]."""
 
 _LOOKED_EACH = 0.01
 
@@ -53,16 +56,16 @@ Say = Callable[[Message], Awaitable[None]]
 
 
 class JogLine:
-    """One page's connection for jogs.
+    """Connection of one page for jogs.
 
     Args:
-        session: whose page it is.
-        address: that it comes from.
+        session: of the page.
+        address: from which the page is connected.
         robot: that is jogged.
         accounts: for the audit trail.
-        gate: says who may jog.
-        seats: the session's place at the coordinator.
-        under_way: tells what the robot carries out; empty: nothing.
+        gate: checks rights to jog.
+        seats: the sessions' clients of the coordinator.
+        under_way: returns what the robot is executing; empty if nothing.
         say: sends a message to the page.
     """
 
@@ -99,7 +102,7 @@ class JogLine:
         self._heard = 0.0
 
     async def run(self) -> None:
-        """Carry out what is pressed until somebody cancels this; then the robot comes to rest."""
+        """Carry out presses until cancelled; then the robot comes to rest."""
         beating = asyncio.create_task(self._beats())
         try:
             while True:
@@ -114,13 +117,13 @@ class JogLine:
             self._end_going()
 
     def take(self, message: Press | LetGo) -> None:
-        """Take what the page says; never waits."""
+        """Take a message of the page without waiting."""
         if isinstance(message, LetGo):
             self.let_go(message.release)
             if message.end:
                 self._end_going()
         elif message.press <= self._ended:
-            pass  # it was on its way when the press ended
+            pass  # it was sent before the press ended
         elif not self._beat - FRESH <= message.beat <= self._beat:
             self._over(message.press, "what was pressed came too late", "the network is slow: press again")
         elif self._active and message.press != self._active:
@@ -161,13 +164,13 @@ class JogLine:
             self._over(press.press, trouble.what, trouble.remedy, trouble.code)
             return
         if press.press <= self._ended:
-            self._rest()  # it was let go while the motion began
+            self._rest()  # it was released while the motion began
             return
         if reply.behind is not None and all(abs(one) < _REACHED for one in reply.behind.values()):
             self._active = 0
             self._ended = press.press
             assert self._seat is not None
-            self._seat.send(wants.Finish())  # what is in the buffer leads there
+            self._seat.send(wants.Finish())  # the buffered motion ends there
             self._let_others()
             await self._say(Jogging(press=press.press, state="reached", why=""))
             return
@@ -177,11 +180,11 @@ class JogLine:
         """Let a new press begin.
 
         Args:
-            press: which.
-            order: what its role must allow.
+            press: the press.
+            order: order that the role must allow.
 
         Raises:
-            Trouble: it may not, and why.
+            Trouble: the press isn't allowed.
         """
         self._active, self._begun, self._goal, self._seat = press.press, False, None, None
         self._gate.check(self._session, order, self._address)
@@ -192,7 +195,7 @@ class JogLine:
         self._accounts.used(self._session)
 
     async def _go(self, press: Press, order: Wanted) -> None:
-        """Carry an offer or a home search out as long as this is pressed."""
+        """Carry out an offer or a home search while a button is pressed."""
         going = self._going
         if press.press == self._active:
             if going is not None:
@@ -200,7 +203,7 @@ class JogLine:
                 await self._say(Jogging(press=press.press, state="moves", why=""))
             return
         self._admit(press, order)
-        goes_on = isinstance(order, orders.Go)  # a search that was let go is over
+        goes_on = isinstance(order, orders.Go)  # a search ends when it is released
         if going is not None and goes_on and going.order == order and not going.ends:
             await going.resume(lambda: press.press > self._ended)
         else:
@@ -218,7 +221,7 @@ class JogLine:
 
     def _going_over(self, going: Going, what: str, help_: str) -> None:
         if going is not self._going:
-            return  # something else is pressed by now
+            return  # another button is pressed by now
         press, self._going = self._active, None
         if not press:
             self._tell(Jogging(press=self._ended, state="ended", why=what, help=help_))
@@ -234,10 +237,10 @@ class JogLine:
             self._going.stop()
 
     async def _free(self, press: Press) -> None:
-        """Wait until nothing is under way any more that this page has moved.
+        """Wait until no motion of this page is running.
 
         Raises:
-            Trouble: something else is.
+            Trouble: another motion is running.
         """
         going, self._going = self._going, None
         if going is not None:
@@ -272,13 +275,13 @@ class JogLine:
         return reply
 
     async def _rested(self, press: Press) -> None:
-        """Wait until the jog before has come to rest."""
+        """Wait until the previous jog has come to rest."""
         until = self._now() + _REST
         while self._under_way() == JOG and self._now() < until and press.press > self._ended:
             await asyncio.sleep(_LOOKED_EACH)
 
     def _over(self, press: int, why: str, help_: str = "", code: str = "") -> None:
-        """End a press, and all before it."""
+        """End a press and all earlier ones."""
         self._ended = max(self._ended, press)
         if self._active and self._active <= self._ended:
             self._active = 0
@@ -299,7 +302,7 @@ class JogLine:
         if self._begun:
             self._seat.send(orders.Leave())
         else:
-            self._seat.send(orders.Stop())  # what is about to begin doesn't begin then
+            self._seat.send(orders.Stop())  # a motion that is about to begin doesn't begin any more
 
     def _tell(self, message: Message) -> None:
         async def told() -> None:

@@ -1,4 +1,4 @@
-"""The life of a pendant's process: which changed files wait for a restart, and the end that somebody wants."""
+"""Life of a pendant's process: changed files that need a restart, and a requested end."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from yarclang.runtime.actions import Trouble
 How = Literal["restart", "shut-down"]
 
 _LARGEST = 16_000_000
-"""What is larger isn't a description [bytes]."""
+"""Size above which a file isn't a description [bytes]."""
 
 
 class Life:
-    """When a pendant's process ends, and what it would begin with.
+    """Requests to end the pendant's process.
 
     Args:
-        check: raises `Trouble` if a process that is begun now wouldn't start.
+        check: raises `Trouble` if a new process couldn't start.
 
     Attributes:
-        wanted: how somebody wants it to end; empty: nobody does.
+        wanted: the requested kind of end; empty if none is requested.
     """
 
     def __init__(self, check: Callable[[], None] = lambda: None) -> None:
@@ -34,10 +34,10 @@ class Life:
         self._ends = asyncio.Event()
 
     async def may(self, how: How) -> None:
-        """Check that it may end so.
+        """Check that the process may end in a way.
 
         Raises:
-            Trouble: it ends already, or couldn't begin anew.
+            Trouble: it is ending already, or couldn't be restarted.
         """
         if self.wanted:
             raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
@@ -47,17 +47,17 @@ class Life:
                 raise Trouble("the pendant ends already", "wait until its pages are there again", "busy")
 
     def end(self, how: How) -> None:
-        """End the process, once its coordinator is closed and the robot rests."""
+        """Request the end of the process, after its coordinator is closed and the robot rests."""
         self.wanted = how
         self._ends.set()
 
     async def ended(self) -> None:
-        """Wait until somebody wants the end."""
+        """Wait until an end is requested."""
         await self._ends.wait()
 
 
 class Descriptions:
-    """The files that a process reads once, as it begins.
+    """Files that the process reads only when it starts.
 
     Args:
         robot: as it was loaded.
@@ -72,12 +72,14 @@ class Descriptions:
         self._looked: tuple[tuple[int, int] | None, str] = (None, "")
 
     def know(self, cell: str | None) -> None:
-        """Note the cell that all motions keep to, when it is heard of first."""
+        """Note the cell that all motions respect, when it is first known."""
         if cell is not None and Path(cell) not in self._texts:
             self._texts[Path(cell)] = _digest(Path(cell))
 
     def waiting(self) -> tuple[tuple[str, str], ...]:
-        """Return the files that were changed since, and what there is to say of each. Takes long: call it in a thread."""
+        """Return the files that have changed since, each with a text about the change. Slow: call it in a
+        thread.
+        """
         found = [] if not (told := self._of_robot()) else [(self._described.name, told)]
         for path, was in self._texts.items():
             if _digest(path) != was:

@@ -1,7 +1,7 @@
-"""What a page and its analyst, a language server, may say to each other. No I/O.
+"""Messages that are allowed between a page and its analyst, a language server. No I/O.
 
-A page knows the files of the project as `yarc:///folder/name.yarc`. Nothing of a page's message is handed on as it came: each message is read as a type, and
-written anew with the URI of the file that the page has open.
+A page knows the files of the project as `yarc:///folder/name.yarc`. No message of a page is passed on
+unchanged: each is parsed as a type, and rewritten with the URI of the file that the page has open.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from yarclang.pendant.messages.reading import Malformed, read
 
 SCHEME = "yarc"
 MOST_OPEN = 8
-"""Files that one page may have open."""
+"""Most files that a page may have open."""
 
 MOST_ASKED = 64
-"""Requests of one page that wait for their answers."""
+"""Most requests of a page that wait for their answers."""
 
 _LARGEST = 1 << 30
 _SUFFIX = ".yarc"
@@ -143,7 +143,7 @@ REQUESTS: Mapping[str, type[Message]] = {
     "textDocument/semanticTokens/full": Whole,
     "textDocument/semanticTokens/range": Stretch,
 }
-"""What pages may ask, and with which parameters."""
+"""Requests that pages may send, with their parameters."""
 
 NOTIFICATIONS: Mapping[str, type[Message]] = {
     "initialized": Nothing,
@@ -152,7 +152,7 @@ NOTIFICATIONS: Mapping[str, type[Message]] = {
     "textDocument/didClose": Whole,
     "$/cancelRequest": Cancelled,
 }
-"""What pages may tell."""
+"""Notifications that pages may send, with their parameters."""
 
 _TYPES: dict[str, type[_Said[Any]]] = {
     **{name: _Asked[kind] for name, kind in REQUESTS.items()},  # type: ignore[valid-type]
@@ -173,7 +173,7 @@ _CAPABILITIES = {
 
 
 class Passing:
-    """The messages between one page and its analyst.
+    """Filter for the messages between a page and its analyst.
 
     Args:
         folder: of the project.
@@ -187,17 +187,17 @@ class Passing:
         self._asked: dict[int, str] = {}
 
     def again(self) -> None:
-        """Forget all that was said: the analyst is another one."""
+        """Forget all state, for a new analyst."""
         self._files.clear()
         self._asked.clear()
 
     # from the page
 
     def to_analyst(self, text: str) -> dict[str, Any]:
-        """Return what a page's message is for the analyst. Looks into the folder if a file is opened.
+        """Return the analyst's form of a page's message. Reads the folder if a file is opened.
 
         Raises:
-            Malformed: it isn't a message that pages may send.
+            Malformed: pages may not send this message.
             Trouble: it opens a file that isn't a program of the project.
         """
         name = read(text, _Method).method if text else ""  # type: ignore[type-var]  # reads any model
@@ -268,7 +268,7 @@ class Passing:
     # from the analyst
 
     def to_page(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return what an analyst's message is for the page; None: it isn't for pages."""
+        """Return the page's form of an analyst's message; None if it isn't for pages."""
         if "method" in message:
             if message["method"] == "textDocument/publishDiagnostics" and "id" not in message:
                 return self._findings(message["params"])
@@ -289,7 +289,9 @@ class Passing:
         return made | {"result": result}
 
     def reply(self, message: dict[str, Any]) -> dict[str, Any] | None:
-        """Return what the bridge answers to an analyst's own question: that nobody here answers it; None: it asked none."""
+        """Return the answer to an analyst's own request, which is an error; None if the message is no
+        request.
+        """
         if "method" not in message or "id" not in message:
             return None
         return {"jsonrpc": "2.0", "id": message["id"], "error": {"code": _NOT_FOUND, "message": "not here"}}
@@ -307,7 +309,7 @@ class Passing:
         return {"jsonrpc": "2.0", "method": "textDocument/publishDiagnostics", "params": told}
 
     def _action(self, action: dict[str, Any]) -> dict[str, Any] | None:
-        """Return an action that changes texts which the page has open, and nothing else."""
+        """Return a code action restricted to edits of texts that the page has open."""
         edit = action.get("edit") or {}
         changes = edit.get("changes")
         if "command" in action or edit.keys() != {"changes"} or not changes:
@@ -330,6 +332,6 @@ class Passing:
 
 
 def written(message: Mapping[str, Any]) -> bytes:
-    """Return a message as an analyst reads it."""
+    """Return a message in the wire format of an analyst."""
     body = json.dumps(message).encode()
     return b"Content-Length: %d\r\n\r\n%s" % (len(body), body)

@@ -1,4 +1,6 @@
-"""A tool's mass as a change of robot.toml, and what it does to the torques of the joints. All functions read files or compute: call them in a thread."""
+"""A tool's mass as a change of robot.toml, and its effect on joint torques. All functions read files or
+compute: call them in a thread.
+"""
 
 from __future__ import annotations
 
@@ -28,20 +30,20 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 from yarclang.toml.reading import parse_toml, read_text
 
 _EACH, _MOST_INSTANTS = 16, 40_000
-"""Instants that are looked at, of a motion and of a whole program."""
+"""Most instants that are examined of a motion, and of a whole program."""
 
 
 @dataclass(frozen=True, slots=True)
 class RobotFile:
-    """The robot.toml that runs, as it is on the disk now.
+    """The robot.toml of the running robot, as it is on the disk now.
 
     Attributes:
-        file: the path by which the project knows it, or the whole one.
-        folder: where it stands.
-        text: what it says.
+        file: its path in the project, or the absolute path.
+        folder: that holds it.
+        text: its content.
         sha256: of the file.
         outside: why it can't be changed here; empty if it can.
-        remedy: what to do about that.
+        remedy: what to do in that case.
     """
 
     file: str
@@ -53,20 +55,20 @@ class RobotFile:
 
     @property
     def why_not(self) -> str:
-        """Why it can't be changed here and what to do, as one sentence; empty if it can."""
+        """Reason and remedy if it can't be changed here, in one sentence; empty if it can."""
         return f"{self.outside}: {self.remedy}" if self.outside else ""
 
     @property
     def source(self) -> SourceFile:
-        """The text under its name."""
+        """The text as a source named after the file."""
         return SourceFile(self.file, self.text)
 
     @property
     def data(self) -> dict[str, Any]:
-        """What its TOML says.
+        """The parsed TOML.
 
         Raises:
-            Trouble: it is no TOML.
+            Trouble: the text is no TOML.
         """
         data = parse_toml(self.source)
         if isinstance(data, Diagnostic):
@@ -75,7 +77,7 @@ class RobotFile:
         return data
 
     def read(self) -> Result[Robot]:
-        """Return the robot that it describes."""
+        """Return the robot that the file describes."""
         return read_robot(self.source, self.folder)
 
 
@@ -83,11 +85,11 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
     """Read the description of a robot.
 
     Args:
-        robot: that runs.
-        project: the files that can be changed.
+        robot: the running robot.
+        project: the project's folder, whose files can be changed.
 
     Raises:
-        Trouble: it can't be read.
+        Trouble: the file can't be read.
     """
     place = robot.folder.resolve() / DESCRIPTION
     if place.is_relative_to(project.root):
@@ -104,7 +106,7 @@ def robot_file(robot: Robot, project: ProjectFolder) -> RobotFile:
 
 
 def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
-    """Return the tables [tools.NAME] of a file, by their names as they are written."""
+    """Return the tables [tools.NAME] of a file, by their names as written."""
     found = data.get("tools")
     if not isinstance(found, dict):
         return {}
@@ -112,14 +114,14 @@ def tables_of(data: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def with_payload(file: RobotFile, payload: said.Payload) -> str:
-    """Return the text of robot.toml with what a tool weighs; numbers that stay are left as they are written.
+    """Return the text of robot.toml with a tool's new payload. Unchanged numbers stay as they are written.
 
     Args:
         file: robot.toml.
-        payload: that the tool has then.
+        payload: new payload of the tool.
 
     Raises:
-        Trouble: the file has no such tool and can't get it, or isn't in a form that can be changed.
+        Trouble: the file has no such tool and can't get one, or its form can't be changed.
     """
     tables = tables_of(file.data)
     named = {name.upper(): name for name in tables}
@@ -144,7 +146,7 @@ def with_payload(file: RobotFile, payload: said.Payload) -> str:
 
 
 def _changed(file: RobotFile, name: str, table: dict[str, Any], wanted: dict[str, object]) -> str:
-    """Return the text with another mass, centre and inertia of a tool that is there."""
+    """Return the text with a new mass, centre and inertia of an existing tool."""
     text = file.text
     for key in ("mass", "center_of_mass", "inertia"):
         path, source = ("tools", name, key), SourceFile(file.file, text)
@@ -153,7 +155,7 @@ def _changed(file: RobotFile, name: str, table: dict[str, Any], wanted: dict[str
         elif key in table and table[key] == wanted[key]:
             continue
         elif key not in table and key == "center_of_mass" and not any(map(bool, _numbers(wanted[key]))):
-            continue  # it is at the frame's origin anyway
+            continue  # the centre is at the frame's origin by default
         else:
             text = with_value(source, path, wanted[key])
     return text
@@ -179,13 +181,13 @@ def joints_of(robot: Robot) -> tuple[said.JointEffort, ...]:
 def torques_of(
     robot: Robot, other: Robot, here: Array | None, plan: MotionPlan | None
 ) -> tuple[tuple[said.Torques, ...], str]:
-    """Return what the joints have to give without and with a payload, and why that isn't known if it isn't.
+    """Return the joint torques without and with a payload, and the reason if they can't be computed.
 
     Args:
-        robot: that runs.
-        other: the same one with the payload, as its changed file describes it.
-        here: (n,) where it stands [rad or m]; None: not known.
-        plan: of a program; None: none is looked at.
+        robot: the running robot.
+        other: the robot with the payload, as its changed file describes it.
+        here: (n,) present joint positions [rad or m]; None if unknown.
+        plan: of a program; None to examine no program.
     """
     now, then = robot.dynamics, other.dynamics
     if now is None or then is None or robot.joint_names != other.joint_names:
@@ -204,7 +206,7 @@ def torques_of(
 
 
 def _of_program(robot: Robot, loads: tuple[Dynamics, Dynamics], plan: MotionPlan) -> said.Torques:
-    """Return the largest torques while a program moves; all of its ways count."""
+    """Return the largest torques of a program over all of its branches."""
     each = max(2, min(_EACH, _MOST_INSTANTS // len(plan.motions)))
     rows = [one.curve.sample(np.linspace(0.0, one.curve.duration, each)) for one in plan.motions]
     q, v, a = (np.concatenate([row[part] for row in rows]) for part in range(3))
@@ -232,17 +234,17 @@ def _told(robot: Robot, what: Any, now: Array, then: Worst, where: tuple[str, ..
 def proposed(
     robot: Robot, project: ProjectFolder, payload: said.Payload, here: Array | None, plan: MotionPlan | None
 ) -> said.PayloadShown:
-    """Return what a payload would change.
+    """Return the changes that a payload would make.
 
     Args:
-        robot: that runs.
-        project: the files that can be changed.
-        payload: that is entered.
-        here: (n,) where the robot stands [rad or m]; None: not known.
-        plan: of a program; None: none is looked at.
+        robot: the running robot.
+        project: the project's folder, whose files can be changed.
+        payload: as entered.
+        here: (n,) present joint positions [rad or m]; None if unknown.
+        plan: of a program; None to examine no program.
 
     Raises:
-        Trouble: robot.toml can't be read, or can't be changed like this.
+        Trouble: robot.toml can't be read, or can't be changed in this way.
     """
     file = robot_file(robot, project)
     after = with_payload(file, payload)
@@ -267,7 +269,7 @@ def proposed(
 
 
 def differs(robot: Robot, read: Result[Robot]) -> bool:
-    """Return True if a file describes another robot than the one that runs."""
+    """Return True if a file describes another robot than the running one."""
     if read.value is None:
         return True
     theirs, ours = read.value.dynamics, robot.dynamics

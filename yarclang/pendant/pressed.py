@@ -1,4 +1,4 @@
-"""What a press wants, as a want of a live motion: velocities of joints or of a frame, and steps."""
+"""Conversion of presses to requests to a live motion: velocities of joints or of a frame, and steps."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ AXES = "xyzabc"
 
 
 class Pressed:
-    """Reads presses for one robot.
+    """Converter of presses for one robot.
 
     Args:
         robot: that is jogged.
@@ -26,10 +26,10 @@ class Pressed:
         self._robot = robot
 
     async def of(self, press: Press, seat: Attached) -> wants.Want:
-        """Return what a press of velocities wants.
+        """Return the request of a press for velocities.
 
         Raises:
-            Trouble: it wants nothing, or names what isn't there.
+            Trouble: the press asks for no velocity, or names an unknown joint or frame.
         """
         if press.velocity is not None:
             return wants.MoveJoints(velocity=press.velocity)
@@ -42,7 +42,7 @@ class Pressed:
         return wants.MoveTool(twist=tuple(np.concatenate([turn @ along, turn @ about]).tolist()), axes="base")
 
     async def _axes(self, name: str, seat: Attached) -> Array:
-        """Return the axes of a frame that stands still (3, 3), in {B}."""
+        """Return the axes (3, 3) of a stationary frame in {B}."""
         if _same(name, "{B}"):
             return np.eye(3)
         for frame in (await seat.ask(orders.AskFrames())).frames:
@@ -54,7 +54,7 @@ class Pressed:
         raise Trouble(f"there is no frame {name[:40]!r}", "choose one of the list", "")
 
     async def step(self, press: Press, step: Step, seat: Attached) -> wants.Want:
-        """Return where a step leads, from where the robot stands."""
+        """Return the end of a step from the robot's present position."""
         here = await seat.ask(orders.AskPlace(base="{B}", moving=press.moving))
         names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
         if (number := names.get(step.axis.upper())) is not None:
@@ -82,7 +82,7 @@ def _same(one: str, other: str) -> bool:
 
 
 def _about(axis: Array, angle: float) -> Array:
-    """Return the turn (3, 3) about a unit vector (3,) by an angle [rad]."""
+    """Return the rotation (3, 3) about a unit vector (3,) by an angle [rad]."""
     x, y, z = axis
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
     turn: Array = np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * (cross @ cross)

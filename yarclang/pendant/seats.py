@@ -1,4 +1,6 @@
-"""The sessions' places at the coordinator: each person who orders something is a client of their own, known by their name."""
+"""The sessions' clients of the coordinator ("seats"): each session that gives orders is a client of its own,
+known by its user's name.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +12,18 @@ from yarclang.pendant.accounts.sessions import Session
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Makes a client of the coordinator, by the name that others know it by."""
+"""Function that makes a client of the coordinator from its name for others."""
 
 
 class Seats:
-    """Who sits where.
+    """All seats.
 
     Args:
         attach: makes clients of the coordinator.
 
     Attributes:
-        jogging: which connection of a session jogs, by the session's id: a second page would change what the first one began.
+        jogging: the connection that jogs, by the session's id. A second page of the session would change the
+            motion that the first one began.
     """
 
     def __init__(self, attach: Attach) -> None:
@@ -31,7 +34,7 @@ class Seats:
         self._leaving: set[asyncio.Task[None]] = set()
 
     async def of(self, session: Session) -> Attached:
-        """Return the seat of a session; it is taken with the first order.
+        """Return the seat of a session, made with its first order.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -44,20 +47,20 @@ class Seats:
             return self._seats[session.id]
 
     def taken(self, session: Session) -> Attached | None:
-        """Return the seat of a session, if it has one."""
+        """Return the seat of a session; None if it has none."""
         return self._seats.get(session.id)
 
     def name(self, session: Session) -> str:
-        """Return the name by which the coordinator knows a session; empty: it doesn't yet."""
+        """Return the coordinator's name of a session; empty if it has no seat."""
         seat = self._seats.get(session.id)
         return "" if seat is None else seat.welcome.name
 
     def session_called(self, client: str | None) -> str:
-        """Return the id of the session that the coordinator knows by a name; empty: none of these."""
+        """Return the id of the session that the coordinator knows by a name; empty if there is none."""
         return next((id_ for id_, seat in self._seats.items() if seat.welcome.name == client), "")
 
     def leave(self, id_: str) -> None:
-        """Give up the seat of a session: if it owns the robot, the robot comes to rest on its path."""
+        """Give up the seat of a session. If it owns the robot, the robot comes to rest on its path."""
         seat = self._seats.pop(id_, None)
         if seat is not None:
             task = asyncio.ensure_future(_left(seat))
@@ -75,4 +78,4 @@ async def _left(seat: Attached) -> None:
     try:
         await seat.leave()
     except Trouble:
-        return  # the coordinator has gone, and the robot rests by its own guard
+        return  # the coordinator has ended, and the robot's own guard brings it to rest

@@ -1,4 +1,4 @@
-"""The pendant's server: a port, TLS, and its life beside the coordinator's, in one event loop."""
+"""The pendant's server: a port and TLS, in one event loop with the coordinator."""
 
 from __future__ import annotations
 
@@ -21,21 +21,22 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _LAST = 2
-"""Time for connections to end when the server does [s]."""
+"""Time for connections to end when the server ends [s]."""
 
 _QUIET = 5
-"""Time between two requests of one connection [s]."""
+"""Longest time between two requests of one connection [s]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a pendant listens.
+    """Address at which a pendant listens.
 
     Attributes:
         host: address or name.
-        port: 0: any that is free.
-        names: by which it may be called as well.
-        certificate, key: files for TLS; None: none.
+        port: 0 for any free port.
+        names: further names of the server.
+        certificate: file for TLS; None without TLS.
+        key: file for TLS; None without TLS.
     """
 
     host: str
@@ -59,16 +60,17 @@ async def served(
     """Serve a pendant as long as the context lasts.
 
     Args:
-        robot: whose.
+        robot: of the pendant.
         attach: makes clients of its coordinator.
         folder: of the project.
         database: the file of users, sessions and audit trail.
-        place: where to listen.
-        logs: where motions are logged, a folder or a file; None: not known.
-        life: of this process; None: nobody ends it.
+        place: at which to listen.
+        logs: folder or file for logs of motions; None if unknown.
+        life: of this process; None if it can't be ended from the pendant.
 
     Yields:
-        The address of its pages, and the token of the one-time link for the first user; empty if there is a user.
+        The address of its pages, and the token of the one-time link for the first user; empty if there is a
+        user.
 
     Raises:
         Trouble: the port is taken, a file can't be used, or the coordinator can't be reached.

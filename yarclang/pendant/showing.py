@@ -1,4 +1,4 @@
-"""What is always on the screen, from what the coordinator tells. No I/O."""
+"""Content of the display that is always on the screen, from the coordinator's messages. No I/O."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from yarclang.robot.model import Array, Robot
 from yarclang.runtime.state import State
 
 JOG = "jog"
-"""What a live motion of the pendant is called."""
+"""Name of the pendant's live motions."""
 
 
 class Showing:
-    """The facts about one robot, as they were heard last.
+    """The last known state of one robot.
 
     Args:
-        robot: whose.
+        robot: the robot.
 
     Attributes:
-        connected: whether the coordinator is there.
-        alarm: returns the foremost alarm.
-        scene: the version of the scene that was drawn; empty: none was.
-        touching: the bodies that are too near to others.
-        stopped_by: the bodies and zones that the last live motion was stopped by.
+        connected: True if the coordinator is connected.
+        alarm: returns the most important alarm.
+        scene: version of the drawn scene; empty before the first.
+        touching: bodies that are too near to others.
+        stopped_by: bodies and zones that have stopped the last live motion.
     """
 
     def __init__(self, robot: Robot) -> None:
@@ -54,12 +54,12 @@ class Showing:
 
     @property
     def under_way(self) -> str:
-        """What is carried out; empty: nothing is."""
+        """The program or motion that is running; empty if nothing is."""
         return self._under_way
 
     @property
     def joints(self) -> Array | None:
-        """Actual positions (n,) [rad or m]; None: not known."""
+        """Actual positions (n,) [rad or m]; None if unknown."""
         if any(one is None for one in self._joints):
             return None
         found: Array = np.array(self._joints, dtype=float) * self.robot.axis_units
@@ -67,35 +67,37 @@ class Showing:
 
     @property
     def owner(self) -> str | None:
-        """Who may move the robot."""
+        """The client that may move the robot; None if nobody."""
         return self._owner
 
     @property
     def state(self) -> State:
-        """What the robot does."""
+        """State of the robot."""
         return self._state
 
     @property
     def why(self) -> str:
-        """Why it is in this state; empty: nobody has said."""
+        """Reason of the state; empty if unknown."""
         return self._why
 
     @property
     def heard_health(self) -> replies.Health | None:
-        """The motors, link and buffer, as they were heard of last; None: not yet."""
+        """Last known health of motors, link and buffer; None before the first message."""
         return self._health
 
     def runs(self, file: str) -> None:
-        """Note which file of the project is run next."""
+        """Note the file of the project that is run next."""
         self._file = (file.rpartition("/")[2], file)
 
     def file_of(self, program: str) -> str:
-        """Return the file in the project of the program of a name; empty: it isn't the one that was run here last."""
+        """Return the file in the project of a program's name; empty if that program wasn't the last to be run
+        here.
+        """
         name, file = self._file
         return file if program and name == program else ""
 
     def welcome(self, status: replies.Status) -> None:
-        """Take what is told to whoever comes."""
+        """Take the status that the coordinator sends to a new client."""
         self.connected = True
         self._state, self._why, self._asks = status.state, status.why, status.asks
         self._owner = status.owner
@@ -109,16 +111,16 @@ class Showing:
         self._joints = tuple(one.position for one in status.joints)
 
     def lost(self) -> None:
-        """Note that the coordinator is gone: what was heard of the motors isn't known any more."""
+        """Note that the coordinator is disconnected, and forget the state of the motors."""
         self.connected = False
         self._health = None
 
     def health(self, health: replies.Health) -> None:
-        """Take what was heard of the motors."""
+        """Take a message on the motors' health."""
         self._health = health
 
     def take(self, event: events.BaseEvent) -> None:
-        """Take what the coordinator tells."""
+        """Take an event of the coordinator."""
         match event:
             case events.StateChanged(state=state, why=why, asks=asks):
                 self._state, self._why, self._asks = state, why, asks
@@ -146,10 +148,10 @@ class Showing:
                 pass
 
     def display(self, audit: str = "") -> Display:
-        """Return what is shown now.
+        """Return the present display.
 
         Args:
-            audit: why the audit trail can't be written; empty: it can.
+            audit: why the audit trail can't be written; empty if it can.
         """
         motors = () if self._health is None else self._health.motors
         flange, links = self._places()
@@ -193,7 +195,9 @@ class Showing:
         return "jog" if self._under_way == JOG else "program"
 
     def _places(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
-        """Return base_from_flange (16,) and the links' placements (7 n,); computed once for each place of the robot."""
+        """Return base_from_flange (16,) and the links' placements (7 n,), computed once for each position of
+        the robot.
+        """
         if self._placed is not None and self._placed[0] == self._joints:
             return self._placed[1:]
         flange: tuple[float, ...] = ()

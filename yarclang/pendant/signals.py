@@ -1,4 +1,6 @@
-"""Inputs and outputs as all pages see them: asked for once for everybody, with what the cell's file says of them and what runs have told."""
+"""Inputs and outputs: requested once for all pages, with the data of the cell's file and the reports of
+runs.
+"""
 
 from __future__ import annotations
 
@@ -20,16 +22,28 @@ from yarclang.source import SourceFile
 from yarclang.toml.places import Places, find_places
 
 _AGE, _SIMULATED_AGE = 0.4, 0.1
-"""Values that are younger aren't asked for again [s]; those of a robot that is simulated here cost little."""
+"""Age of values below which they aren't requested again [s], for a real robot and for one that is simulated
+here.
+"""
 _SHARE = 4.0
-"""A real controller is asked so seldom that this takes at most one part in so many of the time: jogs go over the same line."""
+"""Requests to a real controller take at most one part in this many of the time, because jogs use the same
+connection.
+"""
 _LONGEST = 160
-"""Characters of a comment."""
+"""Longest comment [characters]."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _CellFile:
-    """A cell as its file was: `stamp` is that of the file; `trouble` says why there is none."""
+    """A cell as it was read.
+
+    Attributes:
+        path: of its file; None without a cell.
+        stamp: of the file's version.
+        cell: the cell; None if there is none.
+        trouble: why there is no cell.
+        comments: of inputs and outputs, by table and name.
+    """
 
     path: str | None
     stamp: tuple[int, int]
@@ -40,7 +54,14 @@ class _CellFile:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """What was asked for last, and until when it is new enough [s]."""
+    """The last answer about inputs and outputs.
+
+    Attributes:
+        told: the coordinator's answer.
+        held: parts that grippers hold.
+        shown: the message for pages.
+        until: time until which it is recent enough [s].
+    """
 
     told: Surroundings
     held: tuple[HeldParts, ...]
@@ -49,11 +70,11 @@ class _Seen:
 
 
 class Signals:
-    """Asks for inputs and outputs, and hears which WAIT the robot stands at.
+    """Requests for inputs and outputs, and the WAIT at which the robot stands.
 
     Args:
-        robot: whose.
-        now: a clock that never goes back [s].
+        robot: the robot.
+        now: a monotonic clock [s].
     """
 
     def __init__(self, robot: Robot, now: Callable[[], float]) -> None:
@@ -66,12 +87,12 @@ class Signals:
         self._wait: tuple[events.WaitBegan, float] | None = None
 
     async def watch(self, _: Attached) -> None:
-        """Begin anew with a coordinator: what another one has told doesn't count."""
+        """Forget the state of an earlier coordinator."""
         self._seen, self._wait = None, None
         self._heard.clear()
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take what a run tells of inputs and outputs."""
+        """Take a run's event on inputs and outputs."""
         match event:
             case events.Began() | events.Finished():
                 self._wait = None
@@ -92,7 +113,7 @@ class Signals:
             self._seen = None
 
     async def cell(self, attached: Attached) -> Cell | None:
-        """Return the cell around the robot as its file has it; None: there is none, or it can't be read.
+        """Return the cell around the robot from its file; None if there is none, or it can't be read.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -109,7 +130,7 @@ class Signals:
         return (await self._look(attached)).shown
 
     async def values(self, attached: Attached) -> SignalValues:
-        """Return what values they have.
+        """Return the values of all inputs and outputs.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -146,7 +167,7 @@ class Signals:
         )
 
     async def _look(self, attached: Attached) -> _Seen:
-        """Return what is known, asked for by one page for all."""
+        """Return the present state, requested once for all pages."""
         async with self._asking:
             if self._seen is not None and self._now() < self._seen.until:
                 return self._seen
@@ -161,7 +182,9 @@ class Signals:
             return self._seen
 
     def _read(self, path: str | None) -> _CellFile:
-        """Return the cell's file. The coordinator names none that can't be read: then it is told what is wrong with the last one."""
+        """Return the cell's file. The coordinator names no file that can't be read; then the problem with the
+        last file is reported.
+        """
         if path is not None or self._file.path is None:
             return read_cell_file(path, self._robot, self._file)
         last = read_cell_file(self._file.path, self._robot, self._file)
@@ -169,12 +192,12 @@ class Signals:
 
 
 async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
-    """Return which grippers hold something."""
+    """Return the grippers that hold something."""
     if cell is None or not cell.parts or not cell.grips:
         return ()
     try:
         told = await attached.ask(orders.AskParts())
-    except Trouble:  # only the program has a cell with parts
+    except Trouble:  # the session's own cell has no parts
         return ()
     held: dict[str, list[str]] = {}
     for one in told.parts:
@@ -184,12 +207,12 @@ async def _held(attached: Attached, cell: Cell | None) -> tuple[HeldParts, ...]:
 
 
 def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFile:
-    """Return what a cell's file says; the file is read again only if it has changed. Call it in a thread.
+    """Return the content of a cell's file, which is read again only after a change. Call it in a thread.
 
     Args:
-        path: of the file; None: there is no cell.
-        robot: whose joint values it has.
-        before: what was read last.
+        path: of the file; None without a cell.
+        robot: of the cell, for its joint values.
+        before: the content that was read last.
     """
     if path is None:
         return _CellFile(None, (0, 0), None, "", {})
@@ -210,7 +233,9 @@ def read_cell_file(path: str | None, robot: Robot, before: _CellFile) -> _CellFi
 
 
 def comments_of(source: SourceFile) -> dict[tuple[str, str], str]:
-    """Return the comments of inputs and outputs in a cell's file, by table and name in upper case: that at the end of the line, else the line above."""
+    """Return the comments of inputs and outputs in a cell's file, by table and name in upper case: the
+    comment at the end of the line, otherwise in the line above.
+    """
     places, lines = find_places(source), source.lines
     found = {}
     for path in places.keys:

@@ -1,4 +1,4 @@
-"""Where the robot stands, for those who write it down: it has to be at rest, held by its motors, and they have to know where they are."""
+"""Position of the robot at rest, for results that are written down: held by motors that are referenced."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from yarclang.runtime.actions import Trouble
 
 
 async def stands(watched: Watched, motors: Collection[int] | None = None) -> Array:
-    """Return (n,) where the robot stands [rad or m].
+    """Return the robot's joint positions (n,) at rest [rad or m].
 
     Args:
         watched: the robot.
-        motors: numbers of the motors that have to be referenced; None: all of them.
+        motors: numbers of the motors that have to be referenced; None for all of them.
 
     Raises:
-        Trouble: it moves, or isn't referenced, or isn't enabled, or isn't there.
+        Trouble: the robot moves, isn't referenced, isn't enabled, or isn't connected.
     """
     attached = watched.attached
     _check_rest(watched)

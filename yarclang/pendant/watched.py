@@ -1,4 +1,6 @@
-"""The robot as all pages of a pendant see it: one client of the coordinator listens for all of them, and what it hears is written once."""
+"""The robot as all pages of a pendant see it: one client of the coordinator listens for all of them, and each
+message is formatted once.
+"""
 
 from __future__ import annotations
 
@@ -20,17 +22,17 @@ EACH = 0.05
 
 _HEALTH_EACH = 0.5
 _BEATS = 10
-"""Displays between two heartbeats, by which a page knows that this server is there."""
+"""Displays between two heartbeats, by which a page knows that this server is running."""
 
 _AGAIN = 1.0
-"""Time between two tries to reach the coordinator [s]."""
+"""Time between two attempts to reach the coordinator [s]."""
 
 _MOST = 64
-"""Texts that wait for a page; the oldest goes where there is no room."""
+"""Texts that wait for a page; beyond it, the oldest is dropped."""
 
 
 class Page:
-    """What waits for one page that is connected: the newest display, and texts in their order."""
+    """Queue of a connected page: the newest display, and texts in order."""
 
     def __init__(self, session: str) -> None:
         self.session = session
@@ -39,18 +41,18 @@ class Page:
         self._arrived = asyncio.Event()
 
     def show(self, display: str) -> None:
-        """Show the newest display; one that wasn't sent yet is forgotten."""
+        """Queue a display, in place of one that wasn't sent yet."""
         self._display = display
         self._arrived.set()
 
     def tell(self, text: str) -> None:
-        """Send a text after those that wait."""
+        """Queue a text."""
         self._texts.append(text)
         del self._texts[:-_MOST]
         self._arrived.set()
 
     async def next(self) -> str:
-        """Return what is sent next, when there is something."""
+        """Wait for the next text or display and return it."""
         while True:
             if self._texts:
                 return self._texts.pop(0)
@@ -62,16 +64,16 @@ class Page:
 
 
 class Watched:
-    """Listens to a coordinator, and tells the pages.
+    """Client of the coordinator that passes its messages to all pages.
 
     Args:
-        robot: whose.
+        robot: the robot.
         attach: makes clients of the coordinator.
-        seats: the sessions' places there: they are gone with a coordinator that is lost.
-        audit: tells why the audit trail can't be written.
+        seats: the sessions' clients of the coordinator, which end with it.
+        audit: returns why the audit trail can't be written; empty if it can.
 
     Attributes:
-        showing: what is on all screens.
+        showing: the state on all screens.
     """
 
     def __init__(self, robot: Robot, attach: Attach, seats: Seats, audit: Callable[[], str]) -> None:
@@ -92,11 +94,11 @@ class Watched:
         hear: Callable[[events.BaseEvent], None],
         lost: Callable[[], None] = lambda: None,
     ) -> None:
-        """Let somebody else listen as well.
+        """Register a further listener.
 
         Args:
-            work: carried out, until it is cancelled, as long as the coordinator is there.
-            hear: takes each event.
+            work: runs while the coordinator is connected, until it is cancelled.
+            hear: called with each event.
             lost: called when the coordinator can't be reached.
         """
         self._works.append(work)
@@ -110,12 +112,12 @@ class Watched:
 
     @property
     def pages(self) -> int:
-        """How many pages are connected."""
+        """Number of connected pages."""
         return len(self._pages)
 
     @property
     def attached(self) -> Attached:
-        """The client that everybody shares: for stops, and for questions.
+        """The shared client, for stops and questions.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -126,27 +128,27 @@ class Watched:
         return self._attached
 
     def pages_of(self, session: str) -> int:
-        """Return how many pages of a session are connected."""
+        """Return the number of a session's connected pages."""
         return sum(page.session == session for page in self._pages)
 
     def join(self, page: Page) -> None:
-        """Tell a page all that comes."""
+        """Begin to send all messages to a page."""
         self._pages.add(page)
         page.show(self._shown or self._written())
 
     def leave(self, page: Page) -> None:
-        """Tell a page nothing more."""
+        """Stop sending messages to a page."""
         self._pages.discard(page)
 
     def notice(self, notice: Notice, session: str = "") -> None:
-        """Tell something to the pages of a session; empty: to all."""
+        """Send a notice to the pages of a session; empty for all pages."""
         text = notice.model_dump_json()
         for page in self._pages:
             if not session or page.session == session:
                 page.tell(text)
 
     async def run(self) -> None:
-        """Listen until somebody cancels this; a coordinator that is gone is looked for again."""
+        """Listen until cancelled, and reconnect to a coordinator that was lost."""
         telling = asyncio.create_task(self._tell())
         try:
             while True:
@@ -170,7 +172,7 @@ class Watched:
         self._attached = await self._attach("pendant")
 
     async def stop(self) -> None:
-        """Be a client no more."""
+        """Detach from the coordinator."""
         await self._seats.leave_all()
         if self._attached is not None:
             await self._attached.leave()

@@ -1,1 +1,1 @@
-"""What people look at: a robot as text, a motion as a picture."""
+"""Output for people: texts on robots, programs and runs, and pictures of motions."""

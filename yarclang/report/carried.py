@@ -1,4 +1,6 @@
-"""The parts of a cell through a program, for people: where they are from each step on, and what each SET does to them."""
+"""Parts of a cell through a program, for people: their positions from each step on, and the effect of each
+SET on them.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,14 @@ from yarclang.robot.model import Array, Robot
 
 @frozen(eq=False)
 class State:
-    """Where the parts are from the beginning of step `step` on (-1: before the program), and which bodies may touch then. `is_motion` is True if the step moves the robot."""
+    """State of the parts from the beginning of a step on.
+
+    Attributes:
+        step: number of the step; -1 before the program.
+        parts: of the cell.
+        is_motion: True if the step moves the robot.
+        touches: pairs of bodies that may touch.
+    """
 
     step: int
     parts: Parts
@@ -34,9 +43,9 @@ class Carried:
     Attributes:
         handling: the program's steps, with the grippers and parts of its cell.
         states: in the order of the steps; the first one is before the program.
-        grasps: what grippers do, by the step of the SET.
-        removed: the names of the parts that machines remove, by the step of the SET.
-        names: the names of the parts that grippers hold during each motion, by its step.
+        grasps: actions of grippers, by the step of the SET.
+        removed: names of the parts that machines remove, by the step of the SET.
+        names: names of the parts that grippers hold during each motion, by its step.
     """
 
     handling: Handling
@@ -46,11 +55,11 @@ class Carried:
     names: Mapping[int, tuple[str, ...]]
 
     def cell_of(self, state: State) -> Cell | None:
-        """Return the cell with the parts where they are in a state."""
+        """Return the cell with its parts as in a state."""
         return self.handling.around(state.parts, state.touches)
 
     def deeds(self, step: int) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        """Return what a SET does to parts: verb and names, such as ("takes", ("BOX 3",))."""
+        """Return the effects of a SET on parts: verb and names, such as ("takes", ("BOX 3",))."""
         if step in self.removed:
             return (("removes", self.removed[step]),)
         grasp = self.grasps.get(step)
@@ -67,9 +76,10 @@ def carried_parts(
     Args:
         robot: whose flange carries them.
         program: its steps, and its cell.
-        start: where the robot stands at first (n,) [rad or m].
-        ends: where each motion ends (n,) [rad or m], by its step; motions that can't be planned are missing.
-        left_out: steps that aren't carried out. With a WHEN among them its ELSE and END must be too: what is left is then carried out one after the other.
+        start: (n,) joint positions at the start [rad or m].
+        ends: (n,) end of each motion [rad or m], by its step; motions that can't be planned are missing.
+        left_out: steps that aren't executed. With a WHEN, its ELSE and END must be left out too; the
+            remaining steps are then executed one after the other.
 
     Returns:
         None if the cell has no parts.
@@ -86,7 +96,9 @@ def carried_parts(
 
 
 def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
-    """Return the states with what may touch: on motions as the certificate has it, and at rest as on the motion beside it, up to the SET that moves a gripper."""
+    """Return the states with the pairs that may touch: during motions as in the certificate, and at rest as
+    in the motion beside, up to the SET that moves a gripper.
+    """
     cells = {step: cell for step, cell in followed.cells.items() if cell is not None}
     motions, grasps = {step: cell.touches for step, cell in cells.items()}, followed.grasps
     found: list[State] = []
@@ -99,7 +111,9 @@ def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
 def _beside(
     states: list[State], at: int, motions: Mapping[int, tuple[Touch, ...]], grasps: Mapping[int, Grasp]
 ) -> tuple[Touch, ...]:
-    """Return what may touch while the robot stands in a state: what may on the motion before it or, after a gripper has moved, on the next one."""
+    """Return the pairs that may touch while the robot rests in a state: those of the previous motion or,
+    after a gripper has moved, those of the next one.
+    """
     for here in range(at, -1, -1):
         if states[here].is_motion:
             return motions[states[here].step]
@@ -114,7 +128,7 @@ def _beside(
 
 
 def carried_in_plan(plan: MotionPlan) -> Carried | None:
-    """Follow the parts through a program as it is planned; None if its cell has none."""
+    """Follow the parts through a planned program; None if its cell has none."""
     if not _has_parts(plan.program):
         return None
     ends = {motion.step: end_of(motion.curve) for motion in plan.motions}
@@ -126,7 +140,7 @@ def _has_parts(program: Program) -> bool:
 
 
 def end_of(curve: Curve) -> Array:
-    """Return where a curve ends (n,) [rad or m]."""
+    """Return the end of a curve (n,) [rad or m]."""
     end: Array = curve.sample(np.array([curve.duration]))[0][0]
     return end
 
@@ -137,12 +151,12 @@ def carried_in_text(
     """Follow the parts through a controller text.
 
     Args:
-        does: what the text does.
-        program: the program that it was made from; None if that isn't known.
-        left_out: steps of the program that aren't carried out, as of `carried_parts`.
+        does: execution of the text.
+        program: from which the text was made; None if unknown.
+        left_out: steps of the program that aren't executed, as for `carried_parts`.
 
     Returns:
-        None if the program isn't known, or its cell has no parts.
+        None if the program is unknown, or its cell has no parts.
     """
     if program is None or not _has_parts(program):
         return None
@@ -151,11 +165,12 @@ def carried_in_text(
 
 
 def begins_in_text(does: Executed, steps: int, *, counts_dwells: bool = True) -> tuple[float, ...]:
-    """Return when each step of a program begins in its text [s], with the ways of a WHEN one after the other. A step of which the text has nothing begins with the next one.
+    """Return the time in a text at which each step of a program begins [s], with the branches of a WHEN one
+    after the other. A step without lines in the text begins with the next one.
 
     Args:
-        does: what the text does.
-        steps: how many steps the program has.
+        does: execution of the text.
+        steps: number of the program's steps.
         counts_dwells: True if dwells take time.
     """
     begins: list[float] = []

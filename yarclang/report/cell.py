@@ -6,6 +6,6 @@ from pathlib import Path
 
 
 def cell_text(name: str) -> str:
-    """Return the line that names the cell.toml that a robot keeps to, as seen from the working folder: `cell: cell.toml`."""
+    """Return the line that names a robot's cell.toml, relative to the working folder: `cell: cell.toml`."""
     path, here = Path(name), Path.cwd()
     return f"cell: {path.relative_to(here) if path.is_relative_to(here) else path}"

@@ -1,4 +1,6 @@
-"""Certificates as JSON, command by command: that of 100,000 commands has 170 MB, and ten times as much as plain data."""
+"""Certificates as JSON, written command by command: a certificate of 100,000 commands has 170 MB as JSON, and
+ten times as much as plain data.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,7 @@ def certificate_pieces(certificate: Certificate, *, ascii_only: bool = True) -> 
     """Yield the text of `json.dumps(certificate.to_json(), indent=2)` in pieces.
 
     Args:
-        certificate: what was proved.
+        certificate: to write.
         ascii_only: True to escape all other characters.
     """
     whole = json.dumps({**certificate.whole_to_json(), "commands": []}, indent=2, ensure_ascii=ascii_only)
@@ -37,7 +39,7 @@ def report_pieces(report: dict[str, Any], certificate: Certificate | None) -> It
 
     Args:
         report: plain data.
-        certificate: stands last, as `certificate`.
+        certificate: written last, as `certificate`.
     """
     text = json.dumps({**report, "certificate": None}, indent=2, ensure_ascii=False)
     if certificate is None:
@@ -50,7 +52,7 @@ def report_pieces(report: dict[str, Any], certificate: Certificate | None) -> It
 
 
 def reports_pieces(reports: list[tuple[dict[str, Any], Certificate | None]]) -> Iterator[str]:
-    """Yield the document of `--format json` in pieces: a report for each file, and its certificate."""
+    """Yield the document of `--format json` in pieces: the report of each file with its certificate."""
     yield '{\n  "version": 1,\n  "files": ['
     begin = ""
     for report, certificate in reports:
@@ -62,5 +64,5 @@ def reports_pieces(reports: list[tuple[dict[str, Any], Certificate | None]]) -> 
 
 
 def _indented(text: str, spaces: int) -> str:
-    """Return lines of JSON, in which no string has a line end, farther to the right."""
+    """Return lines of JSON, whose strings have no line breaks, with more indentation."""
     return text.replace("\n", f"\n{' ' * spaces}")

@@ -8,7 +8,7 @@ from yarclang.units import MM
 
 
 def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
-    """What a command was proved to keep away from, and how fast it is in slow zones: each by its name, and in words."""
+    """Return the proved distances of a command, and its speeds in slow zones: name and text of each."""
     found = [
         (name, distance_text(clearance))
         for name, clearance in (
@@ -25,18 +25,20 @@ def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
 
 
 def distance_text(clearance: Clearance) -> str:
-    """`at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
+    """Return a distance: `at least 12.3 mm (FINGERS, BENCH), nearest at 1.250 s`."""
     between = f" ({clearance.first}, {clearance.second})" if clearance.first else ""
     return f"at least {whole_tenths(clearance.distance)} mm{between}{when_text(clearance, ', nearest')}"
 
 
 def when_text(clearance: Clearance, word: str = "") -> str:
-    """When after the command's start it is nearest, where that is known."""
+    """Return the time of the nearest distance after the command's start, if it is known."""
     return "" if clearance.at is None else f"{word} at {clearance.at:.3f} s"
 
 
 def whole_tenths(distance: float) -> str:
-    """Return a distance [m] in mm with one decimal, rounded down: what is printed is proved as well."""
+    """Return a distance [m] in mm with one decimal, rounded down so that the printed number is proved as
+    well.
+    """
     return down(least(distance, MM), 1)
 
 

@@ -1,4 +1,4 @@
-"""One finding for people and for programs."""
+"""Findings as text and as JSON."""
 
 from __future__ import annotations
 
@@ -11,11 +11,13 @@ from yarclang.diagnostics import Diagnostic, Fix, Within
 
 _COLOURS = {"error": "red", "warning": "yellow", "note": "cyan"}
 _WIDEST = 150
-"""Characters of a source line that are shown."""
+"""Most characters of a source line that are shown."""
 
 
 def finding_text(diagnostic: Diagnostic) -> str:
-    """Return one finding as text: file:line:column, severity, code, message; the source line with carets; the line of a module that was called; the remedy."""
+    """Return a finding as text: file:line:column, severity, code, message; the source line with carets; the
+    line of the called module; the remedy.
+    """
     place = ""
     if diagnostic.source is not None:
         name = "".join(one if one.isprintable() else "?" for one in diagnostic.source.name)
@@ -35,7 +37,9 @@ def finding_text(diagnostic: Diagnostic) -> str:
 
 
 def _excerpt(diagnostic: Diagnostic) -> list[str]:
-    """The source line with carets below the span; of a very long line, the part around the span."""
+    """Return the source line with carets below the span. Of a very long line, only the part around the span
+    is shown.
+    """
     if diagnostic.source is None or diagnostic.span is None:
         return []
     span = diagnostic.span
@@ -59,7 +63,9 @@ def _excerpt(diagnostic: Diagnostic) -> list[str]:
 
 
 def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
-    """One finding as plain data; lines and columns count from 1, `end_column` lies behind the last character."""
+    """Return a finding as plain data. Lines and columns count from 1, and `end_column` is after the last
+    character.
+    """
     span = diagnostic.shown_at
     return {
         "file": diagnostic.source.name if diagnostic.source else None,
@@ -77,7 +83,9 @@ def finding_json(diagnostic: Diagnostic) -> dict[str, Any]:
 
 
 def _within_json(within: Within) -> dict[str, Any]:
-    """Return where in a module a finding's cause is: an installed module has no file, since nobody edits it."""
+    """Return the place of a finding's cause in a module. An installed module has no file, because it isn't
+    edited.
+    """
     span, source = within.span, within.source
     return {
         "module": source.module,
@@ -109,13 +117,17 @@ def _fix_json(fix: Fix | None) -> dict[str, Any] | None:
 
 
 def told_text(diagnostic: Diagnostic) -> str:
-    """Return what a finding says, for a place that other programs show: the message, the line of a module that was called, the remedy."""
+    """Return a finding for display by other programs: the message, the line of the called module, the
+    remedy.
+    """
     within = diagnostic.within.text if diagnostic.within is not None else ""
     return "\n".join(part for part in (diagnostic.message, within, diagnostic.help) if part)
 
 
 def count_text(diagnostics: Iterable[Diagnostic], *, notes: bool = False) -> str:
-    """Return how many errors and warnings there are, and with `notes` how many notes, in words; empty if there are none."""
+    """Return the numbers of errors and warnings, and with `notes` that of notes, in words; empty if there are
+    none.
+    """
     counts = {"error": 0, "warning": 0, **({"note": 0} if notes else {})}
     for diagnostic in diagnostics:
         if diagnostic.severity in counts:

@@ -1,4 +1,4 @@
-"""docs/findings.md: every finding, with what it means and what to write instead."""
+"""docs/findings.md: the meaning of every finding, and its remedy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _FILES = {"11": "text", "13": "toml", "14": "text", "15": "text", "16": "text"}
 
 
 def findings_page(introduction: str) -> str:
-    """The page in Markdown: an introduction, and the findings by family."""
+    """Return the page in Markdown: an introduction, and the findings by family."""
     parts = [introduction.rstrip(), ""]
     for family, title in FAMILIES.items():
         entries = [one for one in everything().values() if one.family == family]

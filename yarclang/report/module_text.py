@@ -1,8 +1,9 @@
-"""A module's reference, from its comments.
+"""Reference of a module from its comments.
 
-The comment at the top of the file says what the module is for. The comment right above a SUB says what the
-SUB does; indented lines in it describe a parameter each, by its name and unit as in the SUB's head and two
-blanks, or give a call as an example:
+The comment at the top of the file describes the module. The comment directly above a SUB describes the SUB.
+Indented lines in it describe one parameter each, by its name and unit as in the SUB's head and two blanks, or
+give a call as an
+example:
 
     ! Retracts straight along the tool's z axis.
     !   {TOOL}  tool that is moved
@@ -21,12 +22,17 @@ from yarclang.frozen import frozen
 from yarclang.syntax.ast import FrameName, Module, Parameter, Statement, Value
 
 WIDTH = 96
-"""Columns of a text."""
+"""Columns of the text."""
 
 
 @frozen
 class ParameterText:
-    """A parameter of a SUB: as in the head, `{AT}` or `T (s)`, and what the comment says of it."""
+    """A parameter of a SUB.
+
+    Attributes:
+        name: as in the head, `{AT}` or `T (s)`.
+        meaning: from the comment.
+    """
 
     name: str
     meaning: str
@@ -34,9 +40,14 @@ class ParameterText:
 
 @frozen
 class SubText:
-    """A SUB: what it does, the parameters of its head in their order, and a call.
+    """A SUB.
 
-    `strangers` are parameters that the comment describes and the head doesn't have.
+    Attributes:
+        name: of the SUB.
+        purpose: description.
+        parameters: of its head, in order.
+        strangers: parameters that only the comment has.
+        example: a call.
     """
 
     name: str
@@ -53,7 +64,13 @@ class SubText:
 
 @frozen
 class FunctionText:
-    """A FUNC: what it is, and its parameters as in its head, `A` or `H (mm)`."""
+    """A FUNC.
+
+    Attributes:
+        name: of the FUNC.
+        purpose: description.
+        parameters: as in its head, `A` or `H (mm)`.
+    """
 
     name: str
     purpose: str
@@ -61,13 +78,20 @@ class FunctionText:
 
     @property
     def head(self) -> str:
-        """Name and parameters as it is used."""
+        """Name and parameters as in a use."""
         return f"{self.name}({', '.join(self.parameters)})"
 
 
 @frozen
 class ModuleText:
-    """A module: what it is for, in paragraphs, its SUBs and its functions."""
+    """A module.
+
+    Attributes:
+        name: of the module.
+        paragraphs: description.
+        subs: its SUBs.
+        functions: its FUNCs.
+    """
 
     name: str
     paragraphs: tuple[str, ...]
@@ -81,7 +105,7 @@ class ModuleText:
 
 
 def describe_module(module: Module) -> ModuleText:
-    """What a module's comments and the heads of its SUBs say."""
+    """Return the description of a module from its comments and the heads of its SUBs."""
     name = PurePath(module.source.name).stem.upper()
     comments = {line: re.sub(r"^!+ ?", "", text).rstrip() for line, text in module.comment_lines}
     subs, functions = (
@@ -93,7 +117,7 @@ def describe_module(module: Module) -> ModuleText:
     top: list[str] = []
     if first and first < above_all:
         top = _downwards(comments, first)
-        # a comment that stands right above the first SUB or FUNC is that one's
+        # a comment directly above the first SUB or FUNC describes that one
         if first + len(top) in {one.line for one in (*subs, *functions)}:
             top = []
     return ModuleText(
@@ -105,7 +129,7 @@ def describe_module(module: Module) -> ModuleText:
 
 
 def module_listing(modules: list[ModuleText]) -> str:
-    """A line a module."""
+    """Return one line for each module."""
     width = max((len(one.name) for one in modules), default=0) + 2
     return "\n".join(
         f"{one.name:{width}}{one.title or '(no comment says what it is for)'}" for one in modules
@@ -113,7 +137,7 @@ def module_listing(modules: list[ModuleText]) -> str:
 
 
 def module_plain(module: ModuleText) -> str:
-    """The reference for a terminal."""
+    """Return the reference for a terminal."""
     lines = [module.name, ""]
     for paragraph in module.paragraphs:
         lines += [*_wrapped(paragraph, "  "), ""]
@@ -132,7 +156,7 @@ def module_plain(module: ModuleText) -> str:
 
 
 def module_markdown(module: ModuleText) -> str:
-    """The reference as Markdown."""
+    """Return the reference as Markdown."""
     lines = [f"# {module.name}", ""]
     for paragraph in module.paragraphs:
         lines += [_marked(paragraph), ""]
@@ -160,7 +184,7 @@ def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText
     parameters = tuple(ParameterText(one, meanings.get(_plain(one), "")) for one in wanted)
     known = {_plain(one) for one in wanted}
     strangers = tuple(one for one in meanings if one not in known)
-    # without a call in the comment: the parameters stand for themselves
+    # without a call in the comment, the parameters' names are its arguments
     example = example or " ".join(("CALL", f"{module}.{name}", *(one.split(" (")[0] for one in wanted)))
     return SubText(name, purpose, parameters, strangers, example)
 
@@ -173,7 +197,7 @@ def _function(statement: Statement, comments: dict[int, str]) -> FunctionText:
 
 
 def _head_name(value: Value) -> str:
-    """A word of the head in its usual form: names in upper case, units in lower case."""
+    """Return a word of the head in its usual form: names in upper case, units in lower case."""
     if isinstance(value, FrameName):
         return f"{{{value.name}}}"
     if isinstance(value, Parameter) and value.unit is not None:
@@ -182,7 +206,7 @@ def _head_name(value: Value) -> str:
 
 
 def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:
-    """A SUB's comment: what it does, its parameters, the call."""
+    """Return the parts of a SUB's comment: the description, the parameters, the call."""
     purpose: list[str] = []
     meanings: dict[str, str] = {}
     example, last, margin = "", "", 0
@@ -204,13 +228,13 @@ def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:
 
 
 def _plain(parameter: str) -> str:
-    """A parameter as it is compared: `t(S)` and `T (s)` are the same."""
+    """Return a parameter for comparison: `t(S)` and `T (s)` are equal."""
     word, bracket, unit = parameter.partition("(")
     return f"{word.strip().upper()} ({unit.rstrip(') ').lower()})" if bracket else word.strip().upper()
 
 
 def _downwards(comments: dict[int, str], line: int) -> list[str]:
-    """The comment that begins in a line."""
+    """Return the comment that begins in a line."""
     found = []
     while line in comments:
         found.append(comments[line])
@@ -219,7 +243,7 @@ def _downwards(comments: dict[int, str], line: int) -> list[str]:
 
 
 def _upwards(comments: dict[int, str], line: int) -> list[str]:
-    """The comment that ends in a line."""
+    """Return the comment that ends in a line."""
     found = []
     while line in comments:
         found.append(comments[line])
@@ -228,13 +252,13 @@ def _upwards(comments: dict[int, str], line: int) -> list[str]:
 
 
 def _paragraphs(lines: list[str]) -> tuple[str, ...]:
-    """Lines put together; an empty one parts."""
+    """Join lines to paragraphs, which are separated by empty lines."""
     blocks = "\n".join(line.strip() for line in lines).split("\n\n")
     return tuple(" ".join(block.split()) for block in blocks if block.strip())
 
 
 def _marked(text: str) -> str:
-    """A text in Markdown: what would be read as markup is taken literally."""
+    """Escape a text for Markdown."""
     return re.sub(r"([*_|<>`\\])", r"\\\1", text)
 
 

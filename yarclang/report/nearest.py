@@ -1,4 +1,4 @@
-"""The places of a program where it comes nearest to a limit, a tolerance, a margin or a border."""
+"""The places of a program that come nearest to a limit, a tolerance, a margin or a border."""
 
 from __future__ import annotations
 
@@ -26,43 +26,51 @@ from yarclang.robot.model import Robot, Tolerance
 from yarclang.units import DEG, MM
 
 MOST = 10
-"""Places that are shown."""
+"""Most places that are shown."""
 
 _MORE, _LESS = 1.0 + 1e-15, 1.0 - 1e-15
-"""What products of shares and limits may be off by, rounded thrice."""
+"""Bounds of the rounding in products of shares and limits, which are rounded three times."""
 
 
 @frozen
 class Nearest:
-    """One place: `what` is measured, its `figure` in words, and its `share` of what is allowed; None of a distance that needs no margin."""
+    """A place.
+
+    Attributes:
+        command: of the program.
+        what: the measured quantity.
+        figure: the value in words.
+        share: of the allowed value; None for a distance without a margin.
+        rank: sort key: the share or, without a margin, 1 mm divided by the distance.
+    """
 
     command: CommandCertificate
     what: str
     figure: str
     share: float | None
     rank: float
-    """What places are sorted by: the share, or, without a margin, 1 mm as a share of the distance."""
 
     @property
     def is_judged(self) -> bool:
-        """True if the figure has a limit that the program is held to."""
+        """True if the program has to respect a limit of the quantity."""
         return self.share is not None
 
 
 def source_command(command: CommandCertificate) -> tuple[str, int, str]:
-    """Return what all commands have in common that come from one line of a source: module, line and name."""
+    """Return a key that all commands from one line of a source have in common: module, line and name."""
     return command.module, command.source_line, command.name
 
 
 def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) -> tuple[Nearest, ...]:
-    """Return the places nearest to what they are held to: of each quantity the nearest one, then the next of all, sorted.
+    """Return the places nearest to their limits: first the nearest of each quantity, then the next of all,
+    sorted.
 
-    A line of the source that is carried out several times is listed once for a quantity, where it is worst.
+    A line of the source that is executed several times is listed once for a quantity, at its worst.
 
     Args:
         certificate: the proved commands.
-        robot: has the limits of joints and motors.
-        cell: has the margins of obstacles and zones.
+        robot: for the limits of joints and motors.
+        cell: for the margins of obstacles and zones.
     """
     worst: dict[tuple[str, int, str, str], _Found] = {}
     measure = _Measure(certificate.tolerance, robot, cell)
@@ -87,11 +95,13 @@ def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) ->
 
 
 _MANY = 4_096
-"""So many places are looked at before those are forgotten that can't be among the nearest."""
+"""Number of places after which those are dropped that can't be among the nearest."""
 
 
 def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str, int, str, str], _Found]:
-    """Return of each quantity the nearest places, as many as can be listed, in the order in which they were found."""
+    """Return the nearest places of each quantity, as many as can be listed, in the order in which they were
+    found.
+    """
     by_quantity: dict[str, list[tuple[str, int, str, str]]] = {}
     for key in worst:
         by_quantity.setdefault(key[-1], []).append(key)
@@ -104,7 +114,9 @@ def _foremost(worst: dict[tuple[str, int, str, str], _Found]) -> dict[tuple[str,
 
 
 class _Found(NamedTuple):
-    """A place that may be among the nearest: as of `Nearest`, but for its figure, which only few are asked for: `words` gives it, from `values`."""
+    """A candidate for the nearest places, with the attributes of `Nearest`. Its figure is formatted only on
+    demand, by `words` from `values`.
+    """
 
     command: CommandCertificate
     what: str
@@ -122,7 +134,7 @@ _rank = attrgetter("rank")
 
 
 class _Measure:
-    """What there is to measure of a command of a robot in a cell."""
+    """Measurement of a command of a robot in a cell."""
 
     def __init__(self, tolerance: Tolerance, robot: Robot, cell: Cell | None) -> None:
         self._tolerance = tolerance
@@ -144,7 +156,7 @@ class _Measure:
         self._halves = _scale(names, half, axis, "")
 
     def of(self, command: CommandCertificate) -> Iterator[_Found]:
-        """Yield what can be measured of a command."""
+        """Yield the measured quantities of a command."""
         if name := command.position.name:
             share = command.position.share
             yield _Found(command, "position", share, share, _before_limit, (name, share, *self._halves[name]))
@@ -181,30 +193,30 @@ class _Measure:
 
 
 def _before_limit(name: str, share: float, half: float, unit: str) -> str:
-    """Return `J2 12.3 deg before its limit`."""
+    """Format `J2 12.3 deg before its limit`."""
     return f"{name} {down_to(max(0.0, (1.0 - share) * half) * _LESS, 4)} {unit} before its limit"
 
 
 def _of_limit(load: Load, limit: float, unit: str, form: str) -> str:
-    """Return `J2 90 of 100 deg/s`."""
+    """Format `J2 90 of 100 deg/s`."""
     used = load.share * limit * _MORE
     told = f"{math.ceil(used):,}" if form == ",.0f" else up_to(used, 4)
     return f"{load.name} {told} of {limit:{form}} {unit}"
 
 
 def _of_tolerance(value: float, limit: float, unit: float, called: str) -> str:
-    """Return `0.0012 of 0.02 mm`."""
+    """Format `0.0012 of 0.02 mm`."""
     return f"{bound_text(value, unit)} of {limit / unit:.4g} {called}"
 
 
 def _in_zone(speed: ZoneSpeed) -> str:
-    """Return `FINGERS 90 of 100 mm/s in WORKER`; of a motion's own ceiling without a zone."""
+    """Format `FINGERS 90 of 100 mm/s in WORKER`. A motion's own ceiling has no zone."""
     where = "" if speed.of_motion else f" in {speed.zone}"
     return f"{speed.part} {up_to(most(speed.largest, MM), 4)} of {speed.limit / MM:.4g} mm/s{where}"
 
 
 def _distance(near: Clearance, margin: float) -> str:
-    """Return `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
+    """Format `12.3 mm (FINGERS, BENCH), margin 5 mm`."""
     wanted = f", margin {margin / MM:.4g} mm" if margin > 0.0 else ""
     return f"{whole_tenths(near.distance)} mm ({near.first}, {near.second}){wanted}"
 

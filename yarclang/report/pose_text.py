@@ -1,4 +1,4 @@
-"""Poses as people write them: x y z [mm] and roll pitch yaw [deg]."""
+"""Poses for people: x y z [mm] and roll pitch yaw [deg]."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from yarclang.units import DEG, MM
 
 
 def pose_values(pose: Array) -> Array:
-    """X y z [mm] and roll pitch yaw [deg] (6,) of a pose (4, 4): R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    """Return x y z [mm] and roll pitch yaw [deg] (6,) of a pose (4, 4): R = Rz(yaw) Ry(pitch) Rx(roll)."""
     return np.concatenate((pose[:3, 3] / MM, roll_pitch_yaw(pose[:3, :3]) / DEG))
 
 
 def pose_text(pose: Array) -> str:
-    """`0.00 1174.40 1176.00 mm, 0.000 0.000 0.000 deg`."""
+    """Format a pose: `0.00 1174.40 1176.00 mm, 0.000 0.000 0.000 deg`."""
     values = pose_values(pose)
-    # no minus before a zero
+    # adding 0.0 removes the sign of zero
     place = " ".join(f"{value:.3f}" for value in values[:3].round(3) + 0.0)
     turn = " ".join(f"{value:.4f}" for value in values[3:].round(4) + 0.0)
     return f"{place} mm, {turn} deg"

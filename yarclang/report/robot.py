@@ -7,7 +7,7 @@ from yarclang.units import MS
 
 
 def robot_text(robot: Robot) -> str:
-    """Joints with their limits, frames, positions and controller, for people."""
+    """Return joints with their limits, frames, positions and controller, for people."""
     limits, units = robot.limits, robot.axis_units
     wide = max(8, *(len(name) + 2 for name in robot.joint_names))
     lines = [

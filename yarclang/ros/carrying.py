@@ -1,4 +1,6 @@
-"""Carries out what the motion link wants: goals are planned, proved and run by the coordinator, and stops overtake everything."""
+"""Execution of the motion link's actions: goals are planned, proved and run by the coordinator, and stops
+overtake everything.
+"""
 
 from __future__ import annotations
 
@@ -24,21 +26,24 @@ Send = Callable[[Message], object]
 _ENDED = "Y1624"
 
 _AT_ONCE = 500
-"""A goal of so many points becomes a text within 1 ms; for longer ones it is written in a thread."""
+"""Points up to which a goal is converted to text directly, within 1 ms. Longer goals are converted in a
+thread.
+"""
 
 
 class Carrying:
-    """Stands between the motion link and the coordinator.
+    """Connection between the motion link and the coordinator.
 
-    The robot is owned from when a goal is planned until nobody waits for anything: between goals others may move it.
+    The robot is owned from when a goal is planned until no goal waits any more. Between goals others may move
+    it.
 
     Args:
-        robot: whose.
+        robot: the robot.
         link: the state machine.
-        say: takes lines for the terminal.
+        say: prints a line on the terminal.
 
     Attributes:
-        seat: the place at the coordinator; None: it can't be reached.
+        seat: the client of the coordinator; None if the coordinator can't be reached.
     """
 
     def __init__(self, robot: Robot, link: MotionLink, say: Say) -> None:
@@ -50,7 +55,12 @@ class Carrying:
         self._goals: set[asyncio.Task[None]] = set()
 
     def do(self, actions: list[Action], send: Send | None = None) -> None:
-        """Carry actions out, in their order; `send` takes answers to the client that was heard."""
+        """Carry out actions in order.
+
+        Args:
+            actions: of the motion link.
+            send: sends answers to the client.
+        """
         for action in actions:
             match action:
                 case Stop():
@@ -68,12 +78,12 @@ class Carrying:
                     self._say(str(action.refusal))
                 case Told():
                     self._say(action.text)
-                case Move():  # whoever has planned the goal goes on
+                case Move():  # the task that has planned the goal continues
                     pass
         self._set_timer()
 
     async def close(self) -> None:
-        """End what is under way, on its path."""
+        """End the running motion, on its path."""
         if self._timer is not None:
             self._timer.cancel()
         if not self._link.is_idle:
@@ -115,13 +125,15 @@ class Carrying:
                 self._say(
                     f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved after {took:.3f} s; it begins"
                 )
-                # nothing is waited for between the last look at stops and this order
+                # no await between the last check for stops and this order
                 failed = await self._run(planned, seat, goal)
             self.do(self._link.ended(goal.number, failed))
         await self._released(seat)
 
     async def _planned(self, goal: Goal, seat: Attached | None) -> replies.ProgramDescribed | Refusal | None:
-        """Return the program of a goal, planned and proved from where the robot stands; None if it stands at its end."""
+        """Return the program of a goal, planned and proved from the robot's position; None if the robot is at
+        its end.
+        """
         if seat is None:
             return Refusal(
                 "Y1606", f"the coordinator of {self._robot.name} can't be reached", "start it again"
@@ -156,13 +168,13 @@ class Carrying:
         )
 
     async def _released(self, seat: Attached | None) -> None:
-        """Leave the robot to others, if nobody waits for it here."""
+        """Release the robot, if no goal waits."""
         if seat is None or not self._link.is_idle:
             return
         try:
             log = (await seat.ask(orders.Release())).log
         except Trouble:
-            return  # the coordinator has gone
+            return  # the coordinator has ended
         if log is not None:
             self._say(f"log: {log.path}" if not log.problem else f"log: {log.path}: {log.problem}")
 

@@ -1,4 +1,6 @@
-"""A goal as the text of a program: one timed motion, which the coordinator plans and proves as any other. No I/O."""
+"""Conversion of a goal to a program with one timed motion, which the coordinator plans and proves like any
+other. No I/O.
+"""
 
 from __future__ import annotations
 
@@ -8,37 +10,45 @@ from yarclang.robot.model import Array, Robot
 from yarclang.ros.motion import Goal
 
 START_WITHIN = 0.01
-"""A first way-point that is so near to where the robot stands is the start itself [rad or m], as MoveIt's own check of a start has it."""
+"""Distance from the robot within which a first way-point counts as the start itself [rad or m], as in
+MoveIt's check.
+"""
 
 LEAD_SHARE = 0.5
-"""How much of the velocity and acceleration limits is used at most on the way to a first way-point that isn't the start."""
+"""Largest share of the velocity and acceleration limits on the way to a first way-point that isn't the
+start.
+"""
 
 _SHORTEST_LEAD = 0.1
-"""[s]."""
+"""Least duration of the way to the first way-point [s]."""
 
 _SINGLE = 1e-6
-"""Joint positions come in single precision: so much beyond a limit, relative to it (to 1 rad or 1 m below that), is the limit."""
+"""Excess over a limit that counts as rounding to single precision, relative to the limit (at least 1 rad or 1
+m).
+"""
 
 _NEXT = ";\n      "
-"""Each way-point has a line of its own: lines have a largest length."""
+"""Separator of way-points. Each has a line of its own, because lines have a largest length."""
 
 _SAME = 1e-6
-"""A single way-point that is so near to where the robot stands [rad or m] needs no motion."""
+"""Distance from the robot within which a single way-point needs no motion [rad or m]."""
 
 
 def timetable(robot: Robot, goal: Goal, stands: Array) -> tuple[Array, Array]:
     """Return the way-points of a goal and their times since its start.
 
-    The duration of the first way-point isn't used: the stock client derives it from the trajectory before. If the robot stands at the first way-point it is the start; else its time follows from
-    the distance and the limits. Velocity ratios aren't used either: they are the same for motions that differ.
+    The duration of the first way-point isn't used, because the stock client derives it from the previous
+    trajectory. If the robot is at the first way-point, this is the start. Otherwise its time follows from the
+    distance and the limits. Velocity ratios aren't used either, because different motions have the same
+    ratios.
 
     Args:
-        robot: whose joints they are, in the order of robot.toml.
-        goal: as it arrived.
-        stands: (n,) where the robot is commanded to stand [rad or m].
+        robot: whose joints are meant, in the order of robot.toml.
+        goal: as it was received.
+        stands: (n,) commanded position of the robot [rad or m].
 
     Returns:
-        (k, n) positions [rad or m] and (k,) times [s]; k is 0 if there is nothing to do.
+        (k, n) positions [rad or m] and (k,) times [s]. k is 0 if there is nothing to do.
     """
     positions = _within(robot, np.array([one.joints[: robot.size] for one in goal.points], dtype=float))
     durations = np.array([one.duration for one in goal.points], dtype=float)
@@ -56,9 +66,9 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
     """Return the program of a timetable.
 
     Args:
-        robot: whose.
-        positions: (k, n), k from 1 [rad or m].
-        times: (k,) since the start [s], growing.
+        robot: that runs the program.
+        positions: (k, n) with k >= 1 [rad or m].
+        times: (k,) since the start [s], increasing.
     """
     rows = (positions / robot.axis_units).tolist()
     points = (
@@ -69,7 +79,9 @@ def goal_text(robot: Robot, positions: Array, times: Array) -> str:
 
 
 def _within(robot: Robot, positions: Array) -> Array:
-    """Return positions (k, n) with those at their limits that are beyond only because single precision has rounded them."""
+    """Return positions (k, n) with those clamped to their limits that exceed them by rounding to single
+    precision only.
+    """
     limits = robot.limits
     lower = limits.lower - _SINGLE * np.maximum(np.abs(limits.lower), 1.0)
     upper = limits.upper + _SINGLE * np.maximum(np.abs(limits.upper), 1.0)
@@ -79,7 +91,9 @@ def _within(robot: Robot, positions: Array) -> Array:
 
 
 def _lead(robot: Robot, away: Array) -> float:
-    """Return how long the way to the first way-point takes [s]: from rest to rest with the law of the fifth degree, whose peaks are 1.875 d/T and 5.774 d/T²."""
+    """Return the duration of the way to the first way-point [s]: a rest-to-rest polynomial of degree five,
+    with peaks 1.875 d/T and 5.774 d/T².
+    """
     limits = robot.limits
     by_velocity = 1.875 * away / (LEAD_SHARE * limits.velocity)
     by_acceleration = np.sqrt(5.774 * away / (LEAD_SHARE * limits.acceleration))

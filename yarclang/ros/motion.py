@@ -1,7 +1,9 @@
-"""The motion link as a state machine: messages and the time go in, answers and orders come out. No I/O, no clock.
+"""The motion link as a state machine: its inputs are messages and times, its outputs answers and orders. No
+I/O, no clock.
 
-Each point is answered at once, since the stock client holds its lock while it waits for an answer, and a stop waits with it. It ignores what the answer says, and never marks the end of
-a streamed trajectory: a goal is complete after a pause without another point.
+Each point is answered at once, because the stock client holds its lock while it waits for an answer, and a
+stop waits for that lock. The client ignores the answer's content and never marks the end of a streamed
+trajectory: a goal is complete after a pause without another point.
 """
 
 from __future__ import annotations
@@ -22,13 +24,17 @@ from yarclang.ros.simple_message import (
 )
 
 PAUSE = 0.05
-"""After so long without another point a streamed goal is complete [s]; the stock client sends one each 6 to 8 ms."""
+"""Time without another point after which a streamed goal is complete [s]. The stock client sends a point
+every 6 to 8 ms.
+"""
 
 PATIENCE = 10.0
-"""For so long a goal that isn't complete waits for its client to come back, and a download for its next point [s]."""
+"""Time for which an incomplete goal waits for its client to reconnect, and a download for its next point
+[s].
+"""
 
 MOST_POINTS = 20_000
-"""Way-points of one goal."""
+"""Most way-points of one goal."""
 
 _POINT = "Y1622"
 _SEQUENCE = "Y1623"
@@ -37,11 +43,11 @@ _AGAIN = "send the goal again"
 
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """A trajectory that has arrived.
+    """A trajectory that was received.
 
     Attributes:
-        number: counts the goals of a link, from 1.
-        points: its way-points in their order; of the first, the duration means nothing.
+        number: of the goal on its link, from 1.
+        points: its way-points in order. The duration of the first one has no meaning.
         downloaded: True if its end was marked; False if it was streamed.
     """
 
@@ -59,38 +65,38 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """Plan and prove a goal from where the robot rests; `MotionLink.planned` is to be told."""
+    """Plan and prove a goal from the robot's position at rest, then call `MotionLink.planned`."""
 
     goal: Goal
 
 
 @dataclass(frozen=True, slots=True)
 class Move:
-    """Carry out the goal of this number, which was planned; `MotionLink.ended` is to be told."""
+    """Run the planned goal of this number, then call `MotionLink.ended`."""
 
     number: int
 
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """Come to rest on the path at once, and end what is under way."""
+    """Come to rest on the path at once, and end the running motion."""
 
 
 @dataclass(frozen=True, slots=True)
 class Hold:
-    """Come to rest on the path, ready to go on."""
+    """Come to rest on the path, ready to resume."""
 
 
 @dataclass(frozen=True, slots=True)
 class Refused:
-    """Something was refused: say so on the terminal. `MotionLink.refusal` has it as well."""
+    """Report a refusal on the terminal. It is also in `MotionLink.refusal`."""
 
     refusal: Refusal
 
 
 @dataclass(frozen=True, slots=True)
 class Told:
-    """Something worth a line on the terminal."""
+    """Print a line on the terminal."""
 
     text: str
 
@@ -100,32 +106,41 @@ Action = Answer | Plan | Move | Stop | Hold | Refused | Told
 
 @dataclass(slots=True)
 class _Incoming:
-    """A goal whose points come."""
+    """A goal whose points are being received.
+
+    Attributes:
+        number: of the goal.
+        downloaded: True for a download, False for a stream.
+        points: received so far.
+        due: time at which it is complete, or is given up [s]; None if no more points are expected.
+        complete: True if all points were received.
+        cut: True if its client disconnected before it was complete.
+    """
 
     number: int
     downloaded: bool
     points: list[TrajectoryPoint] = field(default_factory=list)
     due: float | None = None
-    """When it is complete, or given up [s]; None: nobody waits for more."""
     complete: bool = False
     cut: bool = False
-    """Its client has gone before it was complete."""
 
     def goal(self) -> Goal:
         return Goal(self.number, tuple(self.points), self.downloaded)
 
 
 class MotionLink:
-    """One robot's motion link. Clients come and go; at most one at a time is connected.
+    """The motion link of one robot. At most one client is connected at a time.
 
     Args:
-        joints: of the robot: slots beyond are 0.
-        pause: after so long without another point a streamed goal is complete [s].
-        patience: for so long an incomplete goal waits [s].
-        hold_on_disconnect: True if the robot is held when its client goes in motion; else the goal goes on.
+        joints: number of the robot's joints; further slots of a message are 0.
+        pause: time without another point after which a streamed goal is complete [s].
+        patience: time for which an incomplete goal waits [s].
+        hold_on_disconnect: True to hold the robot if its client disconnects during a motion; False to finish
+            the goal.
 
     Attributes:
-        refusal: why the last goal, or the robot's way through it, has failed; None: it hasn't. Kept until the next goal begins.
+        refusal: why the last goal, or its execution, has failed; None if it hasn't. Kept until the next goal
+            begins.
     """
 
     def __init__(
@@ -148,18 +163,18 @@ class MotionLink:
         self._stopping = False
         self._last: TrajectoryPoint | None = None
         self._is_new = True
-        """No point has come on this connection yet."""
+        """True before the first point of this connection."""
         self._rejects = False
-        """Points go nowhere until the next goal begins."""
+        """True while points are dropped until the next goal begins."""
 
     @property
     def due(self) -> float | None:
-        """When `passed` is to be called next [s]; None: nothing is waited for."""
+        """Time at which `passed` has to be called next [s]; None if nothing is pending."""
         return None if self._incoming is None else self._incoming.due
 
     @property
     def phase(self) -> str:
-        """What the link is about: idle, receiving, planning, moving or stopping."""
+        """Phase of the link: idle, receiving, planning, moving or stopping."""
         if self._moving is not None:
             return "stopping" if self._stopping else "moving"
         if self._incoming is not None:
@@ -168,20 +183,21 @@ class MotionLink:
 
     @property
     def is_idle(self) -> bool:
-        """True if nobody waits for anything."""
+        """True if no goal is pending."""
         return self.phase == "idle"
 
     # the connection
 
     def connected(self) -> list[Action]:
-        """Take note that a client has connected."""
+        """Handle the connection of a client."""
         self._is_new = True
         return []
 
     def disconnected(self, now: float) -> list[Action]:
-        """Take note that the client has gone.
+        """Handle the disconnection of the client.
 
-        A goal that isn't complete waits for it: it sends the point again that wasn't answered. What moves goes on.
+        An incomplete goal waits for the client to reconnect, because it repeats the point that wasn't
+        answered. A running motion continues.
         """
         incoming = self._incoming
         if incoming is not None and not incoming.complete:
@@ -199,14 +215,14 @@ class MotionLink:
             ]
         return [Told(f"the motion client has gone: goal {self._moving.number} goes on")]
 
-    # what is heard
+    # messages
 
     def heard(self, message: Message, now: float) -> list[Action]:
-        """Take a message of the client, and answer it if it is a request.
+        """Handle a message of the client, and answer requests.
 
         Args:
             message: as it was decoded.
-            now: the time [s], of any clock that never goes back.
+            now: the time of any monotonic clock [s].
         """
         if message.comm is Comm.REPLY:
             return []
@@ -229,12 +245,12 @@ class MotionLink:
                     [Told(f"the motion client sends messages of kind {other.kind}: they are ignored")],
                 )
         if message.comm is Comm.REQUEST:
-            # orders before the answer: a stop is on its way before anything is written
+            # orders before the answer, so that a stop is sent before anything else
             actions = [*actions, Answer(reply_to(message, success=taken))]
         return actions
 
     def passed(self, now: float) -> list[Action]:
-        """Take note that time has passed: a goal may be complete, or given up."""
+        """Handle the passage of time: a goal may be complete, or be given up."""
         incoming = self._incoming
         if incoming is None or incoming.due is None or now < incoming.due:
             return []
@@ -250,14 +266,14 @@ class MotionLink:
             return self._refuse(_SEQUENCE, what, _AGAIN)
         return self._completed()
 
-    # what has become of an order
+    # results of orders
 
     def planned(self, goal: Goal, refusal: Refusal | None) -> list[Action]:
-        """Take note that a goal was planned.
+        """Handle the end of planning.
 
         Args:
-            goal: as `Plan` had it; one that has got another point since isn't the same.
-            refusal: why it can't be carried out; None: it can.
+            goal: of `Plan`. A goal that has got another point since is a different one.
+            refusal: why the goal can't be run; None if it can.
 
         Returns:
             `Move`, unless the goal was refused, stopped or replaced meanwhile.
@@ -271,14 +287,14 @@ class MotionLink:
         return [Move(goal.number)]
 
     def ended(self, number: int, refusal: Refusal | None) -> list[Action]:
-        """Take note that what `Move` has begun is over, and the robot rests.
+        """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
             number: of the goal.
-            refusal: why the robot isn't at its end; None: it is.
+            refusal: why the robot isn't at the goal's end; None if it is.
 
         Returns:
-            `Plan`, if another goal has arrived meanwhile.
+            `Plan`, if another goal was received meanwhile.
         """
         goal = self._moving
         if goal is None or goal.number != number:
@@ -296,7 +312,7 @@ class MotionLink:
     # points
 
     def _point(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
-        """Take a point; return whether it is one of a goal, and what follows."""
+        """Handle a point. Return True if it belongs to a goal, and the resulting actions."""
         if self._is_repeated(point):
             incoming = self._incoming
             if incoming is not None and not incoming.complete:
@@ -319,10 +335,10 @@ class MotionLink:
         return self._goes_on(point, now)
 
     def _is_repeated(self, point: TrajectoryPoint) -> bool:
-        """Return True for the point that was received last, sent again because its answer got lost with the connection."""
+        """Return True if a point repeats the last one, because its answer was lost with the connection."""
         if not self._is_new or self._last != point:
             return False
-        # the only point of a goal that is over begins another one: the robot may be elsewhere now
+        # a repeated single point of a finished goal is a new goal: the robot may have moved since
         return not (self.is_idle and point.sequence <= 0)
 
     def _begins(self, point: TrajectoryPoint, now: float, *, downloaded: bool) -> tuple[bool, list[Action]]:
@@ -339,7 +355,7 @@ class MotionLink:
     def _goes_on(self, point: TrajectoryPoint, now: float) -> tuple[bool, list[Action]]:
         incoming = self._incoming
         if incoming is None and self._planning is not None and not self._planning.downloaded:
-            # the client was slow: its goal wasn't complete yet
+            # the client was slow, and its goal wasn't complete yet
             incoming = _Incoming(self._planning.number, downloaded=False, points=list(self._planning.points))
             if point.sequence == len(incoming.points):
                 self._planning, self._incoming = None, incoming
@@ -357,7 +373,7 @@ class MotionLink:
         return self._added(incoming, point, now)
 
     def _stray(self, point: TrajectoryPoint) -> list[Action]:
-        """Refuse a point that belongs to no goal that is received."""
+        """Refuse a point that belongs to no goal."""
         moving = self._moving
         if moving is None or self._stopping:
             what = f"point {point.sequence} came without the points before it"
@@ -387,7 +403,7 @@ class MotionLink:
         return True, []
 
     def _fault(self, point: TrajectoryPoint, *, first: bool) -> tuple[str, str] | None:
-        """Return what is wrong with a point, and what to do; None: nothing is."""
+        """Return the fault of a point and its remedy; None if it has none."""
         names = "look at controller_joint_names: it names the joints of robot.toml in their order"
         for slot, value in enumerate(point.joints):
             if not math.isfinite(value):
@@ -407,7 +423,7 @@ class MotionLink:
     # goals
 
     def _completed(self) -> list[Action]:
-        """All points of a goal are there: plan it, or wait until the robot rests."""
+        """Plan a goal whose points are complete, or wait until the robot rests."""
         incoming = self._incoming
         assert incoming is not None
         incoming.complete, incoming.due = True, None
@@ -418,7 +434,9 @@ class MotionLink:
         return [Plan(self._planning)]
 
     def _stopped(self) -> list[Action]:
-        """Forget all that waits, and come to rest. Whoever else moves the robot is stopped as well: a stop is for everybody."""
+        """Drop all pending goals, and come to rest. A motion of another owner is stopped as well: a stop is
+        for everybody.
+        """
         forgotten = self._planning is not None or self._incoming is not None
         self._planning = self._incoming = None
         self._rejects = True
@@ -435,7 +453,7 @@ class MotionLink:
         return self._refused(Refusal(code, what, help_))
 
     def _refused(self, refusal: Refusal) -> list[Action]:
-        """Forget the goal that is received or planned, and all points until the next one begins."""
+        """Drop the goal that is received or planned, and all points until the next goal begins."""
         self._incoming = self._planning = None
         self._rejects = True
         self.refusal = refusal

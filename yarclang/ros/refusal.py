@@ -1,4 +1,4 @@
-"""Why a goal isn't carried out, as people and robot_status are told."""
+"""Reasons for which a goal isn't run, for the terminal and for robot_status."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from yarclang.findings import number_of
 from yarclang.runtime.actions import Trouble
 
 UNNAMED = 9999
-"""The error code of what has no finding's code: every finding's number is below."""
+"""Error code of a reason without a finding's code. All numbers of findings are below it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,8 +16,8 @@ class Refusal:
     """A reason.
 
     Attributes:
-        code: of a finding; empty: none fits.
-        what: one sentence.
+        code: of a finding; empty if there is none.
+        what: the reason, in one sentence.
         help: what to do; may be empty.
     """
 
@@ -27,16 +27,16 @@ class Refusal:
 
     @property
     def number(self) -> int:
-        """The error code of robot_status: the finding's number."""
+        """Error code of robot_status: the finding's number."""
         number = number_of(self.code)
         return UNNAMED if number is None else number
 
     def __str__(self) -> str:
-        """As a terminal shows it."""
+        """Format the reason for a terminal."""
         code = f"[{self.code}] " if self.code else ""
         return f"{code}{self.what}" + (f"\n  help: {self.help}" if self.help else "")
 
 
 def refusal_of(trouble: Trouble) -> Refusal:
-    """Return a trouble as a refusal."""
+    """Convert a trouble to a refusal."""
     return Refusal(trouble.code, trouble.what, trouble.remedy)

@@ -1,4 +1,6 @@
-"""The sockets of the ROS door: one client moves the robot on the motion link, many listen on the state link. Beside the coordinator's task, in one event loop."""
+"""The sockets of the ROS door, in one event loop with the coordinator's task: one client moves the robot on
+the motion link, and many listen on the state link.
+"""
 
 from __future__ import annotations
 
@@ -33,44 +35,50 @@ from yarclang.ros.state import Feedback
 from yarclang.runtime.actions import Trouble
 
 Attach = Callable[[str], Awaitable[Attached]]
-"""Makes a client of the coordinator, by the name that others know it by."""
+"""Function that makes a client of the coordinator from its name for others."""
 
 EACH = 0.025
-"""Time between two messages of a kind on the state link [s]."""
+"""Time between two messages of each kind on the state link [s]."""
 
 NAME = "ros"
-"""What other clients of the coordinator know this one by."""
+"""Name of this client at the coordinator."""
 
 _HEALTH_EACH = 0.5
 _AGAIN = 1.0
-"""Time between two tries to reach the coordinator [s]."""
+"""Time between two attempts to reach the coordinator [s]."""
 
 _SILENT = 5.0
-"""A coordinator that says nothing for so long [s] tells no positions any more."""
+"""Time without a message of the coordinator after which positions aren't sent any more [s]."""
 
 _PIECE = 4096
-"""Bytes that are read of one client before others have their turn."""
+"""Bytes that are read from one client at a time."""
 
 _MOST_UNREAD = 1 << 16
-"""Bytes that wait for a client that doesn't read; with more, its connection is ended."""
+"""Bytes that may wait for a client that doesn't read. Beyond it, its connection is closed."""
 
 _SENT = 1 << 14
-"""Bytes that the system keeps for a client: positions that wait longer are old."""
+"""Size of the system's send buffer for a client [bytes]. It is small, so that positions aren't old."""
 
 _MOST_LISTENERS = 16
 _MOST_WAITING = 4
-"""Clients on the motion link, with the one that may move the robot."""
+"""Most clients on the motion link, including the one that may move the robot."""
 
 _SAME_TEXT = 5.0
-"""A line is said again only after so long [s]: a client that is sent away comes again and again."""
+"""Least time until a line is printed again [s], because a rejected client reconnects repeatedly."""
 
 _GONE = ((socket.TCP_KEEPIDLE, 2), (socket.TCP_KEEPINTVL, 1), (socket.TCP_KEEPCNT, 3))
-"""A client whose computer is gone is noticed within some 5 s."""
+"""Socket options that detect a client's dead computer within some 5 s."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where a ROS door listens: `host`, and the ports of both links; 0: any that is free."""
+    """Address of a ROS door.
+
+    Attributes:
+        host: address or name.
+        motion: port of the motion link; 0 for any free port.
+        state: port of the state link; 0 for any free port.
+    """
 
     host: str = "127.0.0.1"
     motion: int = 11000
@@ -78,7 +86,7 @@ class Place:
 
 
 class _Client(asyncio.BufferedProtocol):
-    """One connection: bytes to messages, and back."""
+    """A connection, which converts bytes to messages and back."""
 
     def __init__(self, door: _Door) -> None:
         self._door = door
@@ -118,7 +126,7 @@ class _Client(asyncio.BufferedProtocol):
         self.write(encode(message, self._door.order))
 
     def write(self, frames: bytes) -> None:
-        """Send frames; a client that doesn't read is sent away."""
+        """Send frames. A client that doesn't read is disconnected."""
         if self._transport is None or self._transport.is_closing():
             return
         if self._transport.get_write_buffer_size() > _MOST_UNREAD:
@@ -128,13 +136,13 @@ class _Client(asyncio.BufferedProtocol):
         self._transport.write(frames)
 
     def close(self) -> None:
-        """End the connection, behind what was sent."""
+        """Close the connection after everything was sent."""
         if self._transport is not None:
             self._transport.close()
 
     @property
     def has_gone(self) -> bool:
-        """True if the other side has ended the connection, heard or not yet."""
+        """True if the other side has closed the connection, even if that wasn't handled yet."""
         if self._transport is None or self._transport.is_closing():
             return True
         with socket.socket(fileno=os.dup(self._transport.get_extra_info("socket").fileno())) as wire:
@@ -183,7 +191,7 @@ class _Listener(_Client):
 
 
 class _Door:
-    """All that both links share."""
+    """State that both links share."""
 
     def __init__(self, robot: Robot, attach: Attach, order: ByteOrder, say: Say, link: MotionLink) -> None:
         self.order = order
@@ -198,7 +206,7 @@ class _Door:
         self._movers: list[_Mover] = []
 
     def say(self, text: str) -> None:
-        """Say a line, unless it was said just now."""
+        """Print a line, unless it was printed lately."""
         now = asyncio.get_running_loop().time()
         self._said = {one: at for one, at in self._said.items() if now - at < _SAME_TEXT}
         if text not in self._said:
@@ -208,7 +216,7 @@ class _Door:
     # the motion link
 
     def mover_came(self, client: _Mover) -> None:
-        """Let a client move the robot; a second one waits until the first has gone."""
+        """Let a client move the robot. A second client waits until the first has disconnected."""
         if len(self._movers) >= _MOST_WAITING:
             client.close()
             return
@@ -221,7 +229,7 @@ class _Door:
             )
 
     def mover_left(self, client: _Mover) -> None:
-        """Take note that a client has gone; the next one may move the robot."""
+        """Handle the disconnection of a client. The next one may move the robot."""
         if client not in self._movers:
             return
         was_first = self._movers[0] is client
@@ -232,7 +240,7 @@ class _Door:
                 self._connected()
 
     def mover_said(self, client: _Mover, message: Message) -> None:
-        """Take a message of the motion link."""
+        """Handle a message of the motion link."""
         if client not in self._movers:
             return
         if self._movers[0] is not client and self._movers[0].has_gone:
@@ -258,7 +266,7 @@ class _Door:
     # the state link
 
     def listener_came(self, client: _Listener) -> None:
-        """Tell a client the state from now on."""
+        """Begin to send the state to a client."""
         if len(self.listeners) >= _MOST_LISTENERS:
             self.say(f"{client.name} is sent away: {_MOST_LISTENERS} clients are on the state link already")
             client.close()
@@ -266,7 +274,7 @@ class _Door:
         self.listeners.add(client)
 
     async def tell(self) -> None:
-        """Tell the state, 40 times a second, as long as somebody listens."""
+        """Send the state 40 times a second while a client listens."""
         loop = asyncio.get_running_loop()
         due = loop.time()
         while True:
@@ -291,14 +299,14 @@ class _Door:
         """Attach to the coordinator.
 
         Raises:
-            Trouble: it can't be reached.
+            Trouble: the coordinator can't be reached.
         """
         seat = await self._attach(NAME)
         self._feedback = Feedback(self._robot, seat.welcome.name, seat.welcome.status)
         self._carrying.seat = seat
 
     async def listen(self) -> None:
-        """Listen to the coordinator until somebody cancels this; one that is gone is looked for again."""
+        """Listen to the coordinator until cancelled, and reconnect after it was lost."""
         while True:
             with contextlib.suppress(Trouble):
                 if self._carrying.seat is None:
@@ -337,7 +345,7 @@ class _Door:
             await asyncio.sleep(_HEALTH_EACH)
 
     async def close(self) -> None:
-        """Send all clients away, and bring the robot to rest on its path."""
+        """Disconnect all clients, and bring the robot to rest on its path."""
         for one in (*self._movers, *self.listeners):
             one.close()
         await self._carrying.close()
@@ -359,12 +367,12 @@ async def served(
     """Serve a ROS door as long as the context lasts.
 
     Args:
-        robot: whose.
+        robot: the robot.
         attach: makes clients of its coordinator.
-        place: where to listen.
-        say: takes lines for the terminal.
-        order: of the bytes of all messages.
-        hold_on_disconnect: True if the robot is held when the motion client goes.
+        place: address to listen on.
+        say: prints a line on the terminal.
+        order: of the bytes in all messages.
+        hold_on_disconnect: True to hold the robot if the motion client disconnects.
 
     Yields:
         The ports of the motion link and of the state link.

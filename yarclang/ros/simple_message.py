@@ -1,6 +1,7 @@
-"""simple_message on the wire: messages to bytes, and bytes to messages as they arrive. No I/O.
+"""The wire format of simple_message: encoding of messages, and decoding of a stream of bytes. No I/O.
 
-A frame is a length, three words of a header and a body; all words have 4 bytes, and joints always have 10 slots. The length counts the bytes after itself.
+A frame is a length, a header of three words, and a body. All words have 4 bytes, and joints always have 10
+slots. The length doesn't count its own word.
 """
 
 from __future__ import annotations
@@ -12,22 +13,24 @@ from enum import Enum, IntEnum
 from typing import ClassVar
 
 SLOTS = 10
-"""Joints in a message; those that a robot doesn't have are 0."""
+"""Joint slots of a message; those beyond the robot's joints are 0."""
 
 MOST = 1020
-"""The largest length of a frame [bytes]: the stock nodes receive at most 1024 bytes at a time, the length itself among them."""
+"""Largest length of a frame [bytes]: the stock nodes receive at most 1024 bytes at a time, including the
+length itself.
+"""
 
 _HEADER = 12
 _NONE = (0.0,) * SLOTS
 
 
 class ByteOrder(Enum):
-    """The order of the bytes in a word; the value is how `struct` calls it."""
+    """Order of the bytes in a word. The value is the notation of `struct`."""
 
     LITTLE = "<"
-    """Of the stock nodes on usual computers."""
+    """Order of the stock nodes on usual computers."""
     BIG = ">"
-    """Of the nodes whose names end with _bswap."""
+    """Order of the nodes whose names end with _bswap."""
 
     @property
     def other(self) -> ByteOrder:
@@ -36,7 +39,7 @@ class ByteOrder(Enum):
 
 
 class Comm(IntEnum):
-    """What a message is for."""
+    """Communication type of a message."""
 
     TOPIC = 1
     REQUEST = 2
@@ -44,7 +47,7 @@ class Comm(IntEnum):
 
 
 class Code(IntEnum):
-    """What a reply says; other messages have NONE."""
+    """Code of a reply; other messages have NONE."""
 
     NONE = 0
     SUCCESS = 1
@@ -52,29 +55,29 @@ class Code(IntEnum):
 
 
 class Sequence(IntEnum):
-    """Sequence numbers of trajectory points that have a meaning of their own."""
+    """Sequence numbers of trajectory points with a special meaning."""
 
     START_DOWNLOAD = -1
     START_STREAMING = -2
     END = -3
-    """The last point of a download."""
+    """Last point of a download."""
     STOP = -4
 
 
 class FrameError(ValueError):
-    """Bytes that aren't simple_message; the text says why, and what to do."""
+    """Raised for bytes that aren't simple_message; the text gives the reason and the remedy."""
 
 
 @dataclass(frozen=True, slots=True)
 class Ping:
-    """Nothing but a sign of life."""
+    """Message without content, to test the connection."""
 
     kind: ClassVar[int] = 1
 
 
 @dataclass(frozen=True, slots=True)
 class JointPosition:
-    """Where the joints are.
+    """Positions of the joints.
 
     Attributes:
         joints: (10,) [rad or m].
@@ -91,10 +94,10 @@ class TrajectoryPoint:
     """A way-point.
 
     Attributes:
-        sequence: its place in the trajectory from 0, or one of `Sequence`.
+        sequence: index in the trajectory from 0, or one of `Sequence`.
         joints: (10,) [rad or m].
-        velocity: the share of the velocity limit that the fastest joint uses; 0.1 where the trajectory has no velocities.
-        duration: since the way-point before [s]; of the first way-point it means nothing.
+        velocity: share of the velocity limit for the fastest joint; 0.1 if the trajectory has no velocities.
+        duration: since the previous way-point [s]; has no meaning for the first one.
     """
 
     sequence: int
@@ -106,16 +109,16 @@ class TrajectoryPoint:
 
 @dataclass(frozen=True, slots=True)
 class RobotStatus:
-    """How the robot is: 1 for yes, 0 for no, -1 if it isn't known.
+    """Status of the robot: 1 for yes, 0 for no, -1 for unknown.
 
     Attributes:
         drives_powered: all motors are in closed loop.
-        e_stopped: an emergency stop holds.
-        error_code: the number of a finding; 0: none.
-        in_error: something was refused, or went wrong.
+        e_stopped: an emergency stop is active.
+        error_code: number of a finding; 0 for none.
+        in_error: a goal was refused, or an error occurred.
         in_motion: the robot moves.
         mode: 1 manual, 2 automatic.
-        motion_possible: a trajectory would be carried out now.
+        motion_possible: a trajectory would be run now.
     """
 
     drives_powered: int
@@ -130,14 +133,16 @@ class RobotStatus:
 
 @dataclass(frozen=True, slots=True)
 class FullPoint:
-    """A way-point with the derivatives of all joints; the stock nodes don't send it.
+    """A way-point with the derivatives of all joints. The stock nodes don't send it.
 
     Attributes:
         robot: number of a group of joints.
-        sequence: as of `TrajectoryPoint`.
-        valid: which of the following count: 1 time, 2 positions, 4 velocities, 8 accelerations.
+        sequence: as in `TrajectoryPoint`.
+        valid: flags of the valid fields: 1 time, 2 positions, 4 velocities, 8 accelerations.
         time: since the start of the trajectory [s].
-        positions, velocities, accelerations: (10,) each [rad or m, s].
+        positions: (10,) [rad or m].
+        velocities: (10,) [rad/s or m/s].
+        accelerations: (10,) [rad/s² or m/s²].
     """
 
     robot: int
@@ -152,7 +157,9 @@ class FullPoint:
 
 @dataclass(frozen=True, slots=True)
 class JointFeedback:
-    """Where the joints are, with their derivatives; the stock nodes don't understand it. Attributes as of `FullPoint`."""
+    """Positions of the joints with their derivatives. The stock nodes don't understand it. Attributes as in
+    `FullPoint`.
+    """
 
     robot: int
     valid: int
@@ -165,7 +172,7 @@ class JointFeedback:
 
 @dataclass(frozen=True, slots=True)
 class Other:
-    """A message of a kind that isn't known here: its number, and its bytes."""
+    """A message of an unknown kind: its number and its bytes."""
 
     kind: int
     content: bytes
@@ -176,11 +183,11 @@ Body = Ping | JointPosition | TrajectoryPoint | RobotStatus | FullPoint | JointF
 
 @dataclass(frozen=True, slots=True)
 class Message:
-    """One message.
+    """A message.
 
     Attributes:
-        comm: what it is for.
-        body: what it says.
+        comm: its communication type.
+        body: its content.
         code: of a reply.
     """
 
@@ -190,7 +197,7 @@ class Message:
 
 
 def reply_to(message: Message, *, success: bool) -> Message:
-    """Return the reply to a request: its own body, as the reference controllers send it."""
+    """Return the reply to a request, with the request's own body, like the reference controllers."""
     return Message(Comm.REPLY, message.body, Code.SUCCESS if success else Code.FAILURE)
 
 
@@ -202,7 +209,7 @@ _FORMS = {
     FullPoint.kind: "3if30f",
     JointFeedback.kind: "2if30f",
 }
-"""Bodies of known kinds as `struct` writes them."""
+"""Formats of the known bodies for `struct`."""
 
 _BODIES = {
     order: {kind: struct.Struct(order.value + form) for kind, form in _FORMS.items()} for order in ByteOrder
@@ -214,7 +221,7 @@ _LONG_REALS = {_HEADER + 4 * 4 + 8 * 12: TrajectoryPoint.kind, _HEADER + 4 + 8 *
     _HEADER + 4 + 8 * 12: TrajectoryPoint.kind,
     _HEADER + 3 * 4 + 8 * 31: FullPoint.kind,
 }
-"""Lengths of frames whose real numbers have 8 bytes, by their kinds."""
+"""Lengths of frames with real numbers of 8 bytes, by kind."""
 
 
 def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
@@ -235,7 +242,7 @@ def encode(message: Message, order: ByteOrder = ByteOrder.LITTLE) -> bytes:
 
 
 class Decoder:
-    """Messages of a stream of bytes, however it is cut into pieces. Keeps less than one frame and what was fed last.
+    """Decoder of a stream of bytes, however it is split. Keeps less than one frame and the last input.
 
     Args:
         order: of the bytes.
@@ -246,10 +253,11 @@ class Decoder:
         self._waiting = bytearray()
 
     def feed(self, data: bytes) -> Iterator[Message]:
-        """Take bytes that have arrived, and yield the messages that are complete now.
+        """Take received bytes, and yield the messages that are complete.
 
         Raises:
-            FrameError: they aren't simple_message. Where frames begin isn't known any more: the connection is to be closed.
+            FrameError: the bytes aren't simple_message. The beginning of the next frame is unknown: close the
+                connection.
         """
         self._waiting += data
         while (message := self._next()) is not None:
@@ -257,7 +265,7 @@ class Decoder:
 
     @property
     def waiting(self) -> int:
-        """How many bytes wait for the rest of their frame."""
+        """Number of bytes that wait for the rest of their frame."""
         return len(self._waiting)
 
     def _next(self) -> Message | None:

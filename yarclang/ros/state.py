@@ -1,4 +1,4 @@
-"""The state link's messages, from what the coordinator tells of the controller. No I/O, no clock."""
+"""Messages of the state link, from the coordinator's reports on the controller. No I/O, no clock."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from yarclang.ros.simple_message import SLOTS, Comm, JointPosition, Message, Rob
 from yarclang.runtime.state import State
 
 STANDS = 0.002
-"""A joint that is slower than this share of its velocity limit stands: a position that flickers between two counts isn't a motion."""
+"""Share of the velocity limit below which a joint counts as at rest, so that a position that flickers between
+two counts isn't a motion.
+"""
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
 _MANUAL, _AUTOMATIC = 1, 2
 
 
 class Feedback:
-    """One robot as its clients on the state link see it.
+    """State of a robot for clients on the state link.
 
     Args:
-        robot: whose.
-        name: of the client that carries goals out.
-        status: as it was told at first.
+        robot: the robot.
+        name: of the client that runs goals.
+        status: the first one from the coordinator.
     """
 
     def __init__(self, robot: Robot, name: str, status: replies.Status) -> None:
@@ -41,16 +43,16 @@ class Feedback:
 
     @property
     def state(self) -> State:
-        """What the robot does, as it was told last."""
+        """Last known state of the robot."""
         return self._state
 
     @property
     def positions(self) -> int:
-        """How many positions were heard: a link whose number stays has nothing new to tell."""
+        """Number of positions received. A link whose number hasn't changed has nothing new to send."""
         return self._count
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take what the coordinator tells."""
+        """Take an event of the coordinator."""
         match event:
             case events.StateChanged():
                 self._state, self._code, self._why = event.state, event.code or "", event.why
@@ -60,11 +62,11 @@ class Feedback:
                 self._place(joints_of(self._robot, event.joints), event.time_s)
 
     def health(self, health: replies.Health) -> None:
-        """Take how the motors are."""
+        """Take a report on the motors."""
         self._health = health
 
     def trouble(self) -> Refusal | None:
-        """Return what keeps the robot from moving, whatever a goal has to do with it; None: nothing does."""
+        """Return what prevents the robot from moving, regardless of goals; None if nothing does."""
         if self._state is State.FAULT:
             return Refusal(self._code or "Y1612", self._why)
         if self._state is State.DISCONNECTED:
@@ -72,17 +74,17 @@ class Feedback:
         return None
 
     def position(self) -> Message | None:
-        """Return where the joints are, in the order of robot.toml; None if nobody knows."""
+        """Return the joints' positions in the order of robot.toml; None if they are unknown."""
         if self._joints is None or self._state is State.DISCONNECTED:
             return None
         slots = (*self._joints.tolist(), *(0.0,) * (SLOTS - self._robot.size))
         return Message(Comm.TOPIC, JointPosition(slots))
 
     def status(self, refusal: Refusal | None) -> Message:
-        """Return how the robot is.
+        """Return the status of the robot.
 
         Args:
-            refusal: why the last goal has failed; None: it hasn't.
+            refusal: why the last goal has failed; None if it hasn't.
         """
         wrong = self.trouble() or refusal
         body = RobotStatus(
@@ -97,7 +99,9 @@ class Feedback:
         return Message(Comm.TOPIC, body)
 
     def _place(self, joints: Array, time: float) -> None:
-        """Take the joints (n,) [rad or m] at a time of the session [s]; whether they move follows from the place before."""
+        """Take the joints (n,) [rad or m] at a time of the session [s]. Their motion follows from the
+        previous position.
+        """
         before, passed = self._joints, time - self._heard
         if before is not None and passed > 0.0:
             speed = np.abs(joints - before) / passed
@@ -112,7 +116,9 @@ class Feedback:
         return _YES if all(one.closed_loop for one in health.motors) else _NO
 
     def _in_motion(self) -> int:
-        """While the controller carries a program out the robot is in motion; else the joints tell, as while it comes to rest at a hold."""
+        """Return 1 while the controller runs a program or a joint moves, as while the robot comes to rest in
+        a hold.
+        """
         if self._state is State.MOVE:
             return _YES
         if self._state is State.DISCONNECTED or self._joints is None:

@@ -1,1 +1,1 @@
-"""One file a command of `yarc`."""
+"""The commands of `yarc`, one in each file."""

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
 
 _PAUSE = 0.3
-"""How often --watch looks [s]."""
+"""Time between two checks of --watch for changed files [s]."""
 
 
 @click.command("check")
@@ -99,7 +99,7 @@ def command(
 
 
 def _check_usage(paths: tuple[str, ...], fix: bool, diff: bool, watch: bool, format_: str) -> None:
-    """What can't be meant together is wrong usage."""
+    """Reject options that exclude each other."""
     if fix and diff:
         raise click.UsageError("--fix writes and --diff doesn't: choose one")
     if watch and (fix or diff or STANDARD in paths or format_ != "text"):
@@ -111,7 +111,7 @@ def _check_usage(paths: tuple[str, ...], fix: bool, diff: bool, watch: bool, for
 
 
 def _shown(select: frozenset[str] | None, ignore: frozenset[str] | None) -> frozenset[str] | None:
-    """The codes that are wanted; None for all."""
+    """Return the requested codes; None for all."""
     if select is None and ignore is None:
         return None
     from yarclang.lint.registry import everything
@@ -130,7 +130,7 @@ def _checked(
     writes: bool = False,
     diff: bool = False,
 ) -> bool:
-    """Check files and tell what was found; whether that is a failure."""
+    """Check files and report the findings; return True if that is a failure."""
     from yarclang.cli.checks import check_all
     from yarclang.cli.show import show_findings
     from yarclang.report.finding import count_text
@@ -174,7 +174,7 @@ def _checked(
 
 
 def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
-    """Write what was fixed, or show how it differs; a program from standard input goes to standard output."""
+    """Write a fixed file, or show its difference. A program from standard input goes to standard output."""
     from yarclang.cli.differences import difference, with_mark
     from yarclang.cli.work import write_standard_output, write_whole
 
@@ -191,7 +191,7 @@ def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
 
 
 def _watch(paths: tuple[str, ...], task: Task, most: int | None, progress: Any) -> None:
-    """Check whatever changes, until somebody interrupts."""
+    """Check files after each change, until interrupted."""
     from yarclang.cli.watching import changes
 
     try:

@@ -18,6 +18,6 @@ def command(shell: str) -> None:
     from yarclang.cli.yarcc import main as yarcc
 
     kind = get_completion_class(shell)
-    assert kind is not None  # the choice offers only shells that click knows
+    assert kind is not None  # the option allows only shells of click
     for program, name in ((yarc, "yarc"), (yarcc, "yarcc")):
         click.echo(kind(program, {}, name, f"_{name.upper()}_COMPLETE").source())

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from yarclang.robot.model import Tolerance
 
 _HEADER = 4096
-"""Within the first characters of a text its robot's fingerprint stands."""
+"""Characters at the beginning of a text that contain the robot's fingerprint."""
 
 _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
 
@@ -67,7 +67,7 @@ def _compared(
     tolerance: tuple[float, ...] | None,
     progress: Progress,
 ) -> Comparison:
-    """Read and compare two programs; end with status 1 if they can't be compared."""
+    """Read and compare two programs; exit with status 1 if they can't be compared."""
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
     from yarclang.progress import part
@@ -109,7 +109,9 @@ def _show(comparison: Comparison, all_commands: bool, format_: str) -> None:
 
 
 def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
-    """What was asked for in mm and deg; an angle that wasn't in the ratio that the robot's has."""
+    """Return the requested tolerance in mm and deg. A missing angle follows from the ratio of the robot's
+    tolerance.
+    """
     from yarclang.robot.model import Tolerance
     from yarclang.units import DEG, MM
 
@@ -121,7 +123,7 @@ def _tolerance(asked: tuple[float, ...] | None, usual: Tolerance) -> Tolerance:
 
 
 def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | None, tuple[Diagnostic, ...]]:
-    """A program as it is executed, and what is wrong with it."""
+    """Return the execution of a program, and its errors."""
     from yarclang.cli.work import options_from
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.checking import check_program_file
@@ -148,7 +150,7 @@ def _read(file: str, robot: str | None, cell: str | None) -> tuple[Executed | No
     checked = check_program_file(file, options_from({"robot": robot, "cell": cell}))
     compiled = checked.compiled
     if compiled is None:
-        # warnings are for who compiles it
+        # warnings are reported when it is compiled
         return None, tuple(one for one in checked.diagnostics if one.is_error)
     carried = {one.step: one.carries for one in compiled.certificate.commands}
     made = executed(compiled.text, compiled.plan.robot, file, carried)

@@ -6,7 +6,7 @@ import click
 
 
 def _modules(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:  # noqa: ARG001  (click's signature)
-    """The standard library's modules that begin so, for completion."""
+    """Return the standard library's modules that begin with a text, for completion."""
     from yarclang.pipeline.modules import SUFFIX, library_folder
 
     names = sorted(path.stem.upper() for path in library_folder().glob(f"*{SUFFIX}"))

@@ -50,7 +50,7 @@ def command(robot: str, to: Address | None, format_: str) -> None:
     if loaded.value is None:
         raise SystemExit(1)
     with trouble_is_said(), controller(to, loaded.value, loaded.value.home) as address:
-        # trying the guard beside a run would hold it
+        # a test of the guard would hold a running program
         with controller_lock(address.host, address.port):
             inspection, link = asyncio.run(_examine(loaded.value, address))
         _show(loaded.value, robot, address, inspection, link, format_)
@@ -58,7 +58,9 @@ def command(robot: str, to: Address | None, format_: str) -> None:
 
 
 async def _examine(robot: Robot, address: Address) -> tuple[Inspection, Measured | None]:
-    """What was found, and the link; that isn't measured while a program runs, which may need all of it."""
+    """Return the findings, and the link's measurement. The link isn't measured while a program runs, which
+    may need all of it.
+    """
     from yarclang.pipeline.settings import items_of
     from yarclang.runtime.scripts import scripts_of
     from yarclang.runtime.session import Session
@@ -89,7 +91,7 @@ def _show(
     from yarclang.runtime.standing import described
 
     where = f"--to {address} --robot {robot_argument(robot, given)}"
-    # what is wrong comes last: nobody looks at the beginning of a hundred lines
+    # errors come last, where they are visible after a hundred lines
     order = ("ok", "warning", "error")
     checked = sorted(inspection.checked, key=lambda one: order.index(one.verdict))
     click.echo(checked_table(checked).replace("`yarc stop --to ...`", f"`yarc stop {where}`"))

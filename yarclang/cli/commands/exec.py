@@ -45,7 +45,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
     if is_compiled(file) and (first or any(options[name] for name in ("start", "tm"))):
         raise click.UsageError("--from, --start, --tm: only with the program itself, the .yarc file")
     source = source_of(file, first, options)
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # ignore that the terminal is closed
     lines = Lines()
     try:
         if (status := _served(source, to, options, lines)) is not None:
@@ -85,7 +85,7 @@ def command(file: str, to: Address | None, first: str | None, **options: Any) ->
 
 
 def _served(source: Source, to: Address | None, options: dict[str, Any], lines: Lines) -> int | None:
-    """Carry a program out on a robot that somebody serves; None where nobody does."""
+    """Run a program on a served robot; None if the robot isn't served."""
     from yarclang.cli.attaching import place_served, served_at
     from yarclang.cli.executing import execute
     from yarclang.cli.loading import load_order, robot_of

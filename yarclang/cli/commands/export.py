@@ -135,7 +135,7 @@ def _export_program(file: str, output: str | None, overwrite: bool, wanted: dict
 
 
 def _trajectories(file: str, wanted: dict[str, Any]) -> tuple[Exported | None, Found]:
-    """The trajectories of a program, and what is to be said; None with an error."""
+    """Return the trajectories of a program, and findings; None with an error."""
     from yarclang.cli.work import Progress, options_from
     from yarclang.export.ros.exported import Wishes, exported
     from yarclang.pipeline.checking import check_program_file
@@ -146,7 +146,7 @@ def _trajectories(file: str, wanted: dict[str, Any]) -> tuple[Exported | None, F
         if checked.compiled is None:
             return None, checked.diagnostics
         made = exported(checked.compiled, Wishes(wanted["tolerance"] or 1e-4, wanted["linear"]))
-    # warnings of the program are for who compiles it
+    # warnings of the program are reported when it is compiled
     return made.value, made.diagnostics
 
 
@@ -166,7 +166,7 @@ def _written(made: Exported, kind: str, version: Version, destination: str) -> F
 
 
 def _bag(made: Exported) -> bytes | Found:
-    """The bytes of a bag, or why there are none."""
+    """Return the bytes of a bag, or findings if there are none."""
     import tempfile
 
     from yarclang.diagnostics import Diagnostic
@@ -188,7 +188,7 @@ def _bag(made: Exported) -> bytes | Found:
 
 
 def _kind(destination: str) -> Literal["yaml", "json", "bag"]:
-    """The kind of file that the extension names; what isn't known is wrong usage."""
+    """Return the kind of file from the extension. An unknown one is a usage error."""
     if destination == STANDARD:
         return "yaml"
     extension = Path(destination).suffix.lower()
@@ -215,7 +215,7 @@ def _export_robot(name: str | None, output: str | None, *, overwrite: bool) -> N
 def _write_package(
     package: Package | None, output: str | None, diagnostics: Found, *, overwrite: bool
 ) -> None:
-    """Write a package as a folder (None: there is none, as the findings say), and say what was found."""
+    """Write a package as a folder (None if the findings forbid it), and report the findings."""
     from yarclang.cli.show import show_findings
     from yarclang.export.folder import judged, write_folder
     from yarclang.report.finding import count_text

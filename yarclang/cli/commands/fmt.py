@@ -18,7 +18,9 @@ class _Command(click.Command):
     """A command whose --renumber takes two numbers, or none."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Numbers behind --renumber belong to it, whatever follows doesn't."""
+        """Give the numbers directly after --renumber to the option, and all other arguments to the
+        command.
+        """
         if "--renumber" in args:
             at = args.index("--renumber") + 1
             given = args[at : at + 2]
@@ -79,7 +81,13 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
 
 @dataclass(frozen=True, slots=True)
 class _Formatted:
-    """A file's text before and after, or what hinders."""
+    """Result for a file.
+
+    Attributes:
+        before: the text before.
+        after: the text after.
+        found: findings that prevent the formatting.
+    """
 
     before: str = ""
     after: str = ""

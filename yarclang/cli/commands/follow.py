@@ -74,7 +74,7 @@ def command(to: Address | None, robot: str | None, **options: Any) -> None:
     from yarclang.pipeline.inputs import robot_for
     from yarclang.runtime.actions import Trouble
 
-    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that is closed is nothing
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)  # ignore that the terminal is closed
     lines = Lines()
     try:
         found = robot_for(Path(), robot)

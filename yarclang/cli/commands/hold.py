@@ -7,7 +7,7 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 5.0
-"""How long a run may take to hold [s]: longer than to find that a connection is lost."""
+"""Longest wait for a run to hold [s]; longer than the detection of a lost connection."""
 
 
 @click.command("hold")

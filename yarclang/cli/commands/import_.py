@@ -30,7 +30,7 @@ class _Units(ParamType["UnitsByKind"]):
     name = "LENGTH,ANGLE,TIME"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> UnitsByKind:
-        """The units by their kinds; what is none is wrong usage."""
+        """Parse units by their kinds. An unknown unit is a usage error."""
         from yarclang.units import UNITS
 
         if isinstance(value, dict):
@@ -47,12 +47,12 @@ class _Units(ParamType["UnitsByKind"]):
 
 
 class _Time(ParamType[str]):
-    """What stands in [ ] of a command."""
+    """Content of a command's [ ]."""
 
     name = "TIME"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
-        """MIN, a share such as 50%, or seconds."""
+        """Parse MIN, a share such as 50%, or seconds."""
         text = str(value).upper()
         if not _TIME.fullmatch(text) or float(text.strip("MIN%") or 1) <= 0:
             self.fail(f"{value!r} is none of MIN, a share such as 50%, or a number of seconds", param, ctx)

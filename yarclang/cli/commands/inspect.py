@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from yarclang.report.inspection.inspected import Studied
 
 _MOST_PLACES = 8
-"""Places of a command that are listed."""
+"""Most places of a command that are listed."""
 
 
 @click.command("inspect")
@@ -131,7 +131,7 @@ def _of_program(
 
 
 def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int, ...]:
-    """The steps that are meant."""
+    """Return the numbers of the selected steps."""
     from yarclang.hir import Gap
     from yarclang.pipeline.places import labels_of, matching
 
@@ -147,7 +147,9 @@ def _numbers(program: Program, place: str | None, line: int | None) -> tuple[int
 
 
 def _say_unknown(program: Program, place: str | None, line: int | None, wrong: bool, findings: Any) -> None:
-    """Nothing is meant by what was given: the findings may say why, else what there is."""
+    """Report that no command matches: by the findings that explain it, otherwise with the existing
+    commands.
+    """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic, grouped, in_order
     from yarclang.pipeline.places import labels_of
@@ -216,7 +218,7 @@ def _show(
     _print_sections(sections_of(inspected, all_lines=all_lines))
     for number in numbers[1:]:
         step = studied.program.steps[number]
-        if not isinstance(step, Gap) and step.origin == inspected.origin:  # one command of several steps
+        if not isinstance(step, Gap) and step.origin == inspected.origin:  # a command with several steps
             click.echo()
             _print_sections(sections_of(inspect_step(studied, number), all_lines=all_lines))
 
@@ -288,7 +290,7 @@ def _of_text(
 
 
 def _origins(file: str, source: Any, program: str | None, robot: str | None, cell: str | None) -> Origins:
-    """Where its commands come from, as far as that can be found out."""
+    """Return the sources of a controller text's commands, as far as they can be found."""
     from yarclang.pipeline.controller_text import robot_of_text
     from yarclang.pipeline.origins import Origins, origins_of_text
 

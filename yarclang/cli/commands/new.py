@@ -21,7 +21,7 @@ def _of_template(name: str, robot: Robot) -> str:
     from yarclang.runtime.actions import Trouble
     from yarclang.teaching.templates import new
 
-    # beside no other file: the project isn't there yet
+    # in an empty folder, because the project doesn't exist yet
     with tempfile.TemporaryDirectory() as folder:
         try:
             return new(name, robot, {}, Path(folder))

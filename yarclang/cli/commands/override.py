@@ -9,11 +9,11 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 5.0
-"""How long a run may take to change its pace [s]."""
+"""Longest wait for a run to change its override [s]."""
 
 
 def _number(ctx: click.Context, param: click.Parameter, value: float) -> float:
-    """A range lets nan pass."""
+    """Reject nan, which click's range accepts."""
     if math.isnan(value):
         raise click.BadParameter("'nan' isn't a number", ctx, param)
     return value

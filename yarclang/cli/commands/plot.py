@@ -43,7 +43,7 @@ def command(file: str, output: str | None, **planning: Any) -> None:
 
 
 def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple[bytes, str]:
-    """A program's picture, and what to say of it."""
+    """Return a program's picture, and a description of it."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import Progress, options_from
     from yarclang.diagnostics import has_errors, in_order
@@ -74,7 +74,7 @@ def _program_picture(file: str, format_: Any, planning: dict[str, Any]) -> tuple
 
 
 def _run_picture(file: str, format_: Any) -> tuple[bytes, str]:
-    """A run's picture, and what to say of it."""
+    """Return a run's picture, and a description of it."""
     from yarclang.cli.show import show_findings
     from yarclang.report.runs.log import read_run
     from yarclang.report.runs.planned import planned_motion
@@ -106,7 +106,7 @@ def _write(picture: bytes, what: str, destination: str) -> None:
 
 
 def _format(destination: str) -> Any:
-    """The format that the extension names; what isn't known is wrong usage."""
+    """Return the format from the extension. An unknown one is a usage error."""
     if destination == STANDARD:
         return "png"
     extension = Path(destination).suffix.removeprefix(".").lower()

@@ -61,7 +61,7 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
                 check_cell(client, options["cell"])
             if (cell := client.welcome.status.cell) is not None:
                 click.echo(cell_text(cell), err=True)
-            with contextlib.suppress(Trouble):  # somebody else owns it: this person watches at first
+            with contextlib.suppress(Trouble):  # another client owns it: this one only watches at first
                 await client.ask(orders.Own(shared=True))
             interpreter = Interpreter(
                 client, robot, click.echo, folder, asks=not options["go"], tm=options["tm"]
@@ -86,7 +86,7 @@ async def _session(robot: Robot, place: Place, options: dict[str, Any]) -> int:
 
 
 async def _released(client: Attached) -> LogTold | None:
-    """What became of the log, when the robot rests."""
+    """Wait until the robot rests, and return the state of the log."""
     from yarclang.coordinator.messages import orders
 
     return (await client.ask(orders.Release())).log

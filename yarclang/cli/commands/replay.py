@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class _Speed(ParamType[float]):
-    """A number, or max, which is infinite."""
+    """A number, or `max` for infinity."""
 
     name = "N|max"
 
@@ -65,7 +65,7 @@ def _show(run: RecordedRun, speed: float) -> None:
     from yarclang.report.runs.text import head_text, moments_of
 
     click.echo(head_text(run))
-    # what comes all at once is read, not watched
+    # at infinite speed, the output is read, not watched
     screen = _Screen(live=sys.stdout.isatty() and math.isfinite(speed))
     since = time.monotonic()
     try:
@@ -87,7 +87,9 @@ def _show(run: RecordedRun, speed: float) -> None:
 
 
 class _Screen:
-    """Standard output: on a terminal with one line that changes, else with a line now and then."""
+    """Standard output: with one changing line on a terminal, otherwise with an additional line now and
+    then.
+    """
 
     def __init__(self, *, live: bool) -> None:
         self._live = live
@@ -96,7 +98,7 @@ class _Screen:
         self._written = -math.inf
 
     def show(self, moment: Moment) -> None:
-        """Show what a moment brings."""
+        """Show the report and the progress of a moment."""
         if moment.line:
             self.clear()
             click.echo(f"{moment.time:9.3f} s  {moment.line}")
@@ -106,7 +108,7 @@ class _Screen:
             click.echo(f"{moment.time:9.3f} s  {moment.view.line}")
 
     def clear(self) -> None:
-        """Take the line that changes away."""
+        """Remove the changing line."""
         if self._shown:
             from yarclang.report.runs.text import over
 
@@ -122,7 +124,7 @@ class _Screen:
         self._shown = True
 
     def _is_due(self, moment: Moment) -> bool:
-        """Whether the progress is worth a line: another command, or a while is over."""
+        """Return True if the progress needs a new line: at another command, or after some time."""
         from yarclang.report.runs.text import PLAIN_EACH
 
         progress = moment.view.progress

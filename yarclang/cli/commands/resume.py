@@ -7,7 +7,7 @@ import click
 from yarclang.cli.address import run_option, trouble_is_said
 
 _PATIENCE = 20.0
-"""How long a run may take to go on [s]: the robot must be at rest first."""
+"""Longest wait for a run to continue [s], because the robot must come to rest first."""
 
 
 @click.command("resume")
@@ -29,6 +29,6 @@ def command(run: str | None, answer: int | None) -> None:
         if status is None:
             click.echo(f"{chosen.name}: has ended meanwhile")
         else:
-            # what comes next may be loaded yet
+            # the next part may still be loading
             state = "going on" if status["state"] == "init" else status["state"]
             click.echo(f"{chosen.name}: {state}, {status['done']:.1f} s done, {status['left']:.1f} s left")

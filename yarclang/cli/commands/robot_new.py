@@ -113,7 +113,9 @@ def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
 
 
 def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
-    """Return the folders with ROS packages: those that are said, those of ROS 1, then those of ROS 2."""
+    """Return the folders with ROS packages: first the given ones, then those of ROS 1, then those of ROS
+    2.
+    """
     import os
 
     first, second = (
@@ -125,7 +127,7 @@ def _packages(said: tuple[Path, ...]) -> tuple[Path, ...]:
 
 
 def _arguments(said: tuple[str, ...]) -> dict[str, str]:
-    """Return the arguments of a xacro file by their names; ROS's form NAME:=VALUE is taken as well."""
+    """Return the arguments of a xacro file by name. ROS's form NAME:=VALUE is accepted as well."""
     found = {}
     for text in said:
         name, equals, value = text.partition("=")
@@ -137,7 +139,7 @@ def _arguments(said: tuple[str, ...]) -> dict[str, str]:
 
 
 def _given(arm: Arm, said: dict[str, Any]) -> Given:
-    """The values of the options; a wrong number of them is wrong usage."""
+    """Return the values of the options. A wrong number of values is a usage error."""
     from yarclang.robot.new.sketch import Given
 
     size = len(arm.chain.joints)
@@ -169,7 +171,7 @@ def _given(arm: Arm, said: dict[str, Any]) -> Given:
 
 
 def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
-    """JOINT=LOW,HIGH."""
+    """Parse JOINT=LOW,HIGH."""
     name, _, values = text.partition("=")
     names = [joint.name for joint in arm.chain.joints]
     if name not in names:
@@ -184,7 +186,9 @@ def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
 
 
 def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ...]) -> Arm:
-    """Ask for what isn't known and put the answers to the options; the arm, which another tip or base changes."""
+    """Ask for unknown values and add the answers to the options. Return the arm, which changes with another
+    tip or base.
+    """
     import sys
 
     from yarclang.cli.show import show_findings
@@ -221,7 +225,7 @@ def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ..
 
 
 def _read(key: str, text: str) -> Any:
-    """An answer as the option would read it."""
+    """Parse an answer like the option's value."""
     if key in ("tip", "base", "name"):
         return text.strip()
     option = next(one for one in command.params if one.name == key)
@@ -229,7 +233,7 @@ def _read(key: str, text: str) -> Any:
 
 
 def _write(folder: Path, made: NewRobot) -> None:
-    """Write the folder, and say what is in it and what isn't."""
+    """Write the folder, and report its content and missing parts."""
     from yarclang.cli.choosing_home import with_home
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole
@@ -281,7 +285,7 @@ def _write(folder: Path, made: NewRobot) -> None:
 
 
 def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:
-    """Return the warning about collision meshes that weren't there."""
+    """Return the warning about missing collision meshes."""
     from yarclang.diagnostics import Diagnostic
     from yarclang.robot.checklist.item import listed
 
@@ -297,7 +301,7 @@ def _left_out(made: NewRobot) -> tuple[Diagnostic, ...]:
 
 
 def _undo(folder: Path, written: list[Path]) -> None:
-    """Take back what was written."""
+    """Remove the files that were written."""
     for path in written:
         path.unlink(missing_ok=True)
     for place in sorted({folder, *(path.parent for path in written)}, reverse=True):
@@ -306,7 +310,7 @@ def _undo(folder: Path, written: list[Path]) -> None:
 
 
 def _notes(made: NewRobot) -> list[str]:
-    """What whoever reads the folder wouldn't see."""
+    """Return notes that can't be seen in the folder."""
     from yarclang.robot.checklist.item import listed
     from yarclang.robot.new.copying import VISUALS
     from yarclang.robot.urdf import UNARMED

@@ -87,7 +87,7 @@ def command(file: str, to: Address | None, first: str | None, job: int | None, *
 
 
 def _served(source: Source, to: Address | None, options: dict[str, Any]) -> int | None:
-    """Run a program on a robot that somebody serves; None where nobody does."""
+    """Run a program on a served robot; None if the robot isn't served."""
     from yarclang.cli.attaching import place_served, served_at
     from yarclang.cli.loading import load_order, robot_of
 
@@ -132,7 +132,7 @@ def _check_compiled_usage(first: str | None, options: dict[str, Any]) -> None:
 
 
 def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
-    """The command line without what is for one run only; empty for standard input."""
+    """Return the command line without options for one run only; empty for standard input."""
     if file == "-":
         return ""
     words = ["yarc", "run", file, *(["--to", str(to)] if to is not None else [])]
@@ -140,7 +140,7 @@ def _again(file: str, to: Address | None, options: dict[str, Any]) -> str:
         if (value := options[name]) is not None:
             numbers = value if isinstance(value, tuple) else (value,)
             words += [f"--{name}", ",".join(f"{one:g}" if isinstance(one, float) else one for one in numbers)]
-    if to is None:  # the next simulator's machines do what this one's have done
+    if to is None:  # the next simulator gets machines with the same behaviour
         words += [word for one in options["set"] for word in ("--set", one)]
         words += ["--inputs", options["inputs"]] if options["inputs"] else []
     return shlex.join(words)

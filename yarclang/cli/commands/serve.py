@@ -53,10 +53,10 @@ def command(to: Address | None, **options: Any) -> None:
 
 
 def _values_door(text: str) -> TcpDoor:
-    """Return the door that `[HOST:]PORT` means.
+    """Parse `[HOST:]PORT`.
 
     Raises:
-        click.UsageError: it means none.
+        click.UsageError: the text is invalid.
     """
     from yarclang.coordinator.live.serving import LOOPBACK, TcpDoor
 

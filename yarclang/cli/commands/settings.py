@@ -47,7 +47,7 @@ def command(robot: str, file: str | None) -> None:
 
 
 def _check(file: str, robot: Robot) -> None:
-    """Judge a file, and say what was proved of it."""
+    """Check a file, and report the proof."""
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.settings import check_settings
     from yarclang.pipeline.sources import name_of, read_content
@@ -57,7 +57,7 @@ def _check(file: str, robot: Robot) -> None:
     show_findings(content.diagnostics)
     if content.value is None:
         raise SystemExit(1)
-    # byte by byte: what a controller reads isn't decoded
+    # byte by byte, because the controller decodes nothing
     judged = check_settings(SourceFile(name_of(file), content.value.decode("latin-1")), robot)
     show_findings(judged.diagnostics)
     if judged.value is None:

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 _LOOK = 0.2
-"""How often to look for words that aren't simulated [s]."""
+"""Time between two checks for words that aren't simulated [s]."""
 
 
 class _Rate(ParamType[float | None]):
-    """real, max, or a number: how fast time passes. None is max."""
+    """Speed of time: real, max, or a number; None for max."""
 
     name = "real|N|max"
 
@@ -46,7 +46,7 @@ class _Rate(ParamType[float | None]):
 
 
 class _Address(ParamType[str]):
-    """An address or a name; the empty one would be all addresses, which nobody means."""
+    """An address or a name. An empty one would mean all addresses, and is rejected."""
 
     name = "ADDRESS"
 
@@ -150,7 +150,7 @@ def _tell(now: float, text: str) -> None:
 
 
 def _bench(robot: str | None) -> tuple[Bench, Robot | None]:
-    """The simulator to serve, and the robot that it is commissioned for."""
+    """Return the simulator to serve, and the robot for which it is configured."""
     from yarclang.backend import backend_called, backend_of
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot
@@ -179,7 +179,7 @@ def _made(backend: Backend) -> Bench:
 
 
 def _around(robot: str | None, inputs: str | None, cell: str | None) -> SimulatedCell:
-    """Return the machines that a script describes, and the sensors of a cell; the script's names are the cell's."""
+    """Return the machines of a script, and the sensors of a cell. The script uses the cell's names."""
     from dataclasses import replace
 
     from yarclang.cli.show import show_findings
@@ -191,7 +191,7 @@ def _around(robot: str | None, inputs: str | None, cell: str | None) -> Simulate
 
     known, whose, what = Known({}, {}), None, None
     if cell is not None:
-        assert robot is not None  # it is asked for with --cell
+        assert robot is not None  # --cell requires it
         whose = named_robot(Path(), robot).value
         assert whose is not None  # its settings were loaded
         around = session_cell(Path(), whose, cell)
@@ -236,7 +236,7 @@ async def _serve(server: Server, what: str) -> None:
 
 
 async def _watch(server: Server) -> None:
-    """Tell once of each word of a program that does something else here than on a controller, or nothing."""
+    """Report once each word of a program that has no effect here, or another one than on a controller."""
     import asyncio
 
     told: set[str] = set()
@@ -248,13 +248,13 @@ async def _watch(server: Server) -> None:
 
 
 def _place(server: Server) -> str:
-    """Address and port, as they are written together."""
+    """Format address and port."""
     host = f"[{server.host}]" if ":" in server.host else server.host
     return f"{host}:{server.port}"
 
 
 def _reason(error: OSError) -> str:
-    """Why an address can't be listened on, without the address (asyncio puts it into the text)."""
+    """Return why an address can't be listened on, without the address, which asyncio includes in its text."""
     import os
     import socket
 

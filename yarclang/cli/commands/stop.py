@@ -21,13 +21,15 @@ if TYPE_CHECKING:
     from yarclang.robot.model import Array, Robot
 
 _PATIENCE = 30.0
-"""How long a run may take to end [s]: coming to rest, and a connection that has to be made again."""
+"""Longest wait for a run to end [s], including the time to come to rest and to reconnect."""
 
 _TELL = 0.3
-"""How long a run that drives the controller may take to answer [s]: nobody waits long for one that hangs."""
+"""Longest wait for an answer of a run that drives the controller [s]. It is short, because the run may
+hang.
+"""
 
 _LET_END = 2.0
-"""How long a run that drives the controller may take to end before the controller is told itself [s], if it has answered."""
+"""Longest wait for the end of a run that has answered, before the controller itself is stopped [s]."""
 
 
 @click.command("stop")
@@ -79,7 +81,9 @@ def _stop_controller(to: Address, name: str, what: str) -> None:
 
 
 def _tell_run(to: Address, what: str) -> None:
-    """Let a run that drives the controller end it: it knows more. One that hangs keeps nobody from it."""
+    """Ask a run that drives the controller to end it, because the run knows more. A run that hangs doesn't
+    prevent the stop.
+    """
     from yarclang.cli.ordering import send
     from yarclang.runtime.actions import Trouble
     from yarclang.runtime.transports.lock import holder_of

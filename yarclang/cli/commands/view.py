@@ -86,10 +86,10 @@ def command(
 def _check_usage(
     file: str | None, live: bool, run: str | None, to: Address | None, planning: dict[str, Any]
 ) -> None:
-    """A file and its options, or --live and its own.
+    """Check that there is a file with its options, or --live with its own.
 
     Raises:
-        click.UsageError: it isn't so.
+        click.UsageError: there isn't.
     """
     if not live:
         given = [name for name, value in (("--run", run), ("--to", to)) if value is not None]
@@ -109,7 +109,7 @@ def _check_usage(
 
 
 def _stage(file: str, planning: dict[str, Any]) -> Stage:
-    """What a file shows; without anything to show the exit status is 1."""
+    """Return the stage of a file. Without anything to show, exit with status 1."""
     from yarclang.cli.show import show_findings, show_without_notes
     from yarclang.cli.work import Progress, options_from
     from yarclang.pipeline.controller_text import is_compiled, robot_of_text
@@ -164,13 +164,13 @@ def _serve(stage: Stage, door: Door, *, opens: bool) -> None:
 
 
 def _ready(real: Door, title: str, seen: str, opens: bool) -> None:
-    """Say where it is shown.
+    """Report the address of the view.
 
     Args:
-        real: where it is served.
-        title: what is shown.
-        seen: what others can see, or do, if they reach it.
-        opens: if a browser is opened.
+        real: at which the view is served.
+        title: of the view.
+        seen: what others can see or do if they reach it.
+        opens: True to open a browser.
     """
     if not is_loopback(real.host):
         click.echo(

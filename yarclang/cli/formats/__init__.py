@@ -1,4 +1,4 @@
-"""Findings as other programs read them."""
+"""Formats of findings for other programs."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ FORMATS = ("json", "sarif", "github", "junit")
 
 
 def document(format_: str, files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:
-    """Findings in a format, with the last line's end.
+    """Return findings in a format, with a final newline.
 
     Args:
         format_: one of FORMATS.
         files: all files that were checked.
-        found: what was found in them.
-        strict: whether a warning counts as an error.
+        found: their findings.
+        strict: True if warnings count as errors.
     """
     write: Callable[..., str] = import_module(f"yarclang.cli.formats.{format_}").write
     return write(files, found, strict=strict)
 
 
 def path_of(one: Diagnostic) -> str:
-    """The file of a finding as it was named on the command line; empty where it has none."""
+    """Return the file of a finding as on the command line; empty if it has none."""
     return one.source.name if one.source is not None else ""

@@ -1,4 +1,4 @@
-"""Workflow commands of GitHub Actions: a finding becomes an annotation of the line."""
+"""Workflow commands of GitHub Actions, which turn findings into annotations of lines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _COMMANDS = {"error": "error", "warning": "warning", "note": "notice"}
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
-    """One command a line."""
+    """Return one command for each finding."""
     return "".join(f"{_command(one)}\n" for one in found)
 
 
@@ -24,7 +24,7 @@ def _command(one: Diagnostic) -> str:
     span = one.shown_at
     if one.source is not None and span is not None:
         properties |= {"line": span.line, "endLine": span.end_line}
-        if span.line == span.end_line:  # columns count within one line only
+        if span.line == span.end_line:  # columns are allowed within one line only
             properties |= {"col": span.column, "endColumn": span.end_column}
     properties["title"] = f"{one.code} {everything()[one.code].name}"
     shown = ",".join(f"{key}={_property(str(value))}" for key, value in properties.items())
@@ -32,10 +32,10 @@ def _command(one: Diagnostic) -> str:
 
 
 def _data(text: str) -> str:
-    """As the runner's toolkit escapes messages."""
+    """Escape a message like the runner's toolkit."""
     return text.replace("%", "%25").replace("\r", "%0D").replace("\n", "%0A")
 
 
 def _property(text: str) -> str:
-    """As the runner's toolkit escapes properties."""
+    """Escape a property like the runner's toolkit."""
     return _data(text).replace(":", "%3A").replace(",", "%2C")

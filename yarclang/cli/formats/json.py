@@ -1,4 +1,4 @@
-"""JSON of our own: docs/findings.md describes it."""
+"""Findings in our own JSON format, which docs/findings.md describes."""
 
 from __future__ import annotations
 
@@ -10,6 +10,6 @@ from yarclang.report.finding import finding_json
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
-    """The findings with all that is known of them."""
+    """Return the findings with all of their data."""
     content = {"version": 1, "diagnostics": [finding_json(one) for one in found]}
     return json.dumps(content, indent=2, ensure_ascii=False) + "\n"

@@ -1,4 +1,4 @@
-"""JUnit XML: a file is a test suite, a finding a test case; what doesn't fail is told as output."""
+"""JUnit XML: each file is a test suite, each finding a test case. Findings that don't fail become output."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _NOT_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:
-    """A suite a file, those of findings in other files, or none, behind them."""
+    """Return one suite for each file, followed by those of findings in other files, or in none."""
     by_file: dict[str, list[Diagnostic]] = {("<stdin>" if file == "-" else file): [] for file in files}
     for one in found:
         by_file.setdefault(path_of(one) or "yarc check", []).append(one)

@@ -1,4 +1,4 @@
-"""SARIF 2.1.0 (OASIS, 27 March 2020): what code scanning of GitHub, GitLab and Azure reads."""
+"""SARIF 2.1.0 (OASIS, 27 March 2020), for code scanning by GitHub, GitLab and Azure."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sar
 
 
 def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = False) -> str:  # noqa: ARG001 (as the other formats)
-    """One run, with the rules of the findings that there are."""
+    """Return one run, with the rules of all reported findings."""
     codes = sorted({one.code for one in found})
     pages = addresses()
     driver: dict[str, Any] = {
@@ -49,10 +49,12 @@ def write(files: Sequence[str], found: Sequence[Diagnostic], *, strict: bool = F
 
 @cache
 def addresses() -> dict[str, str]:
-    """Return the project's public addresses by their labels in small letters, as the installed package names them; none of a package that names none."""
+    """Return the project's public addresses by their labels in lower case, from the installed package; empty
+    if it has none.
+    """
     try:
         named = metadata("yarclang").get_all("Project-URL") or []
-    except PackageNotFoundError:  # a tree that isn't installed
+    except PackageNotFoundError:  # the source tree isn't installed
         return {}
     pairs = (one.partition(",") for one in named)
     return {label.strip().lower(): address.strip() for label, _, address in pairs}
@@ -75,7 +77,7 @@ def _rule(finding: Finding, documentation: str) -> dict[str, Any]:
 
 
 def _results(found: Sequence[Diagnostic], codes: Sequence[str]) -> list[dict[str, Any]]:
-    """Return the results, each with a fingerprint that stays as long as the line does, wherever it moves."""
+    """Return the results, each with a fingerprint that doesn't change when its line moves."""
     seen: Counter[str] = Counter()
     results = []
     for one in found:
@@ -120,7 +122,7 @@ def _fix(fix: Fix, artifact: dict[str, str]) -> dict[str, Any]:
 
 
 def _related(within: Within) -> dict[str, Any]:
-    """Return the line of a module: an installed module has a name, and no file of this project."""
+    """Return the line of a module. An installed module has a name, and no file of this project."""
     place: dict[str, Any] = {"id": 1, "message": {"text": within.text}}
     if within.source.is_installed:
         return {**place, "logicalLocations": [{"name": within.source.module, "kind": "module"}]}
@@ -129,7 +131,9 @@ def _related(within: Within) -> dict[str, Any]:
 
 
 def _region(span: Span) -> dict[str, int]:
-    """Lines and columns count from 1, as ours; the end column lies behind the last character, as ours."""
+    """Return a region. As in a span, lines and columns count from 1, and the end column is after the last
+    character.
+    """
     return {
         "startLine": span.line,
         "startColumn": span.column,
@@ -139,6 +143,6 @@ def _region(span: Span) -> dict[str, int]:
 
 
 def _uri(path: str) -> str:
-    """A path as a relative reference, or, of an absolute one, a file's address."""
+    """Return a path as a relative reference, or an absolute path as a file URI."""
     pure = PurePath(path)
     return pure.as_uri() if pure.is_absolute() else quote(pure.as_posix())

@@ -1,1 +1,1 @@
-"""The people of a pendant: their roles, passwords, sessions, and the audit trail of what they did."""
+"""The users of a pendant: their roles, passwords, sessions, and the audit trail of their actions."""

@@ -21,21 +21,27 @@ from yarclang.runtime.actions import Trouble
 T = TypeVar("T")
 
 _AT_ONCE, _WAITING = 1, 8
-"""Passwords that are looked at at a time, and those that may wait: each takes a core and 64 MiB that a moving robot may need."""
+"""Passwords that are checked at a time, and those that may wait. Each takes a core and 64 MiB, which a moving
+robot may need.
+"""
 
 _WRITTEN_EACH = 60.0
-"""Time between two notes of when a session was last used [s]."""
+"""Least time between two updates in the file of when a session was last used [s]."""
 
 _MOST_PINS = 5
 """Wrong PINs that end a session."""
 
 
 class NotAllowed(Trouble):
-    """Somebody wants what is for another role, or needs a PIN first."""
+    """Raised if an action needs another role, or the PIN first."""
 
 
 class TooMany(Trouble):
-    """An attempt comes too soon after wrong ones; `wait` is how long it has to wait [s]."""
+    """Raised if an attempt comes too soon after wrong ones.
+
+    Attributes:
+        wait: time until the next attempt is allowed [s].
+    """
 
     def __init__(self, what: str, wait: float) -> None:
         super().__init__(what, f"try again in {max(1.0, wait):.0f} s", "")
@@ -43,18 +49,18 @@ class TooMany(Trouble):
 
 
 class Accounts:
-    """Everybody who may use a pendant.
+    """The users of a pendant, their sessions, and the audit trail.
 
     Args:
-        path: of the file that keeps them.
-        ended: is told of each session that ends.
-        now: a clock that never goes back [s].
+        path: the file that keeps all of them.
+        ended: called with each session that ends.
+        now: a monotonic clock [s].
         wall: the time of day [s].
 
     Attributes:
-        sessions: who is logged in.
+        sessions: the open sessions.
         first: the token of the one-time link; empty if there is a user.
-        trouble: why the audit trail can't be written; None: it can.
+        trouble: why the audit trail can't be written; None if it can.
 
     Raises:
         Trouble: the file can't be used.
@@ -89,18 +95,25 @@ class Accounts:
             raise
 
     async def close(self) -> None:
-        """Write what waits, and close the file; sessions go on after a restart."""
+        """Write pending changes and close the file. Sessions continue after a restart."""
         while self._writing:
             await asyncio.gather(*self._writing, return_exceptions=True)
         self.database.close()
 
-    # who is there
+    # logins and sessions
 
     async def begin(self, token: str, name: str, password: str, pin: str, address: str) -> None:
-        """Make the first user, of the role service.
+        """Create the first user, with the role service.
+
+        Args:
+            token: of the one-time link.
+            name: of the user.
+            password: as it was typed.
+            pin: as it was typed.
+            address: from which the request came.
 
         Raises:
-            Trouble: the link isn't the one of this start, or was used; or what was chosen isn't allowed.
+            Trouble: the link is of an earlier start or was used, or the name, password or PIN isn't allowed.
         """
         if not self.first or not secrets.compare_digest(token.encode(), self.first.encode()):
             raise NotAllowed(
@@ -113,32 +126,32 @@ class Accounts:
     async def login(
         self, name: str, password: str, address: str, agent: str, device: str
     ) -> tuple[Session, str, str]:
-        """Log somebody in.
+        """Log a user in.
 
         Args:
             name: of the user.
             password: as it was typed.
-            address: that the request came from.
-            agent: what the browser calls itself.
-            device: token of the device, from an earlier login there; empty: none.
+            address: from which the request came.
+            agent: the browser's user agent.
+            device: token of the device, from an earlier login there; empty if there is none.
 
         Returns:
-            The session, its token, and the token of the device from now on.
+            The session, its token, and the device's new token.
 
         Raises:
             TooMany: after five wrong passwords from there.
-            Trouble: name or password are wrong.
+            Trouble: the name or the password is wrong.
         """
         known = bool(device) and await self.database.call(people.is_known_device, digest(device), name)
         place = (name.casefold()[:80], f"device {digest(device).hex()}" if known else address)
         anybody = ("", address)
         wait = self._attempts.wait(place, self._now())
-        if not known:  # a person at their own device doesn't wait for what others do from the same address
+        if not known:  # a user at a known device doesn't wait for others at the same address
             wait = max(wait, self._attempts.wait(anybody, self._now(), FREE_FROM_ADDRESS))
         if wait > 0.0:
             raise TooMany("too many wrong passwords", wait)
         user = await self.database.call(people.user_called, name)
-        # who asks for the next attempt before this one is answered has one more wrong one
+        # count the attempt as wrong until it is checked, so that parallel attempts wait as well
         count = self._attempts.failed(place, self._now())
         try:
             right = await self._is_secret(None if user is None else user.password, password)
@@ -164,7 +177,7 @@ class Accounts:
         return session, token, device
 
     def session_of(self, token: str) -> Session | None:
-        """Return the session of a token; None if it has ended, or never was one."""
+        """Return the session of a token; None if the session has ended or the token is unknown."""
         return self.sessions.of(token, self._now()) if token else None
 
     def is_over(self, session: Session) -> bool:
@@ -172,7 +185,7 @@ class Accounts:
         return self.sessions.end_if_over(session, self._now())
 
     def used(self, session: Session) -> None:
-        """Note that the person of a session has done something."""
+        """Note that the user of a session has done something."""
         session.seen = now = self._now()
         if now - self._noted.get(session.id, -_WRITTEN_EACH) >= _WRITTEN_EACH:
             self._noted[session.id] = now
@@ -191,7 +204,7 @@ class Accounts:
     # service work
 
     async def confirm(self, session: Session, pin: str) -> float:
-        """Allow service work for a while; return for how long [s].
+        """Check the PIN and allow service work for a while. Return for how long [s].
 
         Raises:
             NotAllowed: the PIN is wrong; the fifth wrong one ends the session.
@@ -210,10 +223,15 @@ class Accounts:
         return PIN_LASTS
 
     def check(self, session: Session, role: Role, *, pin: bool = False) -> None:
-        """Check that a session may do what is for a role.
+        """Check that a session has the rights of a role.
+
+        Args:
+            session: the session.
+            role: the role that is needed.
+            pin: True if the PIN must have been entered lately as well.
 
         Raises:
-            NotAllowed: it may not, or `pin` is true and there was none lately.
+            NotAllowed: the role or the PIN is missing.
         """
         if not session.role.covers(role):
             what = (
@@ -227,7 +245,7 @@ class Accounts:
         """Add a user.
 
         Raises:
-            Trouble: the name is taken, or what was chosen isn't allowed.
+            Trouble: the name is taken, or the name, password or PIN isn't allowed.
         """
         await self._add(name, role, password, pin, first=False)
 
@@ -252,10 +270,10 @@ class Accounts:
         pin: str | None = None,
         but: Session | None = None,
     ) -> None:
-        """Change a user; a new role or password ends the user's sessions, except `but`.
+        """Change a user. A new role or password ends the user's sessions, except `but`.
 
         Raises:
-            Trouble: there is no such user, what was chosen isn't allowed, or nobody would be left for service.
+            Trouble: there is no such user, a new value isn't allowed, or no service user would be left.
         """
         found = await self.database.call(people.user_called, name)
         if password is not None:
@@ -275,7 +293,8 @@ class Accounts:
             self.sessions.end_of_user(name, but=but)
 
     async def change_own(self, session: Session, old: str, *, password: str | None, pin: str | None) -> None:
-        """Change the password or the PIN of whoever is logged in; other sessions of the user end with the old password.
+        """Change the password or the PIN of the session's own user. A new password ends the user's other
+        sessions.
 
         Raises:
             TooMany: after five wrong passwords.
@@ -292,10 +311,10 @@ class Accounts:
         await self.change(session.user, password=password, pin=pin, but=session)
 
     async def remove(self, name: str) -> None:
-        """Remove a user and end their sessions.
+        """Remove a user and end the user's sessions.
 
         Raises:
-            Trouble: there is no such user, or nobody would be left for service.
+            Trouble: there is no such user, or no service user would be left.
         """
         await self.database.call(people.remove_user, name)
         self.sessions.end_of_user(name)
@@ -304,13 +323,13 @@ class Accounts:
         """Return all users."""
         return await self.database.call(people.users)
 
-    # what was done
+    # the audit trail
 
     async def did(self, deed: Deed) -> None:
-        """Write an entry of the audit trail before anything else happens.
+        """Write an entry of the audit trail, before the action itself is carried out.
 
         Raises:
-            Trouble: it can't be written; what was to be done isn't done then.
+            Trouble: the entry can't be written; the action must not be carried out.
         """
         try:
             await self.database.call(people.write_deed, deed)
@@ -320,17 +339,19 @@ class Accounts:
         self.trouble = None
 
     def note(self, deed: Deed) -> None:
-        """Write an entry of the audit trail without waiting for it: of what mustn't wait, such as a stop."""
+        """Queue an entry of the audit trail without waiting for the disk, for actions that mustn't wait, such
+        as a stop.
+        """
         self._later(people.write_deed, deed)
 
     async def deeds(self, before: int | None, count: int) -> tuple[tuple[int, str, Deed], ...]:
-        """Return entries of the audit trail, the newest first (`people.deeds`)."""
+        """Return entries of the audit trail, newest first (`people.deeds`)."""
         while self._writing:
             await asyncio.gather(*self._writing, return_exceptions=True)
         return await self.database.call(people.deeds, before, count)
 
     async def deeds_since(self, action: str, since: str, most: int) -> tuple[tuple[str, Deed], ...]:
-        """Return entries of the audit trail from a time on, the newest first (`people.deeds_since`)."""
+        """Return entries of the audit trail from a time on, newest first (`people.deeds_since`)."""
         while self._writing:
             await asyncio.gather(*self._writing, return_exceptions=True)
         return await self.database.call(people.deeds_since, action, since, most)

@@ -1,7 +1,9 @@
-"""Wrong passwords: after five of them each further attempt has to wait. No I/O; times come in as arguments.
+"""Counts of wrong passwords: after five of them, each further attempt has to wait. No I/O; times are
+arguments.
 
-An attempt is counted for the user that it names *and* the place that it comes from: the device, if that person has logged in there before, else the address. So whoever
-guesses slows down only himself, and can't lock anybody out of the device that they use every day.
+An attempt is counted for the user that it names *and* the place that it comes from: the device, if that user
+has logged in there before, otherwise the address. Guessing therefore slows down only the guesser, and can't
+lock users out of the devices that they use every day.
 """
 
 from __future__ import annotations
@@ -13,19 +15,19 @@ FREE = 5
 """Wrong attempts before the first wait."""
 
 FREE_FROM_ADDRESS = 30
-"""The same for all users together that one address names."""
+"""Wrong attempts before the first wait, for all users together that one address names."""
 
 FIRST_WAIT, LONGEST_WAIT = 2.0, 300.0
-"""The first wait, which doubles with each further wrong attempt up to the longest [s]."""
+"""First wait [s], and the longest: the wait doubles with each further wrong attempt."""
 
 FORGOTTEN = 3600.0
 """Time after which wrong attempts are forgotten [s]."""
 
 _MOST = 4096
-"""Places that are remembered; the one that was quiet for longest is forgotten first."""
+"""Places that are remembered. The one that has been quiet for longest is forgotten first."""
 
 Place = tuple[str, str]
-"""The user that is named, in lower case, and the device or address."""
+"""User name of the attempt in lower case, and its device or address."""
 
 
 @dataclass(slots=True)
@@ -35,17 +37,17 @@ class _Failures:
 
 
 class Attempts:
-    """Counts wrong attempts by their places."""
+    """Counter of wrong attempts for each place."""
 
     def __init__(self) -> None:
         self._failures: OrderedDict[Place, _Failures] = OrderedDict()
 
     def wait(self, place: Place, now: float, free: int = FREE) -> float:
-        """Return how long a place has to wait until its next attempt is looked at [s]; 0: it hasn't.
+        """Return the time until a place's next attempt is checked [s]; 0 if it is checked at once.
 
         Args:
-            place: that the attempt comes from.
-            now: a clock that never goes back [s].
+            place: from which the attempt comes.
+            now: a monotonic clock [s].
             free: wrong attempts before the first wait.
         """
         found = self._failures.get(place)
@@ -57,7 +59,7 @@ class Attempts:
         return max(0.0, wanted - (now - found.last))
 
     def failed(self, place: Place, now: float) -> int:
-        """Count a wrong attempt, and return how many there are now."""
+        """Count a wrong attempt and return the place's number of them."""
         found = self._failures.pop(place, None)
         if found is None or now - found.last > FORGOTTEN:
             found = _Failures(0, now)
@@ -68,10 +70,10 @@ class Attempts:
         return found.count
 
     def forgive(self, place: Place) -> None:
-        """Take back the last wrong attempt of a place: it wasn't looked at."""
+        """Remove the last wrong attempt of a place, because its password wasn't checked."""
         if (found := self._failures.get(place)) is not None:
             found.count -= 1
 
     def passed(self, place: Place) -> None:
-        """Forget the wrong attempts of a place: the right password was given."""
+        """Forget the wrong attempts of a place after a right password."""
         self._failures.pop(place, None)

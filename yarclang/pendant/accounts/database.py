@@ -1,4 +1,6 @@
-"""The SQLite file of a pendant's users, sessions, audit trail and alarms: one thread writes it, each change is whole or isn't there."""
+"""The SQLite file of a pendant's users, sessions, audit trail and alarms. One thread writes to it; each
+change is one transaction.
+"""
 
 from __future__ import annotations
 
@@ -17,10 +19,10 @@ T = TypeVar("T")
 P = ParamSpec("P")
 
 VERSION = 2
-"""Of the tables."""
+"""Version of the tables."""
 
 _WAIT = 5.0
-"""Time for another process that has the file [s]."""
+"""Longest wait for another process that has locked the file [s]."""
 
 _TABLES = """
 CREATE TABLE users (
@@ -51,17 +53,17 @@ CREATE TABLE alarms (
 """
 
 _STEPS = (_TABLES, _ALARMS)
-"""What leads from each version of the tables to the next one, from none on."""
+"""Statements that lead from each version of the tables to the next, beginning with an empty file."""
 
 
 class Database:
-    """An open file.
+    """Connection to the file.
 
     Args:
-        path: of the file; it and its folder are made if they are missing, readable for this user alone.
+        path: the file; it and its folder are made if they are missing, readable for this system user alone.
 
     Raises:
-        Trouble: it can't be used: it is damaged, no database, of a later version, or can't be read or written.
+        Trouble: the file is damaged, is no database, is of a later version, or can't be read or written.
     """
 
     def __init__(self, path: Path) -> None:
@@ -101,7 +103,7 @@ class Database:
     async def call(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function with the connection, in one transaction.
+        """Call a function with the connection in one transaction, in the thread that writes.
 
         Raises:
             Trouble: the file can't be read or written now; nothing has changed.
@@ -112,7 +114,7 @@ class Database:
     def now(
         self, do: Callable[Concatenate[sqlite3.Connection, P], T], *arguments: P.args, **named: P.kwargs
     ) -> T:
-        """Call a function as `call` does, in this thread."""
+        """Call a function with the connection in one transaction, in the calling thread."""
         connection = self._connection
         try:
             connection.execute("BEGIN IMMEDIATE")
@@ -130,7 +132,7 @@ class Database:
         return made
 
     def close(self) -> None:
-        """Write what waits, and close the file."""
+        """Write pending changes and close the file."""
         self._thread.submit(self._connection.close)
         self._thread.shutdown()
 

@@ -1,4 +1,4 @@
-"""Passwords and PINs: what is allowed, and how they are kept (argon2id)."""
+"""Passwords and PINs: rules for new ones, and their argon2id hashes."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ _NAME = re.compile(r"[^\W_][\w .@-]{0,39}")
 
 
 def check_name(name: str) -> None:
-    """Check the name of a user.
+    """Check the name of a new user.
 
     Raises:
-        Trouble: it can't be one.
+        Trouble: the name isn't allowed.
     """
     if not _NAME.fullmatch(name) or name != name.strip():
         what = (
@@ -32,7 +32,7 @@ def check_password(password: str, name: str) -> None:
     """Check a new password.
 
     Raises:
-        Trouble: it is too easy to guess, or too long to be one.
+        Trouble: the password is too easy to guess, or too long.
     """
     if not SHORTEST_PASSWORD <= len(password) <= LONGEST_PASSWORD:
         what = f"a password has {SHORTEST_PASSWORD} to {LONGEST_PASSWORD} characters; this one has {len(password)}"
@@ -49,19 +49,21 @@ def check_pin(pin: str) -> None:
     """Check a new PIN.
 
     Raises:
-        Trouble: it isn't 4 to 12 digits, or all of them are equal.
+        Trouble: the PIN isn't 4 to 12 digits, or all of its digits are equal.
     """
     if not _PIN.fullmatch(pin) or len(set(pin)) == 1:
         raise Trouble("a PIN has 4 to 12 digits, not all equal", "choose another one", "")
 
 
 def hashed(secret: str) -> str:
-    """Return what is kept of a password or a PIN. Takes some 50 ms of a core and 64 MiB: call it in a thread."""
+    """Return the hash of a password or a PIN. Takes some 50 ms of a core and 64 MiB: call it in a thread."""
     return _hasher().hash(secret)
 
 
 def is_secret(kept: str | None, secret: str) -> bool:
-    """Return True if a password or a PIN is the one that is kept; as slow where nobody is known as for a wrong password."""
+    """Return True if a password or a PIN belongs to a hash. Without a hash (None), this takes as long as for
+    a wrong password, so that the time doesn't show which users exist.
+    """
     try:
         return _hasher().verify(kept if kept is not None else _nobody(), secret) and kept is not None
     except (VerificationError, InvalidHashError):

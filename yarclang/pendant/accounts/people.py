@@ -1,4 +1,6 @@
-"""What is kept of users, sessions and deeds, as functions of a connection: one transaction each (`Database.call`)."""
+"""Tables of users, sessions and the audit trail: functions of a connection, one transaction each
+(`Database.call`).
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,14 @@ from yarclang.runtime.actions import Trouble
 
 @dataclass(frozen=True, slots=True)
 class User:
-    """Somebody who may log in: `password` and `pin` are their hashes, `pin` None where none was chosen."""
+    """A user.
+
+    Attributes:
+        name: of the user.
+        role: of the user.
+        password: hash of the password.
+        pin: hash of the PIN; None if none was chosen.
+    """
 
     name: str
     role: Role
@@ -23,7 +32,17 @@ class User:
 
 @dataclass(frozen=True, slots=True)
 class Kept:
-    """A session as it is kept: `created` and `seen` are wall-clock times [s]."""
+    """A session in the database.
+
+    Attributes:
+        id: of the session.
+        token: digest of the session's token.
+        user: name of the user.
+        created: time of the login by the wall clock [s].
+        seen: time of the user's last action by the wall clock [s].
+        address: from which the login came.
+        agent: the browser's user agent.
+    """
 
     id: str
     token: bytes
@@ -36,7 +55,7 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Deed:
-    """Something that somebody did, or wanted to do: an entry of the audit trail."""
+    """An entry of the audit trail: an action that somebody carried out or attempted."""
 
     user: str
     address: str
@@ -46,18 +65,18 @@ class Deed:
 
 
 def digest(token: str) -> bytes:
-    """Return what is kept of a token: whoever reads the file can't use it."""
+    """Return the digest of a token. The database holds only digests, which can't be used to log in."""
     return hashlib.sha256(token.encode()).digest()
 
 
 def user_called(connection: sqlite3.Connection, name: str) -> User | None:
-    """Return a user by the name, in upper or lower case."""
+    """Return the user of a name, regardless of case."""
     row = connection.execute("SELECT name, role, password, pin FROM users WHERE name = ?", (name,)).fetchone()
     return None if row is None else User(row[0], Role(row[1]), row[2], row[3])
 
 
 def users(connection: sqlite3.Connection) -> tuple[User, ...]:
-    """Return all users, by their names."""
+    """Return all users, sorted by name."""
     rows = connection.execute("SELECT name, role, password, pin FROM users ORDER BY name").fetchall()
     return tuple(User(name, Role(role), password, pin) for name, role, password, pin in rows)
 
@@ -66,12 +85,12 @@ def add_user(connection: sqlite3.Connection, user: User, *, first: bool = False)
     """Add a user.
 
     Args:
-        connection: of the file.
+        connection: to the database.
         user: to add.
-        first: True if there must be no user yet.
+        first: True if no user may exist yet.
 
     Raises:
-        Trouble: there is one of this name, or a first one already.
+        Trouble: the name is taken, or `first` is true and there is a user.
     """
     if first and connection.execute("SELECT 1 FROM users").fetchone():
         raise Trouble("the first user is there already", "log in", "")
@@ -91,10 +110,10 @@ def change_user(
     password: str | None = None,
     pin: str | None = None,
 ) -> None:
-    """Change what is given of a user.
+    """Change a user. Arguments that are None leave their field as it is.
 
     Raises:
-        Trouble: there is no such user; or no service user would be left.
+        Trouble: there is no such user, or no service user would be left.
     """
     found = _existing(connection, name)
     if role is not None:
@@ -109,10 +128,10 @@ def change_user(
 
 
 def remove_user(connection: sqlite3.Connection, name: str) -> None:
-    """Remove a user; what they did stays in the audit trail.
+    """Remove a user. The user's entries stay in the audit trail.
 
     Raises:
-        Trouble: there is no such user; or no service user would be left.
+        Trouble: there is no such user, or no service user would be left.
     """
     found = _existing(connection, name)
     if found.role is Role.SERVICE:
@@ -121,7 +140,7 @@ def remove_user(connection: sqlite3.Connection, name: str) -> None:
 
 
 def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
-    """Keep a session, so that it outlasts a restart; nothing if its user was removed meanwhile."""
+    """Write a session, so that it outlasts a restart. Does nothing if its user was removed meanwhile."""
     connection.execute(
         "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM users WHERE name = ?3)",
         (
@@ -137,7 +156,7 @@ def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
 
 
 def kept_sessions(connection: sqlite3.Connection) -> tuple[Kept, ...]:
-    """Return all sessions that are kept, the oldest first."""
+    """Return all sessions in the database, oldest first."""
     rows = connection.execute(
         "SELECT id, token, user, created, seen, address, agent FROM sessions ORDER BY created"
     ).fetchall()
@@ -145,12 +164,12 @@ def kept_sessions(connection: sqlite3.Connection) -> tuple[Kept, ...]:
 
 
 def end_session(connection: sqlite3.Connection, id_: str) -> None:
-    """Forget a session."""
+    """Delete a session."""
     connection.execute("DELETE FROM sessions WHERE id = ?", (id_,))
 
 
 def know_device(connection: sqlite3.Connection, device: bytes, user: str, now: float) -> None:
-    """Remember that a user has logged in at a device."""
+    """Record that a user has logged in at a device."""
     connection.execute("INSERT OR REPLACE INTO devices VALUES (?, ?, ?)", (device, user, now))
 
 
@@ -171,7 +190,7 @@ def write_deed(connection: sqlite3.Connection, deed: Deed) -> None:
 
 
 def last_deed(connection: sqlite3.Connection) -> int:
-    """Return the number of the last entry of the audit trail; 0: there is none."""
+    """Return the number of the last entry of the audit trail; 0 if there is none."""
     found: int | None = connection.execute("SELECT max(number) FROM audit").fetchone()[0]
     return found or 0
 
@@ -179,12 +198,12 @@ def last_deed(connection: sqlite3.Connection) -> int:
 def deeds(
     connection: sqlite3.Connection, before: int | None, count: int
 ) -> tuple[tuple[int, str, Deed], ...]:
-    """Return entries of the audit trail, the newest first: number, time, deed.
+    """Return entries of the audit trail as (number, time, deed), newest first.
 
     Args:
-        connection: of the file.
-        before: entries with smaller numbers only; None: all.
-        count: so many at most.
+        connection: to the database.
+        before: return only entries with smaller numbers; None for all.
+        count: largest number of entries.
     """
     rows = connection.execute(
         "SELECT number, time, user, address, action, detail, outcome FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?",
@@ -196,13 +215,13 @@ def deeds(
 def deeds_since(
     connection: sqlite3.Connection, action: str, since: str, most: int
 ) -> tuple[tuple[str, Deed], ...]:
-    """Return entries of the audit trail, the newest first: time (UTC), deed.
+    """Return entries of the audit trail as (time in UTC, deed), newest first.
 
     Args:
-        connection: of the file.
-        action: with which the deeds begin.
-        since: a time, as the audit trail writes it; older entries aren't looked at.
-        most: entries that are looked at, whatever their deeds.
+        connection: to the database.
+        action: beginning of the entries' actions.
+        since: earliest time, in the format of the audit trail.
+        most: largest number of entries that are searched, whatever their actions.
     """
     rows = connection.execute(
         "SELECT time, user, address, action, detail, outcome FROM audit ORDER BY number DESC LIMIT ?", (most,)

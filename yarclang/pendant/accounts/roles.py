@@ -10,7 +10,7 @@ from yarclang.coordinator.messages.orders import Order
 
 
 class Role(Enum):
-    """What a person may do; each role may do all that those before it may."""
+    """Rights of a user. Each role includes the rights of all roles before it."""
 
     VIEWER = "viewer"
     """Watch, and stop the robot."""
@@ -22,14 +22,14 @@ class Role(Enum):
     """Calibrate, change limits, manage users and the system."""
 
     def covers(self, other: Role) -> bool:
-        """Return True if this role may do what another one may."""
+        """Return True if this role has all rights of another one."""
         return _ORDER.index(self) >= _ORDER.index(other)
 
 
 _ORDER = tuple(Role)
 
 NEEDS: dict[type[Order[Any]], Role] = {
-    # A stop on the path harms nobody, and whoever sees something go wrong must not have to log in as somebody else first.
+    # A stop on the path harms nobody: who sees something go wrong must not have to change the login first.
     orders.Stop: Role.VIEWER,
     orders.AskStatus: Role.VIEWER,
     orders.AskPlace: Role.VIEWER,
@@ -78,7 +78,9 @@ NEEDS: dict[type[Order[Any]], Role] = {
     orders.Steer: Role.PROGRAMMER,
     orders.Leave: Role.PROGRAMMER,
 }
-"""Orders that the API carries out, and who may give them. What isn't here is refused: `hello` and `listen` are the server's own."""
+"""Roles that the orders of the API need. All other orders are refused: `hello` and `listen` are the server's
+own.
+"""
 
 WITH_PIN: tuple[type[Order[Any]], ...] = (orders.Home, orders.SendSettings, orders.SaveSettings)
 """Orders that need the PIN as well."""
@@ -112,11 +114,11 @@ AUDITED: tuple[type[Order[Any]], ...] = (
 
 
 _OTHERWISE = {"text", "start", "tolerance", "tm", "cell", "source"}
-"""Fields of `load` by which a program is another one, or is proved otherwise, than the project says."""
+"""Fields of `load` that replace the program, or the settings of its proof, by others than the project's."""
 
 
 def needed_for(order: Order[Any]) -> Role | None:
-    """Return the role that an order needs; None if nobody may give it here."""
+    """Return the role that an order needs; None if it can't be given here."""
     if isinstance(order, orders.Load) and order.model_fields_set & _OTHERWISE:
-        return Role.PROGRAMMER  # an operator runs what the project has, as it stands there
+        return Role.PROGRAMMER  # operators run programs of the project only as they are saved
     return NEEDS.get(type(order))

@@ -1,4 +1,6 @@
-"""Who is logged in. Times are those of a clock that never goes back; what outlasts a restart is judged by the wall clock, and ended if that was set back."""
+"""Open sessions of users. Times are of a monotonic clock. Sessions from before a restart are checked by the
+wall clock, and end if that was set back.
+"""
 
 from __future__ import annotations
 
@@ -10,36 +12,36 @@ from yarclang.pendant.accounts.people import Kept, digest
 from yarclang.pendant.accounts.roles import Role
 
 IDLE = 3600.0
-"""Time without an action of the person after which a session ends [s]."""
+"""Time without an action of the user after which a session ends [s]."""
 
 LONGEST = 12 * 3600.0
 """Longest session [s]."""
 
 PIN_LASTS = 300.0
-"""Time after a PIN in which service work is possible [s]."""
+"""Time after the PIN was entered in which service work is allowed [s]."""
 
 MOST = 200
-"""Sessions at a time; beyond, the one that was quiet for longest ends."""
+"""Largest number of sessions. Beyond it, the one that has been quiet for longest ends."""
 
 _CLOCKS_DIFFER = 60.0
-"""So far a session may begin in the future of the wall clock [s]."""
+"""Largest time by which a session may begin in the future of the wall clock [s]."""
 
 
 @dataclass(slots=True, eq=False)
 class Session:
-    """Somebody who is logged in, at one browser.
+    """A login of a user in one browser.
 
     Attributes:
-        id: what others may know of it; the token is a secret.
-        user: the name.
+        id: public identifier; the token is secret.
+        user: name of the user.
         role: of the user.
-        address: that the login came from.
-        agent: what the browser calls itself.
+        address: from which the login came.
+        agent: the browser's user agent.
         token: digest of the token.
-        opened: when it began [s].
-        seen: when the person last did something [s].
-        pin_until: service work is possible until then [s].
-        wrong_pins: in a row.
+        opened: time of the login [s].
+        seen: time of the user's last action [s].
+        pin_until: time until which service work is allowed [s].
+        wrong_pins: number of wrong PINs in a row.
     """
 
     id: str
@@ -55,10 +57,10 @@ class Session:
 
 
 class Sessions:
-    """All sessions.
+    """All open sessions.
 
     Args:
-        ended: is told of each session that ends.
+        ended: called with each session that ends.
     """
 
     def __init__(self, ended: Callable[[Session], object]) -> None:
@@ -66,7 +68,7 @@ class Sessions:
         self._ended = ended
 
     def open(self, user: str, role: Role, address: str, agent: str, now: float) -> tuple[Session, str]:
-        """Begin a session; return it and its token, which is told once."""
+        """Begin a session. Return it and its token, which isn't kept anywhere else."""
         token = secrets.token_urlsafe(32)
         made = Session(
             secrets.token_hex(8), user, role, address, agent[:200], digest(token), opened=now, seen=now
@@ -77,7 +79,7 @@ class Sessions:
         return made, token
 
     def of(self, token: str, now: float) -> Session | None:
-        """Return the session of a token, if it hasn't ended."""
+        """Return the session of a token; None if it has ended."""
         found = self._by_token.get(digest(token))
         return None if found is None or self.end_if_over(found, now) else found
 
@@ -86,11 +88,11 @@ class Sessions:
         return next((one for one in self._by_token.values() if one.id == id_), None)
 
     def all(self) -> tuple[Session, ...]:
-        """Return all sessions, the oldest first."""
+        """Return all sessions, oldest first."""
         return tuple(self._by_token.values())
 
     def end_if_over(self, session: Session, now: float) -> bool:
-        """End a session whose time is over; return True if it has ended, now or before."""
+        """End a session whose time is over. Return True if the session has ended, now or before."""
         if session.token not in self._by_token:
             return True
         if now - session.seen > IDLE or now - session.opened > LONGEST:
@@ -104,13 +106,15 @@ class Sessions:
             self._ended(session)
 
     def end_of_user(self, name: str, *, but: Session | None = None) -> None:
-        """End the sessions of a user, except one."""
+        """End the sessions of a user, except `but`."""
         for one in self.all():
             if one.user.casefold() == name.casefold() and one is not but:
                 self.end(one)
 
     def take_up(self, kept: Kept, role: Role, now: float, wall: float) -> bool:
-        """Go on with a session of before a restart; return False if it is over, or the clock was set back meanwhile."""
+        """Continue a session from before a restart. Return False if it is over, or if the clock was set back
+        meanwhile.
+        """
         age, quiet = wall - kept.created, wall - kept.seen
         if min(age, quiet) < -_CLOCKS_DIFFER or age > LONGEST or quiet > IDLE:
             return False

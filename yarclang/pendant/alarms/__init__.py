@@ -1,1 +1,1 @@
-"""Alarms: what went wrong, where the robot stood, and who has acknowledged it."""
+"""Alarms: what went wrong, where the robot stood, and which user has acknowledged it."""

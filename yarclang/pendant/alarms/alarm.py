@@ -1,4 +1,4 @@
-"""An alarm as a record."""
+"""Alarms as records."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 Source = Literal["state", "run", "message", "motors", "guard", "coordinator", "audit", "disk", "alarms"]
-"""Who tells of an alarm. All that one source tells at a time holds at that time, except for `run` and `message`: those only happen."""
+"""Origin of an alarm. A source reports all alarms that hold now, except `run` and `message`, which report
+events.
+"""
 
 MOST_WHAT, MOST_REMEDY, MOST_NAME = 2000, 1000, 300
 """Longest texts of an alarm [characters]."""
@@ -14,13 +16,13 @@ MOST_WHAT, MOST_REMEDY, MOST_NAME = 2000, 1000, 300
 
 @dataclass(frozen=True, slots=True)
 class Raised:
-    """Something that is wrong.
+    """The cause of an alarm.
 
     Attributes:
-        source: who tells it.
+        source: its origin.
         what: what is wrong and why, in words.
-        code: of the finding; empty: it is none.
-        remedy: what to do; empty: not known.
+        code: of the finding; empty if there is none.
+        remedy: what to do; empty if unknown.
     """
 
     source: Source
@@ -30,11 +32,11 @@ class Raised:
 
     @property
     def key(self) -> tuple[str, str]:
-        """By which the same alarm is known again."""
+        """Key by which a repeated alarm is recognised."""
         return self.source, self.what
 
     def cleaned(self) -> Raised:
-        """Return it with texts that can be shown and have a bounded length."""
+        """Return the cause with printable texts of bounded length."""
         return Raised(
             self.source,
             printable(self.what, MOST_WHAT) or "nobody says what",
@@ -43,23 +45,25 @@ class Raised:
         )
 
     def with_more(self, other: Raised) -> Raised:
-        """Return it with what another one tells of the same thing: the longer text, and the code and the remedy if they are missing."""
+        """Return the cause with details from a second report of it: the longer text, and a missing code or
+        remedy.
+        """
         longer = other.what if len(other.what) > len(self.what) else self.what
         return replace(self, what=longer, code=self.code or other.code, remedy=self.remedy or other.remedy)
 
 
 @dataclass(frozen=True, slots=True)
 class Stood:
-    """Where the robot was when something happened.
+    """State of the robot at an alarm.
 
     Attributes:
-        program: what was under way; empty: nothing was.
-        file: its file in the project; empty: not known.
-        line: of the command, from 1; 0: not known.
-        command: that was carried out.
-        joints: by their names, with the unit [deg or mm]; empty: not known.
-        flange: (16,) base_from_flange, row by row [m]; None: not known.
-        owner: who owned the robot; empty: nobody.
+        program: the running program; empty if none was running.
+        file: its file in the project; empty if unknown.
+        line: of the command, from 1; 0 if unknown.
+        command: the command that was executed.
+        joints: name, position and unit of each joint [deg or mm]; empty if unknown.
+        flange: (16,) base_from_flange, row by row [m]; None if unknown.
+        owner: the owner of the robot; empty if nobody.
     """
 
     program: str = ""
@@ -71,24 +75,26 @@ class Stood:
     owner: str = ""
 
     def with_more(self, other: Stood) -> Stood:
-        """Return it with the command and the line that another one knows: the end of a program tells which one a fault is about."""
+        """Return the state with a missing command and line taken from another one: the end of a program names
+        the command that a fault concerns.
+        """
         return replace(self, command=other.command or self.command, line=other.line or self.line)
 
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """What happened, when and where, and what became of it. Times are those of day [s since 1970].
+    """An alarm with its history. Times are of day [s since 1970].
 
     Attributes:
-        number: from 1, in the order in which alarms came.
-        raised: what is wrong.
-        stood: where the robot was.
-        time: when it came first.
-        last: when it came last.
-        count: how often it came.
-        ended: since when it doesn't hold any more; None: it holds.
-        acknowledged: when somebody did; None: nobody has.
-        by: who has acknowledged it.
+        number: from 1, in the order of the alarms.
+        raised: its cause.
+        stood: the state of the robot.
+        time: of the first occurrence.
+        last: time of the last occurrence.
+        count: number of occurrences.
+        ended: time at which the cause went away; None while it holds.
+        acknowledged: time of the acknowledgement; None if there is none.
+        by: the user who has acknowledged it.
     """
 
     number: int
@@ -103,17 +109,19 @@ class Alarm:
 
     @property
     def holds(self) -> bool:
-        """True as long as what is wrong is."""
+        """True while the cause of the alarm holds."""
         return self.ended is None
 
     @property
     def is_open(self) -> bool:
-        """True if it holds, or nobody has acknowledged it."""
+        """True if the alarm holds or isn't acknowledged."""
         return self.holds or self.acknowledged is None
 
 
 def printable(text: str, most: int) -> str:
-    """Return a text in one line without characters that can't be seen or turn the direction of writing, cut to a length."""
+    """Return a text as one line of at most `most` characters, without invisible and bidirectional control
+    characters.
+    """
     cut = text[: most + 1]
     shown = "".join(one if one.isprintable() else " " for one in cut).strip()
     return shown if len(shown) <= most else f"{shown[: most - 1]}…"

@@ -1,4 +1,6 @@
-"""The alarms of a pendant: raised by what is heard, kept in its file. Nothing here waits for a disk."""
+"""The alarms of a pendant, raised by the coordinator's events and kept in the pendant's file. Nothing here
+waits for a disk.
+"""
 
 from __future__ import annotations
 
@@ -18,28 +20,29 @@ from yarclang.pendant.showing import Showing
 from yarclang.runtime.actions import Trouble
 
 _LOOKED_EACH = 0.5
-"""Time between two looks at motors, guard and audit trail [s]."""
+"""Time between two checks of motors, guard and audit trail [s]."""
 
 _TOGETHER, _AGAIN = 0.1, 20.0
-"""Alarms within so long are written at once; what couldn't be written is tried again after so long [s]."""
+"""Time within which alarms are written together, and time after which a failed write is repeated [s]."""
 
 _MOST_AT_ONCE = 1000
-"""Alarms of one transaction: other writers wait for it."""
+"""Most alarms of one transaction, because other writers wait for it."""
 
 
 class Alarms:
-    """The alarms.
+    """The alarms of a pendant.
 
     Args:
-        database: the file that keeps them.
-        showing: the robot as it was heard last.
-        audit: tells why the audit trail can't be written; empty: it can.
+        database: the file that keeps the alarms.
+        showing: the robot's last known state.
+        audit: returns why the audit trail can't be written; empty if it can.
         wall: the time of day [s].
 
     Attributes:
-        book: all of them.
-        trouble: why they can't be written: they are only in memory then; empty: they are written.
-        low: tells how little room is left on the disk; empty: there is enough. It is called twice a second, and must not wait for a disk.
+        book: all alarms.
+        trouble: why alarms can't be written and are only in memory; empty if they are written.
+        low: returns how little room is left on the disk; empty if there is enough. It is called twice a
+            second and must not wait for a disk.
 
     Raises:
         Trouble: the file can't be used.
@@ -65,15 +68,15 @@ class Alarms:
 
     @property
     def bar(self) -> AlarmBar:
-        """The foremost alarm, as the bar of all pages shows it."""
+        """The most important alarm, as the bar of all pages shows it."""
         if self._shown is None or self._shown.version != self.book.version:
             self._shown = bar_of(self.book)
         return self._shown
 
-    # what is heard
+    # events and checks
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take an event; the robot was shown as it is after it."""
+        """Take an event. The shown state of the robot includes it already."""
         if isinstance(event, events.StateChanged):
             found = told.of_state(event.state, event.why, event.code, event.help)
             self.book.holding("state", found, self._stood, self._wall())
@@ -85,7 +88,7 @@ class Alarms:
         self._changed()
 
     async def watch(self, _: Attached) -> None:
-        """Look at what holds, as long as the coordinator is there."""
+        """Check for alarms that hold, while the coordinator is connected."""
         self.book.holding("coordinator", (), self._stood, self._wall())
         state = told.of_state(self._showing.state, self._showing.why)
         self.book.holding("state", state, self._stood, self._wall())
@@ -94,11 +97,11 @@ class Alarms:
             await asyncio.sleep(_LOOKED_EACH)
 
     def look(self) -> None:
-        """Note what holds now of motors, guard, audit trail and disk."""
+        """Check motors, guard, audit trail and disk once."""
         showing, now = self._showing, self._wall()
         health = showing.heard_health
         if health is not None:
-            if not showing.under_way:  # else its end tells it, once the robot rests
+            if not showing.under_way:  # otherwise the end of the motion reports it, once the robot rests
                 motors = told.of_motors(health.motors, showing.why)
                 self.book.holding("motors", motors, self._stood, now)
             self.book.holding("guard", told.of_guard(health, showing.state), self._stood, now)
@@ -108,7 +111,7 @@ class Alarms:
         self._changed()
 
     def lost(self) -> None:
-        """Note that the coordinator is gone."""
+        """Note that the coordinator is disconnected."""
         found = told.of_coordinator(self._showing.robot.name)
         self.book.holding("coordinator", found, self._stood, self._wall())
         self._changed()
@@ -129,29 +132,29 @@ class Alarms:
             printable(shown.owner or "", MOST_NAME),
         )
 
-    # what people do
+    # acknowledgements
 
     async def acknowledge(self, numbers: tuple[int, ...], by: str) -> int:
-        """Acknowledge alarms; return how many nobody had acknowledged before.
+        """Acknowledge alarms and return how many of them are newly acknowledged.
 
         Args:
             numbers: of the alarms.
-            by: who does.
+            by: name of the user.
         """
         count = 0
         for first in range(0, len(numbers), _MOST_AT_ONCE):
             some = numbers[first : first + _MOST_AT_ONCE]
             count += self.book.acknowledge(some, by, self._wall())
             self._changed()
-            await asyncio.sleep(0)  # whoever streams goes on meanwhile
+            await asyncio.sleep(0)  # let streaming continue meanwhile
         return count
 
-    # what is kept
+    # the file
 
     def _changed(self) -> None:
-        """Write what has changed a moment later."""
+        """Schedule a write of what has changed."""
         if self.book.changed and (self._writing is None or self._writing.done()):
-            with suppress(RuntimeError):  # before the event loop runs, nothing is heard
+            with suppress(RuntimeError):  # before the event loop runs, there are no events
                 self._writing = asyncio.get_running_loop().create_task(self._write())
 
     async def _write(self) -> None:
@@ -161,7 +164,7 @@ class Alarms:
                 await asyncio.sleep(_AGAIN)
 
     async def _written(self) -> bool:
-        """Write some of what has changed; return False if it can't be written now."""
+        """Write some of what has changed. Return False if the file can't be written now."""
         numbers = set(sorted(self.book.changed)[:_MOST_AT_ONCE])
         self.book.changed -= numbers
         found = [one for number in numbers if (one := self.book.get(number)) is not None]
@@ -179,7 +182,7 @@ class Alarms:
         return True
 
     async def close(self) -> None:
-        """Write what waits, if it can be written."""
+        """Write pending alarms, if the file can be written."""
         if self._writing is not None:
             self._writing.cancel()
             with suppress(asyncio.CancelledError):
@@ -189,7 +192,7 @@ class Alarms:
 
 
 def bar_of(book: Book) -> AlarmBar:
-    """Return what the bar of all pages shows of the foremost alarm."""
+    """Return the most important alarm for the bar of all pages."""
     alarm, count = book.foremost(), book.open_count
     if alarm is None:
         return AlarmBar(number=0, code="", text="", holds=False, open=count, version=book.version)

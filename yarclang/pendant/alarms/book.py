@@ -1,4 +1,4 @@
-"""All alarms, in their order and bounded. No I/O."""
+"""All alarms, in order and of bounded number. No I/O."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ from heapq import merge
 from yarclang.pendant.alarms.alarm import Alarm, Raised, Source, Stood
 
 MOST = 10_000
-"""Alarms that are kept; the oldest go, but for those that hold."""
+"""Alarms that are kept. The oldest are removed, except those that hold."""
 
 AGAIN = 60.0
-"""The same alarm is counted, not listed once more, if it comes again within this time [s]."""
+"""Time within which a repeated alarm is counted instead of listed again [s]."""
 
 _INCIDENT = 2.0
-"""The end of a program tells of the fault before it, within this time [s]."""
+"""Time within which the end of a program belongs to the fault before it [s]."""
 
 _NOWHERE = Stood()
 
 _MOST_OF_SOURCE = 100
-"""Alarms of one source that hold at a time; more aren't told."""
+"""Most alarms of one source that hold at a time; further ones are left out."""
 
 
 class Book:
-    """The alarms.
+    """All alarms of a pendant.
 
     Args:
-        kept: those of before, in any order.
-        most: that are kept.
+        kept: earlier alarms, in any order.
+        most: number of alarms to keep.
 
     Attributes:
-        version: another number after each change.
-        changed: numbers of alarms that aren't written yet, or have gone.
+        version: changes with each change of the alarms.
+        changed: numbers of alarms that were changed or removed and aren't written yet.
     """
 
     def __init__(self, kept: Iterable[Alarm] = (), most: int = MOST) -> None:
@@ -48,14 +48,14 @@ class Book:
         self.version = 0
         self.changed: set[int] = set()
 
-    # what went wrong
+    # causes
 
     def happened(self, raised: Raised, stood: Stood, now: float) -> None:
-        """Note something that went wrong once.
+        """Note an event that went wrong.
 
         Args:
-            raised: what.
-            stood: where the robot was.
+            raised: the cause.
+            stood: the state of the robot.
             now: the time of day [s].
         """
         raised = raised.cleaned()
@@ -65,12 +65,12 @@ class Book:
     def holding(
         self, source: Source, found: Iterable[Raised], stood: Callable[[], Stood], now: float
     ) -> None:
-        """Note all that is wrong now, as one source tells it: what was wrong before and isn't among it has ended.
+        """Replace the alarms of a source that hold. Those that aren't found any more have ended.
 
         Args:
-            source: who tells it.
-            found: what is wrong now.
-            stood: returns where the robot is.
+            source: the origin of the alarms.
+            found: causes that hold now.
+            stood: returns the state of the robot.
             now: the time of day [s].
         """
         held = {
@@ -81,7 +81,7 @@ class Book:
         cleaned = {one.key: one for one in (each.cleaned() for each in found)}
         for raised in list(cleaned.values())[:_MOST_OF_SOURCE]:
             number = held.pop(raised.key, None)
-            if number is None and source == "state":  # a lost connection becomes a fault that tells of it
+            if number is None and source == "state":  # a lost connection becomes a fault that names it
                 same = (key for key in held if key[1] in raised.what or raised.what in key[1])
                 number = held.pop(next(same, ("", "")), None)
             if number is None:
@@ -92,7 +92,9 @@ class Book:
             self._put(replace(self._alarms[number], ended=now))
 
     def _tells_of_known(self, raised: Raised, stood: Stood, now: float) -> bool:
-        """Return True if it is the fault that the state has just told; what is new of it is added."""
+        """Return True if a cause is the fault that the state has just reported, and add its details to that
+        alarm.
+        """
         known = self._alarms.get(self._state)
         if known is None or not (known.holds or known.last >= now - _INCIDENT):
             return False
@@ -147,19 +149,19 @@ class Book:
         self.changed.add(number)
         self.version += 1
 
-    # what people do
+    # acknowledgements
 
     def unacknowledged(self, numbers: Iterable[int]) -> tuple[int, ...]:
-        """Return those of the numbers that nobody has acknowledged."""
+        """Return those of the numbers whose alarms aren't acknowledged."""
         found = (self._alarms.get(one) for one in dict.fromkeys(numbers))
         return tuple(one.number for one in found if one is not None and one.acknowledged is None)
 
     def acknowledge(self, numbers: Iterable[int], by: str, now: float) -> int:
-        """Acknowledge alarms; return how many nobody had acknowledged before.
+        """Acknowledge alarms and return how many of them are newly acknowledged.
 
         Args:
             numbers: of the alarms.
-            by: who does.
+            by: name of the user.
             now: the time of day [s].
         """
         found = self.unacknowledged(numbers)
@@ -167,37 +169,39 @@ class Book:
             self._put(replace(self._alarms[number], acknowledged=now, by=by))
         return len(found)
 
-    # what there is
+    # queries
 
     def __len__(self) -> int:
         return len(self._alarms)
 
     def get(self, number: int) -> Alarm | None:
-        """Return an alarm; None if it has gone, or never was one."""
+        """Return an alarm by its number; None if there is none."""
         return self._alarms.get(number)
 
     def open(self) -> Iterator[Alarm]:
-        """Yield the alarms that hold or nobody has acknowledged, the newest first."""
+        """Yield the alarms that hold or aren't acknowledged, newest first."""
         read = sorted((one for one in self._holding if one not in self._unread), reverse=True)
         for number in merge(reversed(self._unread), read, reverse=True):
             yield self._alarms[number]
 
     @property
     def open_count(self) -> int:
-        """How many alarms are open."""
+        """Number of open alarms."""
         return len(self._unread) + sum(one not in self._unread for one in self._holding)
 
     def past(self, before: int | None = None) -> Iterator[Alarm]:
-        """Yield the other alarms, the newest first; with `before`, those with smaller numbers only."""
+        """Yield the alarms that aren't open, newest first; with `before`, only those with smaller numbers."""
         for number in reversed(self._alarms):
             if not self._alarms[number].is_open and (before is None or number < before):
                 yield self._alarms[number]
 
     def all(self) -> tuple[Alarm, ...]:
-        """Return all alarms, the newest first."""
+        """Return all alarms, newest first."""
         return tuple(reversed(self._alarms.values()))
 
     def foremost(self) -> Alarm | None:
-        """Return the alarm that is shown first: the newest that nobody has acknowledged, else the newest that holds."""
+        """Return the most important alarm: the newest one that isn't acknowledged, otherwise the newest that
+        holds.
+        """
         newest = next(reversed(self._unread), None) or max(self._holding, default=None)
         return None if newest is None else self._alarms[newest]

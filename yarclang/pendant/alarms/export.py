@@ -1,4 +1,4 @@
-"""Alarms as a table for other programs."""
+"""Alarms as CSV."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ _HEAD = (
     *("what", "remedy", "source", "program", "line", "command", "joints", "owner"),
 )
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "|", "%")
-"""With these, spreadsheets begin a formula: a quotation mark before them makes it a text."""
+"""Characters with which spreadsheets begin a formula. A quotation mark before them makes the cell a text."""
 
 
 def as_csv(alarms: Iterable[Alarm]) -> str:
-    """Return alarms as CSV: one a line, times in UTC, no cell of which is a formula."""
+    """Return alarms as CSV, one row each, with times in UTC. No cell is a formula."""
     made = io.StringIO()
     writer = csv.writer(made, quoting=csv.QUOTE_ALL, lineterminator="\r\n")
     writer.writerow(_HEAD)

@@ -1,4 +1,4 @@
-"""What is kept of alarms, as functions of a connection: one transaction each (`Database.call`)."""
+"""Table of alarms: functions of a connection, one transaction each (`Database.call`)."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _COLUMNS = "number, time, last, count, ended, acknowledged, by, source, code, wh
 
 
 def kept_alarms(connection: sqlite3.Connection, most: int) -> tuple[Alarm, ...]:
-    """Return the newest alarms, at most so many; rows that can't be read are left out."""
+    """Return at most `most` alarms, the newest ones. Rows that can't be read are left out."""
     rows = connection.execute(
         f"SELECT {_COLUMNS} FROM alarms ORDER BY number DESC LIMIT ?",
         (most,),
@@ -46,12 +46,12 @@ def _alarm(row: tuple[Any, ...]) -> Alarm:
 
 
 def write_alarms(connection: sqlite3.Connection, alarms: Iterable[Alarm], gone: Iterable[int]) -> None:
-    """Write alarms as they are now.
+    """Write alarms and delete removed ones.
 
     Args:
-        connection: of the file.
+        connection: to the database.
         alarms: that are new or have changed.
-        gone: numbers of those that aren't kept any more.
+        gone: numbers of the removed alarms.
     """
     connection.executemany("DELETE FROM alarms WHERE number = ?", [(one,) for one in gone])
     connection.executemany(

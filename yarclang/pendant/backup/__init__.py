@@ -1,1 +1,3 @@
-"""Backups of the project: a zip that is written, one that is judged before anything of it is unpacked, and what it changes."""
+"""Backups of the project: writing a zip, judging one before it is unpacked, and listing what it would
+change.
+"""

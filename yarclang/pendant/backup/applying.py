@@ -1,4 +1,6 @@
-"""Restores a backup: what is replaced or removed is kept first, then each file is replaced whole."""
+"""Restore of a backup: files that are replaced or removed are kept first, then each file is replaced as a
+whole.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,13 @@ from yarclang.runtime.actions import Trouble
 
 @dataclass(frozen=True, slots=True)
 class Applied:
-    """What a restore has done: files that were written and removed, and the number of what undoes it (empty: nothing was replaced or made)."""
+    """Result of a restore.
+
+    Attributes:
+        written: files that were written.
+        removed: files that were removed.
+        undo: number of the backup that undoes the restore; empty if nothing was replaced or created.
+    """
 
     written: tuple[str, ...]
     removed: tuple[str, ...]
@@ -35,13 +43,14 @@ def apply(
         folder: of the project.
         handle: of the open zip.
         backup: that was judged.
-        digest: of the plan that somebody has seen.
-        user: who restores it.
-        about: what the list of the kept files says.
-        remove: True if files that the backup doesn't have are removed.
+        digest: of the plan that the user has seen.
+        user: who restores the backup.
+        about: head of the kept files' list.
+        remove: True to remove files that the backup doesn't have.
 
     Raises:
-        Trouble: the project has changed since, there is no room, or a file can't be written: what is done by then, and how it is undone.
+        Trouble: the project has changed since, there is no room, or a file can't be written. The message
+            names what is done by then, and how to undo it.
     """
     with folder.unchanged():
         plan = plan_of(folder, backup)
@@ -78,7 +87,7 @@ def _check_room(folder: ProjectFolder, plan: Plan, backup: Judged, removed: tupl
 
 
 def _kept(folder: ProjectFolder, plan: Plan, removed: tuple[str, ...], user: str, about: About) -> str:
-    """Keep what is replaced or removed with what was deleted, as a backup of its own; return its number."""
+    """Keep files that are replaced or removed in the trash, as a backup of their own. Return its number."""
     if not plan.new and not plan.changed and not removed:
         return ""
     files = tuple(Entry(name, plan.sizes[name], "", is_folder=False) for name in (*plan.changed, *removed))
@@ -110,7 +119,7 @@ def _write(folder: ProjectFolder, handle: int, backup: Judged, plan: Plan, done:
 
 
 def _remove(folder: ProjectFolder, name: str) -> None:
-    """Remove a file that is kept, and folders that are empty then."""
+    """Remove a file that was kept, and folders that are empty after it."""
     folder.remove_kept(name)
     parts = name.split("/")[:-1]
     with suppress(Trouble):

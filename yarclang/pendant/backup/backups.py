@@ -1,4 +1,6 @@
-"""Backups and restores of people: who may, what the audit trail says of it, and the one backup that waits to be restored."""
+"""Backups and restores by users: their rights, the audit trail, and the one upload that waits to be
+restored.
+"""
 
 from __future__ import annotations
 
@@ -32,18 +34,27 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 KEPT = "before restore "
-"""Beginning of the names of what restores have replaced."""
+"""Beginning of the names of files that restores have replaced."""
 
 _AT_ONCE = 2
-"""Backups that are made at a time."""
+"""Most backups that are made at a time."""
 _WAITS = 900.0
-"""How long an upload waits to be restored [s]."""
+"""Time that an upload waits to be restored [s]."""
 _NAME = "the backup"
 
 
 @dataclass(slots=True)
 class Upload:
-    """A backup that was uploaded, in a file without a name; `handle` is closed when it isn't wanted any more."""
+    """An uploaded backup.
+
+    Attributes:
+        number: of the upload.
+        session: id of the session that has uploaded it.
+        handle: of a file without a name; closed when the upload isn't needed any more.
+        backup: its judged content.
+        plan: of its restore.
+        size: of the zip [bytes].
+    """
 
     number: str
     session: str
@@ -57,11 +68,11 @@ class Backups:
     """Backups of a project.
 
     Args:
-        accounts: who everybody is.
+        accounts: of the pendant.
         folder: of the project.
-        robot: whose project it is.
-        data: folder of the pendant, for what is uploaded.
-        doing: tells what the robot does; empty: it rests.
+        robot: of the project.
+        data: folder of the pendant, for uploads.
+        doing: returns what the robot is executing; empty if it rests.
     """
 
     def __init__(
@@ -85,15 +96,15 @@ class Backups:
         """Begin a backup.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            logs: True if it has logs of runs.
+            session: of the user.
+            address: from which the request came.
+            logs: True to include logs of runs.
 
         Returns:
-            Its pieces (each takes a thread), what is called with the outcome at its end, and its name.
+            Its pieces (take each in a thread), a function to call with the outcome at the end, and its name.
 
         Raises:
-            Trouble: the project is too large, or too many backups are made just now.
+            Trouble: the project is too large, or too many backups are being made.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -120,12 +131,12 @@ class Backups:
         return zipped(self.folder, found, about), ended, f"{self.robot.name} {stamp}.zip"
 
     def about(self) -> About:
-        """Return what the list of a backup says that is made now."""
+        """Return the head of the list of a backup that is made now."""
         now = datetime.now(UTC).isoformat(timespec="seconds")
         return About(__version__, self.robot.name, self.robot.fingerprint, now)
 
     def selection(self) -> Selection:
-        """Return what a backup without logs has. Takes long: call it in a thread.
+        """Return the content of a backup without logs. Slow: call it in a thread.
 
         Raises:
             Trouble: the project is too large.
@@ -133,7 +144,7 @@ class Backups:
         return selected(self.folder, logs=False)
 
     def undoable(self) -> tuple[Deleted, ...]:
-        """Return what restores have replaced, the newest first. Waits for the disk."""
+        """Return the files that restores have replaced, newest first. Waits for the disk."""
         return tuple(
             one for one in self.folder.trash.kept() if one.file.startswith(KEPT) and not one.is_folder
         )
@@ -143,16 +154,16 @@ class Backups:
     async def upload(
         self, session: Session, address: str, length: int | None, stream: AsyncIterator[bytes]
     ) -> Upload:
-        """Take a backup as it arrives, and judge it. Nothing is unpacked to the disk.
+        """Receive a backup and judge it. Nothing is unpacked to the disk.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            length: that was announced [bytes]; None: none was.
+            session: of the user.
+            address: from which the request came.
+            length: announced length [bytes]; None if there is none.
             stream: the zip.
 
         Raises:
-            Trouble: it is too large, too slow, or refused; or another one is on its way.
+            Trouble: the upload is too large, too slow, or refused, or another one is being received.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -178,10 +189,10 @@ class Backups:
                     os.close(handle)
 
     async def undo(self, session: Session, address: str, number: str) -> Upload:
-        """Take what a restore has replaced as if it was uploaded.
+        """Load the files that a restore has replaced, like an upload.
 
         Raises:
-            Trouble: it isn't kept any more, or another backup is on its way.
+            Trouble: they aren't kept any more, or a backup is being received.
         """
         self._accounts.check(session, Role.SERVICE)
         self._accounts.used(session)
@@ -210,11 +221,13 @@ class Backups:
         return made
 
     def waits(self, session: Session) -> bool:
-        """Return True if a backup of a session waits."""
+        """Return True if an upload of a session waits."""
         return self._waiting is not None and self._waiting.session == session.id
 
     async def waiting(self, session: Session) -> Upload | None:
-        """Return the backup of a session that waits, with what it would change now; None: there is none."""
+        """Return the waiting upload of a session with the changes that it would make now; None if there is
+        none.
+        """
         found = self._waiting
         if found is None or found.session != session.id or self._busy:
             return None
@@ -225,21 +238,22 @@ class Backups:
     async def apply(
         self, session: Session, address: str, number: str, digest: str, *, remove: bool
     ) -> tuple[Applied, tuple[str, ...]]:
-        """Restore the backup that waits.
+        """Restore the waiting upload.
 
         Args:
-            session: whose; of a service user who has entered the PIN lately.
-            address: that it comes from.
+            session: of a service user who has entered the PIN lately.
+            address: from which the request came.
             number: of the upload.
-            digest: of the plan that was seen.
-            remove: True if files that the backup doesn't have are removed.
+            digest: of the plan that the user has seen.
+            remove: True to remove files that the backup doesn't have.
 
         Returns:
-            What was done, and which files count only after a restart.
+            The changes, and the files that take effect only after a restart.
 
         Raises:
-            NotAllowed: the session may not.
-            Trouble: the robot does something, the project has changed, there is no room, or the disk fails.
+            NotAllowed: the session lacks the role or the PIN.
+            Trouble: the robot is executing something, the project has changed, there is no room, or the disk
+                fails.
         """
         self._accounts.check(session, Role.SERVICE, pin=True)
         self._accounts.used(session)
@@ -266,7 +280,7 @@ class Backups:
         return done, self.restarted((*done.written, *done.removed))
 
     def restarted(self, files: tuple[str, ...]) -> tuple[str, ...]:
-        """Return the files that the pendant reads only as it begins."""
+        """Return those of the files that the pendant reads only when it starts."""
         robot = self.robot.folder.resolve()
         return tuple(
             one
@@ -276,10 +290,10 @@ class Backups:
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
-        """Keep others from uploading and restoring meanwhile.
+        """Exclude other uploads and restores while the context lasts.
 
         Raises:
-            Trouble: somebody does.
+            Trouble: another one is running.
         """
         if self._busy:
             raise Trouble("another backup is uploaded or restored just now", "wait for its end", "busy")
@@ -290,7 +304,7 @@ class Backups:
             self._busy = False
 
     def forget(self) -> None:
-        """Forget the backup that waits."""
+        """Discard the waiting upload."""
         if self._forgets is not None:
             self._forgets.cancel()
         found, self._waiting, self._forgets = self._waiting, None, None
@@ -298,7 +312,7 @@ class Backups:
             os.close(found.handle)
 
     def session_ended(self, session: str) -> None:
-        """Forget what a session has uploaded."""
+        """Discard the upload of a session."""
         if self._waiting is not None and self._waiting.session == session and not self._busy:
             self.forget()
 
@@ -310,7 +324,7 @@ class Backups:
                 self.forget()
 
     def _made(self, size: int) -> int:
-        """Return a file without a name: nothing is left of it when its process ends."""
+        """Return the handle of a new file without a name, which disappears with its process."""
         try:
             check_room(os.statvfs(self._data), size, "the backup has")
             with tempfile.TemporaryFile(dir=self._data, prefix="restore-") as file:

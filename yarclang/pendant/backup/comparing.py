@@ -1,4 +1,4 @@
-"""What a backup would change in the project."""
+"""Comparison of a backup with the project."""
 
 from __future__ import annotations
 
@@ -25,10 +25,11 @@ class Judged:
     """A backup that may be unpacked.
 
     Attributes:
-        files, folders: in it, without its list.
-        hashes: SHA-256 of each file, as it was unpacked.
-        manifest: its list; None: it has none.
-        edited: files that aren't as the list says.
+        files: its files, without the list.
+        folders: its folders.
+        hashes: SHA-256 of each unpacked file.
+        manifest: its list; None if it has none.
+        edited: files that differ from the list.
     """
 
     files: dict[str, Entry]
@@ -39,13 +40,13 @@ class Judged:
 
 
 def judged(handle: int) -> Judged:
-    """Return what is in a zip that nobody trusts; all of it is unpacked once, to nowhere.
+    """Judge an untrusted zip. All of it is unpacked once, without writing it anywhere.
 
     Args:
         handle: of the open file.
 
     Raises:
-        Trouble: it is refused: what, and of which entry.
+        Trouble: the zip is refused; the message names the entry and the reason.
     """
     files: dict[str, Entry] = {}
     folders: list[str] = []
@@ -72,17 +73,18 @@ def judged(handle: int) -> Judged:
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What a restore does.
+    """Changes that a restore makes.
 
     Attributes:
-        new, changed: files that are written.
-        same: how many are as they are in the backup.
-        extra: files of the project that the backup would have if they had been there.
-        folders: that are made, without those of files.
-        conflicts: what keeps the backup from being restored.
-        known: SHA-256 of what is replaced or removed, as far as it can be read.
+        new: files that are created.
+        changed: files that are replaced.
+        same: number of files that are equal in the backup and the project.
+        extra: files of the project that the backup would have if they had existed.
+        folders: folders that are created, except those of files.
+        conflicts: reasons for which the backup can't be restored.
+        known: SHA-256 of the files that are replaced or removed, as far as they can be read.
         sizes: of all these files [bytes].
-        digest: of all of it: another one means that the project has changed.
+        digest: of the whole plan. It differs after the project has changed.
     """
 
     new: tuple[str, ...]
@@ -97,14 +99,14 @@ class Plan:
 
 
 def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
-    """Return what a backup would change. Reads each file of the project that it may change.
+    """Compute the changes that a backup would make. Reads each file of the project that it may change.
 
     Args:
         folder: of the project.
-        backup: that would be restored.
+        backup: to restore.
 
     Raises:
-        Trouble: the project has more files than can be looked at.
+        Trouble: the project has too many files.
     """
     entries, cut = folder.entries(2 * MOST_FILES)
     if cut:
@@ -133,7 +135,7 @@ def plan_of(folder: ProjectFolder, backup: Judged) -> Plan:
             conflicts.append(LeftOut(file=name, why=trouble.what))
             continue
         if known[name] != backup.hashes[name]:
-            if (folder.root / name).is_symlink():  # what it leads to may be restored as well
+            if (folder.root / name).is_symlink():  # its target may be restored as well
                 conflicts.append(LeftOut(file=name, why="it is a link here"))
                 continue
             changed.append(name)
@@ -194,17 +196,18 @@ def _extra(entries: tuple[Here, ...], backup: Judged) -> list[Here]:
 
 
 def _ways(name: str) -> Iterator[str]:
-    """Yield the folders that a file lies in, and the file."""
+    """Yield the folders that contain a file, and the file itself."""
     parts = name.split("/")
     return ("/".join(parts[: count + 1]) for count in range(len(parts)))
 
 
 class _Project:
-    """The project as a restore finds it. Each folder is looked at once: thousands of files may lie in it.
+    """The project at the time of a restore. Each folder is read only once, because it may contain thousands
+    of files.
 
     Args:
         folder: of the project.
-        present: what is listed of it.
+        present: its listed files and folders.
     """
 
     def __init__(self, folder: ProjectFolder, present: dict[str, Here]) -> None:
@@ -214,12 +217,12 @@ class _Project:
         self._known = {"": ("", True)}
 
     def conflict(self, name: str, *, is_folder: bool = False) -> str:
-        """Return why a file or folder of a backup can't be written, in words; empty: it can."""
+        """Return why a file or folder of a backup can't be written, in words; empty if it can."""
         reason, there = self._way(name.rpartition("/")[0])
         return reason or self._step(name, is_folder=is_folder, there=there)
 
     def _way(self, name: str) -> tuple[str, bool]:
-        """Return why nothing can be written in a folder, and True if it is there."""
+        """Return why nothing can be written in a folder, and True if the folder exists."""
         if name not in self._known:
             reason = self.conflict(name, is_folder=True)
             self._known[name] = reason, name in self._present

@@ -1,7 +1,7 @@
 """The list in a backup: what was backed up, of which robot, when, and by which yarclang.
 
-A line of JSON each: the head, then files, what was left out, and what wasn't there. One JSON value of 20,000 files would keep the interpreter from
-the loop that streams while it is read.
+A line of JSON each: the head, then files, what was left out, and what wasn't there. One JSON value of 20,000
+files would keep the interpreter from the loop that streams while it is read.
 """
 
 from __future__ import annotations
@@ -23,27 +23,35 @@ FORMAT = 1
 _LONGEST = 16_000
 """Longest line [bytes]."""
 _BREATH = 100
-"""Lines after which the thread rests for a moment."""
+"""Lines after which the thread pauses briefly."""
 
 _Short = Annotated[str, Field(max_length=1000)]
 
 
 class Head(Message):
-    """The first line: whose the backup is. `part` is true for a backup of what a restore has changed, false for one of the whole project."""
+    """The first line of a list.
+
+    Attributes:
+        format: version of the list.
+        yarclang: version of yarclang.
+        robot: name of the robot.
+        fingerprint: of the robot.
+        made: time of the backup, ISO 8601 in UTC.
+        logs: True if logs of runs are included.
+        part: True for a backup of what a restore has changed, False for one of the whole project.
+    """
 
     format: int
     yarclang: _Short
     robot: _Short
     fingerprint: _Short
     made: _Short
-    """When, ISO 8601 in UTC."""
     logs: bool
-    """True if logs of runs are in it as well."""
     part: bool
 
 
 class ListedFile(Message):
-    """A file of a backup; `changing` is true if something wrote to it while it was read."""
+    """A file of a backup; `changing` is True if the file was written to while it was read."""
 
     file: _Short
     size: int
@@ -52,27 +60,27 @@ class ListedFile(Message):
 
 
 class LeftOut(Message):
-    """A file of the project that isn't in a backup, and why."""
+    """A file of the project that isn't in a backup, and the reason."""
 
     file: _Short
     why: _Short
 
 
 class Absent(Message):
-    """A file that wasn't there before a restore."""
+    """A file that didn't exist before a restore."""
 
     absent: _Short
 
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
-    """The list.
+    """The list of a backup.
 
     Attributes:
-        head: whose it is.
+        head: its first line.
         files: in the backup.
-        left_out: files that couldn't be in it.
-        absent: for a backup of what a restore has changed: files that weren't there before.
+        left_out: files that couldn't be included.
+        absent: files that didn't exist before, for a backup of what a restore has changed.
     """
 
     head: Head
@@ -81,7 +89,7 @@ class Manifest:
     absent: tuple[str, ...]
 
     def lines(self) -> Iterator[bytes]:
-        """Yield the list as text."""
+        """Yield the lines of the list."""
         rows = (self.head, *self.files, *self.left_out, *(Absent(absent=one) for one in self.absent))
         for count, one in enumerate(rows):
             if count % _BREATH == _BREATH - 1:
@@ -90,10 +98,10 @@ class Manifest:
 
 
 def manifest_of(text: bytes) -> Manifest:
-    """Return the list that a text is.
+    """Parse a list.
 
     Raises:
-        Trouble: it is none, or that of another version.
+        Trouble: the text is no list, or one of another version.
     """
     lines = text.split(b"\n")
     if lines and not lines[-1]:

@@ -1,4 +1,4 @@
-"""Names in a backup: each one could be given to a new file of the project, and none looks like another one."""
+"""Names in a backup: each must be possible for a new file of the project, and no two may look alike."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ _DRIVE = re.compile("[A-Za-z]:")
 
 
 class Names:
-    """The names so far."""
+    """The names that were added so far."""
 
     def __init__(self) -> None:
         self._spelled: dict[str, str] = {}
@@ -20,14 +20,14 @@ class Names:
         self._listed: set[str] = set()
 
     def add(self, name: str, *, folder: bool) -> None:
-        """Take one more name.
+        """Add a name.
 
         Args:
             name: path, without a slash at its end.
             folder: True if it is a folder's.
 
         Raises:
-            Trouble: it isn't the name of a file in a project, or doesn't go with those before.
+            Trouble: a project can't have a file of this name, or it conflicts with an earlier name.
         """
         if _DRIVE.match(name):
             raise Trouble(f"{quoted(name)} begins with the letter of a drive", "", "")

@@ -1,7 +1,9 @@
-"""Reads a zip that nobody trusts: its structure is judged before anything is unpacked, and its contents are held to what they claim.
+"""Reader for untrusted zips: their structure is checked before anything is unpacked, and their contents are
+compared with what they claim.
 
-Only what `writing` and common programs make is read: files one after the other without a gap, then one directory, then its end. So
-no two entries share bytes, no bytes are hidden, and the directory says the same as what stands before each file.
+Only the layout that `writing` and common programs produce is accepted: files one after the other without a
+gap, then one directory, then its end. No two entries can share bytes, no bytes are hidden, and the directory
+agrees with the header of each file.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ _CENTRAL = struct.Struct("<4s6H3L5H2L")
 _LOCAL = struct.Struct("<4s5H3L2H")
 _SIGNS = (b"PK\5\6", b"PK\1\2", b"PK\3\4", b"PK\7\x08")
 _MOST_EXTRA = 2000
-"""Bytes beside a name in the directory."""
+"""Most bytes of extra fields and comment of a name in the directory."""
 _MOST_DIRECTORY = (MOST_FILES + 1) * (_CENTRAL.size + 200)
 _ENCRYPTED = 0x0001 | 0x0040 | 0x2000
 _PATCHED = 0x0020
@@ -42,7 +44,9 @@ _DESCRIBED, _UTF8 = 0x0008, 0x0800
 _ZIP64, _OTHER_NAME = 0x0001, 0x7075
 _PIECE = 1 << 16
 _BREATH = 100
-"""Entries after which the thread rests for a moment: it must not keep the interpreter from the loop that streams."""
+"""Entries after which the thread pauses briefly, so that it doesn't keep the interpreter from the loop that
+streams.
+"""
 _REMEDY = "restore a zip that System > Backup has made, or one made of its files by a common program"
 
 
@@ -55,8 +59,9 @@ class Entry:
         is_folder: True for a folder.
         method: `STORED` or `DEFLATED`.
         crc: checksum of the content.
-        packed, size: of the content as it is in the zip, and unpacked [bytes].
-        begins: where the content begins [bytes].
+        packed: size of the content in the zip [bytes].
+        size: size of the unpacked content [bytes].
+        begins: offset of the content [bytes].
     """
 
     name: str
@@ -70,7 +75,14 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class _Listed:
-    """A row of the directory; `raw` is its name in bytes, `at` where its local header is claimed to be."""
+    """A row of the directory.
+
+    Attributes:
+        entry: the file or folder.
+        raw: its name in bytes.
+        flags: general purpose bits of the entry.
+        at: claimed offset of its local header [bytes].
+    """
 
     entry: Entry
     raw: bytes
@@ -79,19 +91,19 @@ class _Listed:
 
 
 def refused(what: str) -> Trouble:
-    """Return why a zip isn't taken."""
+    """Return the error for a zip that is refused."""
     return Trouble(f"this backup is refused: {what}", _REMEDY, "hostile")
 
 
 def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
-    """Return what is in a zip, the list of a backup included.
+    """Return the entries of a zip, including the list of a backup.
 
     Args:
         handle: of the open file.
-        size: of it [bytes].
+        size: of the file [bytes].
 
     Raises:
-        Trouble: something about the zip isn't as it must be: what, and of which entry.
+        Trouble: the structure of the zip is wrong; the message names the entry and the reason.
     """
     begins, rows = _directory(handle, size)
     names, listed, at = Names(), [], 0
@@ -124,14 +136,14 @@ def entries_of(handle: int, size: int) -> tuple[Entry, ...]:
 
 @dataclass(frozen=True, slots=True)
 class _Rows:
-    """The directory's bytes, and how many entries it claims."""
+    """The directory's bytes, and its claimed number of entries."""
 
     data: bytes
     count: int
 
 
 def _directory(handle: int, size: int) -> tuple[int, _Rows]:
-    """Return where the directory begins, and its bytes."""
+    """Return the offset of the directory, and its bytes."""
     end = os.pread(handle, _END.size, max(0, size - _END.size))
     if len(end) < _END.size or end[:4] != _SIGNS[0]:
         raise refused("it is no zip, is cut off, or has something after its end")
@@ -153,7 +165,7 @@ def _directory(handle: int, size: int) -> tuple[int, _Rows]:
 
 
 def _row(data: bytes, at: int) -> tuple[_Listed, int]:
-    """Return the row of the directory that begins there, and where the next one does."""
+    """Return the row of the directory at an offset, and the offset of the next row."""
     if len(data) - at < _CENTRAL.size or data[at : at + 4] != _SIGNS[1]:
         raise refused("its directory is damaged, or has fewer entries than it says")
     fields = _CENTRAL.unpack_from(data, at)
@@ -203,7 +215,7 @@ def _check_kind(name: str, kind: int, flags: int, method: int, *, is_folder: boo
 
 
 def _check_extra(extra: bytes, raw: bytes) -> None:
-    """Check that nothing beside a name says another name or other sizes."""
+    """Check that no extra field gives another name or other sizes."""
     at = 0
     if len(extra) > _MOST_EXTRA:
         raise refused(f"{len(extra):,} bytes stand beside the name {raw[:60]!r}")
@@ -217,7 +229,9 @@ def _check_extra(extra: bytes, raw: bytes) -> None:
 
 
 def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
-    """Return the entries with the places of their contents: they stand one after the other, from the beginning to the directory."""
+    """Return the entries with the offsets of their contents, after checking that they fill the zip from its
+    beginning to the directory without gaps.
+    """
     found, at = [], 0
     for row in sorted(listed, key=lambda one: one.at):
         if row.at != at:
@@ -244,7 +258,7 @@ def _placed(handle: int, listed: list[_Listed], end: int) -> tuple[Entry, ...]:
 
 
 def _begins(handle: int, row: _Listed) -> int:
-    """Return where the content of an entry begins."""
+    """Return the offset of an entry's content."""
     name = quoted(row.entry.name)
     head = os.pread(handle, _LOCAL.size, row.at)
     if len(head) != _LOCAL.size or head[:4] != _SIGNS[2]:
@@ -264,7 +278,7 @@ def _begins(handle: int, row: _Listed) -> int:
 
 
 def _described(handle: int, row: _Listed, at: int) -> int:
-    """Return the length of what stands after a content: its checksum and sizes once more."""
+    """Return the length of the data descriptor after a content, which repeats its checksum and sizes."""
     entry = row.entry
     told = struct.pack("<3L", entry.crc, entry.packed, entry.size)
     after = os.pread(handle, 16, at)
@@ -275,14 +289,14 @@ def _described(handle: int, row: _Listed, at: int) -> int:
 
 
 def content(handle: int, entry: Entry) -> Iterator[bytes]:
-    """Yield the content of a file in pieces; never more than it claims.
+    """Yield the content of a file in pieces, never more than its claimed size.
 
     Args:
         handle: of the zip.
-        entry: of it.
+        entry: of the zip.
 
     Raises:
-        Trouble: the content isn't what the entry claims, when that is seen.
+        Trouble: the content differs from what the entry claims.
     """
     unpacking = None if entry.method == STORED else zlib.decompressobj(-15)
     at, left, size, crc = entry.begins, entry.packed, 0, 0

@@ -1,4 +1,4 @@
-"""Writes a backup as it is read, in pieces: neither a file nor the zip is ever whole in memory."""
+"""Writer of backups, in pieces: neither a file nor the zip is ever as a whole in memory."""
 
 from __future__ import annotations
 
@@ -23,15 +23,24 @@ LOGS = ".mcap"
 
 _PIECE = 1 << 18
 _LARGEST_DEFLATED = 32_000_000
-"""Larger files, which are logs and meshes, are stored as they are [bytes]."""
+"""Size above which files are stored uncompressed [bytes]; such files are logs and meshes."""
 _MUCH, _RATIO = 50_000_000, 50
-"""What shrinks further is stored as it is, so that every backup keeps to the bounds of what is restored."""
+"""Files are compressed only while all bytes so far are at most this many [bytes] plus this many times the
+size of the zip, so that every backup keeps the bounds of a restore.
+"""
 _EARLIEST = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True, slots=True)
 class About:
-    """Whose a backup is: the version of yarclang, name and fingerprint of the robot, and when it is made (ISO 8601, UTC)."""
+    """Head of a backup's list.
+
+    Attributes:
+        yarclang: version of yarclang.
+        robot: name of the robot.
+        fingerprint: of the robot.
+        made: time of the backup (ISO 8601, UTC).
+    """
 
     yarclang: str
     robot: str
@@ -41,15 +50,16 @@ class About:
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """What a backup has.
+    """Content of a backup.
 
     Attributes:
         files: of the project.
-        folders: that nothing is in.
-        left_out: files that can't be in it, and why.
-        logs: True if logs of runs are among the files.
-        skipped: logs that are left out because nobody wants them.
-        absent: for a backup of what a restore has changed: files that weren't there before; None: it is one of the whole project.
+        folders: empty folders.
+        left_out: files that can't be included, and why.
+        logs: True if logs of runs are included.
+        skipped: logs that are left out on request.
+        absent: files that didn't exist before, for a backup of what a restore has changed; None for the whole
+            project.
     """
 
     files: tuple[Entry, ...]
@@ -61,24 +71,24 @@ class Selection:
 
     @property
     def size(self) -> int:
-        """Of all files [bytes]."""
+        """Size of all files [bytes]."""
         return sum(one.size for one in self.files)
 
 
 def is_log(name: str) -> bool:
-    """Return True if a file is called as a log of a run."""
+    """Return True if a file's name is that of a run's log."""
     return name.lower().endswith(LOGS)
 
 
 def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
-    """Return what a backup of a project has.
+    """Return the content of a project's backup.
 
     Args:
         folder: of the project.
-        logs: True if it has logs of runs.
+        logs: True to include logs of runs.
 
     Raises:
-        Trouble: the project has more than a backup can have.
+        Trouble: the project exceeds the bounds of a backup.
     """
     entries, cut = folder.entries(MOST_FILES)
     if cut:
@@ -123,7 +133,7 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
 
 
 class _Sink:
-    """Takes what a zip is made of; it can't go back."""
+    """Output of a zip, without seeking."""
 
     def __init__(self) -> None:
         self.size = 0
@@ -135,10 +145,10 @@ class _Sink:
         return len(data)
 
     def flush(self) -> None:
-        """Nothing waits elsewhere."""
+        """Do nothing, because nothing is buffered elsewhere."""
 
     def taken(self) -> bytes:
-        """Return what came since."""
+        """Return and clear the collected bytes."""
         found = b"".join(self._pieces)
         self._pieces.clear()
         return found
@@ -151,12 +161,12 @@ def zipped(
 
     Args:
         folder: of the project.
-        selection: of its files; one that is gone by now, or can't be read, is left out and named in the list.
-        about: what the list says.
+        selection: its content. A file that is gone or can't be read is left out and named in the list.
+        about: head of the list.
         strict: True if no file may be left out or change meanwhile.
 
     Raises:
-        Trouble: `strict` is true, and one was or did.
+        Trouble: `strict` is true, and a file was left out or changed.
     """
     sink = _Sink()
     listed: list[ListedFile] = []
@@ -195,13 +205,13 @@ def zipped(
 def _added(
     folder: ProjectFolder, name: str, made: zipfile.ZipFile, sink: _Sink, most: int
 ) -> Generator[bytes, None, ListedFile]:
-    """Add a file to a zip; yield what the zip has more, and return its row of the list.
+    """Add a file to a zip. Yield the new bytes of the zip, and return the file's row of the list.
 
     Args:
         folder: of the project.
         name: path of the file.
         made: the zip.
-        sink: that it is written to.
+        sink: output of the zip.
         most: size up to which the file is read [bytes].
     """
     with folder.opened(name) as (handle, told, _):

@@ -1,1 +1,1 @@
-"""Calibration at the pendant: touches of a session, what they say, where the result is written."""
+"""Calibration at the pendant: the touches of a session, their results, and the files that get the results."""

@@ -1,4 +1,4 @@
-"""The calibrations that go on: one a session, with the touches that were taken where the robot stood."""
+"""Running calibrations: one for each session, with its touches."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from yarclang.runtime.actions import Trouble
 from yarclang.semantics.names.scope import BASE
 
 MOST_TOUCHES = 40
-"""Touches of one calibration."""
+"""Most touches of one calibration."""
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]{0,59}")
 
@@ -31,10 +31,10 @@ class Calibration:
     """A calibration of a session.
 
     Attributes:
-        user: whose.
-        touching: what was touched.
-        tool: the frame that touches, in braces; empty: none.
-        version: another one with each change.
+        user: name of the user.
+        touching: the touches and their result.
+        tool: the frame that touches, in braces; empty if there is none.
+        version: changes with each change.
     """
 
     user: str
@@ -44,7 +44,7 @@ class Calibration:
 
     @property
     def kind(self) -> str:
-        """What is calibrated: tip, frame or home."""
+        """Kind of the calibration: tip, frame or home."""
         return KINDS[type(self.touching)]
 
 
@@ -56,7 +56,7 @@ class Calibrations:
 
     Args:
         robot: that touches.
-        watched: where it stands.
+        watched: its present state.
     """
 
     def __init__(self, robot: Robot, watched: Watched) -> None:
@@ -66,11 +66,11 @@ class Calibrations:
         self._versions = count(1)
 
     def of(self, session: Session) -> Calibration | None:
-        """Return the calibration of a session."""
+        """Return the calibration of a session; None if there is none."""
         return self._kept.get(session.id)
 
     def other(self) -> Calibration | None:
-        """Return the newest calibration of all."""
+        """Return the newest calibration of all sessions."""
         return max(self._kept.values(), key=lambda one: one.version, default=None)
 
     def forget(self, session: str) -> None:
@@ -78,14 +78,14 @@ class Calibrations:
         self._kept.pop(session, None)
 
     def going_on(self, session: Session, version: int) -> Calibration:
-        """Return the calibration of a session as a page shows it.
+        """Return the calibration of a session if a page shows its newest version.
 
         Args:
-            session: whose.
+            session: of the page.
             version: that the page shows.
 
         Raises:
-            Trouble: there is none, or it has changed.
+            Trouble: there is no calibration, or it has changed.
         """
         found = self._kept.get(session.id)
         if found is None:
@@ -99,11 +99,11 @@ class Calibrations:
         """Begin a calibration.
 
         Args:
-            session: whose.
-            wanted: what is calibrated.
+            session: of the user.
+            wanted: kind and parameters.
 
         Raises:
-            Trouble: one goes on already, or a name means nothing.
+            Trouble: a calibration is running already, or a name is unknown.
         """
         asked, tool = wanted.calibration, ""
         match asked:
@@ -125,10 +125,11 @@ class Calibrations:
         return made
 
     async def touch(self, session: Session, asked: said.TakeTouch) -> Calibration:
-        """Take where the robot stands as a touch.
+        """Record the robot's present position as a touch.
 
         Raises:
-            Trouble: the robot moves or isn't referenced, there are too many touches, or the calibration was changed meanwhile.
+            Trouble: the robot moves or isn't referenced, there are too many touches, or the calibration was
+                changed meanwhile.
         """
         found = self.going_on(session, asked.version)
         known = len(found.touching.joints)
@@ -138,17 +139,17 @@ class Calibrations:
             )
         _check_there(asked.at, known)
         joints = await stands(self._watched, self._motors(found.touching))
-        found = self.going_on(session, asked.version)  # while it was asked, another page may have changed it
+        found = self.going_on(session, asked.version)  # another page may have changed it during the request
         self._check_new(found.touching, joints, asked.at)
         found.touching.touch(joints, asked.at)
         found.version = next(self._versions)
         return found
 
     def remove(self, session: Session, asked: said.RemoveTouch) -> Calibration:
-        """Take a touch away.
+        """Remove a touch.
 
         Raises:
-            Trouble: it isn't there, or has to stay, or the calibration was changed meanwhile.
+            Trouble: there is no such touch, it has to stay, or the calibration was changed meanwhile.
         """
         found = self.going_on(session, asked.version)
         _check_there(asked.at, len(found.touching.joints))
@@ -160,9 +161,11 @@ class Calibrations:
         return found
 
     def _motors(self, touching: Touching) -> Collection[int] | None:
-        """Return the motors that have to be referenced: of joints at marks those that these joints hang on, else all.
+        """Return the motors that have to be referenced: for joints at marks, those that these joints depend
+        on; None for all.
 
-        The offset of a motor follows from its own count and the positions of all joints that it moves; an unreferenced motor of another joint doesn't matter.
+        The offset of a motor follows from its own count and the positions of all joints that it moves. An
+        unreferenced motor of another joint doesn't matter.
         """
         if not isinstance(touching, HomeTouching):
             return None
@@ -177,7 +180,9 @@ class Calibrations:
             joints = more
 
     def _check_new(self, touching: Touching, joints: Array, at: int | None) -> None:
-        """Check that the robot stands elsewhere than at the other touches; at a mark it may stand in the same place again."""
+        """Check that the robot's position differs from those of the other touches. Only marks may be visited
+        repeatedly.
+        """
         if isinstance(touching, HomeTouching):
             return
         for number, other in enumerate(touching.joints):
@@ -219,14 +224,14 @@ class Calibrations:
 
 
 _SAME = 1e-6
-"""Joint positions nearer to each other than this are one [rad or m]."""
+"""Distance below which joint positions count as equal [rad or m]."""
 
 
 def plain_name(wanted: str) -> str:
     """Return a frame's name in upper case, without braces.
 
     Raises:
-        Trouble: no frame can have it.
+        Trouble: the name isn't allowed for a frame.
     """
     name = wanted.strip("{} ")
     if _NAME.fullmatch(name) is None:
@@ -239,7 +244,7 @@ def tip_name(wanted: str) -> str:
     """Return the name of a tool's frame.
 
     Raises:
-        Trouble: no tool can have it.
+        Trouble: the name isn't allowed for a tool.
     """
     name = plain_name(wanted)
     if name in ("FLANGE", BASE):

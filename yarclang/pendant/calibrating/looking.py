@@ -1,4 +1,6 @@
-"""Where the robot goes to look at a result before it is written, as the text of an offer: it is planned and proved like any other motion."""
+"""Offers of motions to inspect a result before it is written. They are planned and proved like any other
+motion.
+"""
 
 from __future__ import annotations
 
@@ -15,22 +17,24 @@ from yarclang.transforms import turn_about
 from yarclang.units import DEG, MM
 
 _NAME = "CALIBRATION_LOOK"
-"""The frame of the result, declared in the offer's block alone: the session doesn't have it afterwards."""
+"""Name of the result's frame. It is declared in the offer's block alone; the session doesn't have it
+afterwards.
+"""
 _SHARE = "10%"
-"""Share of the limits of these motions: slow, as the way to a start is."""
+"""Share of the robot's limits for these motions, as slow as the motion to a program's start."""
 _SHORT = 5.0 * MM
-"""A tip nearer to the flange than this doesn't tell on which side of the point the tool is."""
+"""Distance of a tip from the flange below which the tool's side of the point is ambiguous."""
 
 
 def look(calibration: Calibration, asked: LookCalibration) -> LookText:
-    """Return the text of an offer that leads to a place from which the result can be looked at.
+    """Return the text of an offer for a motion to a place that shows the result.
 
     Args:
         calibration: with a result.
-        asked: where.
+        asked: the requested place.
 
     Raises:
-        Trouble: there is no result, or nothing to look at.
+        Trouble: there is no result, or no such place.
     """
     touching = calibration.touching
     if asked.at is not None and asked.at >= len(touching.joints):
@@ -49,7 +53,7 @@ def look(calibration: Calibration, asked: LookCalibration) -> LookText:
 
 
 def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
-    assert touching.value is not None  # whoever calls has looked
+    assert touching.value is not None  # the caller has checked it
     flange = touching.poses()[-1 if asked.at is None else asked.at]
     back = flange[:3, 3] - touching.value.fixed
     length = float(np.linalg.norm(back))
@@ -66,13 +70,13 @@ def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
 
 
 def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookText:
-    assert touching.value is not None  # whoever calls has looked
+    assert touching.value is not None  # the caller has checked it
     at = asked.at or 0
     base_from_frame = touching.value.base_from_frame
     flange = flange_poses(touching.robot.chain, touching.joints[at][None])[0]
     tip = flange @ touching.flange_from_tip
     z = base_from_frame[:3, 2]
-    # the tool keeps to the side of the plane from which it touched, wherever z points
+    # the tool stays on the side of the plane from which it touched, whatever the direction of z
     side = float((flange[:3, 3] - tip[:3, 3]) @ z)
     if abs(side) < _SHORT:
         side = float(z[2])

@@ -1,4 +1,4 @@
-"""A calibration as pages show it: its touches, what they say, and what their spread does."""
+"""A calibration as pages show it: its touches, their residuals, and the effect of their spread."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ from yarclang.units import DEG, MM
 
 _FEWEST_VISITS = 3
 _BELOW = 0.975
-"""Share of the errors that are below the bound that is told: 95 of 100 are within it to both sides."""
+"""Share of the errors below the reported bound: 95 of 100 are within it on both sides."""
 _EXACT = 1e-3
-"""Residuals below this have no worst one among them [mm or deg]."""
+"""Residuals below this are exact, and none is marked as the worst [mm or deg]."""
 
 
 def shown(calibration: Calibration | None, *, mine: bool) -> CalibrationShown:
     """Return a calibration as a message.
 
     Args:
-        calibration: which; None: none goes on.
-        mine: whether it is that of whoever asks.
+        calibration: to show; None if none is running.
+        mine: True if it belongs to the session that asks.
     """
     if calibration is None:
         return CalibrationShown(
@@ -190,7 +190,7 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
         if name not in touching.marks:
             continue
         unit, factor = robot.axis_unit_names[at], robot.axis_units[at]
-        # of the mean of the visits: Student's t for so few of them
+        # error of the mean by Student's t, because there are few visits
         error = share * float(visits[:, at].std(ddof=1)) / np.sqrt(len(visits))
         moved = _flange_moves(touching, at, error)
         rows.append(
@@ -206,7 +206,7 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
 
 
 def _flange_moves(touching: HomeTouching, joint: int, by: float) -> float:
-    """Return how far the flange moves [m] at the marks if a joint is off by so much [rad or m]."""
+    """Return the displacement of the flange [m] at the marks for an error of a joint [rad or m]."""
     there = np.mean(touching.joints, axis=0)
     off = there.copy()
     off[joint] += by
@@ -222,7 +222,7 @@ def _direction(direction: Array) -> str:
 
 
 _ALONG = 0.985
-"""Cosine to an axis above which a direction is called after it: within 10 deg."""
+"""Cosine to an axis above which a direction is named after it: within 10 deg."""
 
 
 def _length(value: float) -> str:

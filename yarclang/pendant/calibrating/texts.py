@@ -1,4 +1,6 @@
-"""The result of a calibration in the text of a file: a robot.toml, a cell.toml, a program. Each text is read back by its real reader."""
+"""Texts of files with the result of a calibration: a robot.toml, a cell.toml or a program. Each text is read
+back by the real reader of its file.
+"""
 
 from __future__ import annotations
 
@@ -32,20 +34,20 @@ CELL = "the coordinator reads the cell again by itself; programs that are loaded
 PROGRAM = "load the program again"
 
 _NEAR = 5e-6
-"""Difference of what is read back that rounding explains [m, and of rotations]."""
+"""Largest difference from rounding when the text is read back [m, and of rotation matrices]."""
 _OFFSET = 0.006
-"""The same of offsets [counts]."""
+"""Largest difference from rounding of offsets [counts]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Made:
-    """A text with the result in it.
+    """A text with the result.
 
     Attributes:
         text: the whole file.
-        what: what changes, in words.
-        then: what has to happen so that it holds.
-        findings: what the file's reader says of it.
+        what: description of the change.
+        then: step that makes the change effective.
+        findings: of the file's reader.
     """
 
     text: str
@@ -58,14 +60,14 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     """Return a robot.toml with a tool's tip or the motors' offsets.
 
     Args:
-        source: its text as it is.
-        place: where it stands.
+        source: the present text.
+        place: path of the file.
         robot: as the pendant knows it.
         touching: with a result.
-        replace: whether a frame of this name may be another one.
+        replace: True if an existing frame of this name may be replaced.
 
     Raises:
-        Trouble: the text can't have it.
+        Trouble: the text can't hold the result.
     """
     before = read_robot(source, place.parent)
     if before.value is None:
@@ -110,7 +112,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
 
 
 def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touching: HomeTouching) -> Made:
-    assert touching.value is not None  # whoever asks has looked
+    assert touching.value is not None  # the caller has checked it
     robot, on_disk = robots
     known, there = robot.actuation.offset, on_disk.actuation.offset
     if known.shape != there.shape or np.abs(known - there).max() > _OFFSET:
@@ -127,18 +129,18 @@ def _offsets(source: SourceFile, place: Path, robots: tuple[Robot, Robot], touch
 def in_cell(
     source: SourceFile, place: Path, robot: Robot, touching: Touching, parent: str, *, replace: bool
 ) -> Made:
-    """Return a cell.toml with a frame; one that is there keeps its parent.
+    """Return a cell.toml with a frame. An existing frame keeps its parent.
 
     Args:
-        source: its text as it is.
-        place: where it stands.
-        robot: whose cell it is.
+        source: the present text.
+        place: path of the file.
+        robot: of the cell.
         touching: with a result.
-        parent: of a new frame: one of the cell's frames that stand still, or B.
-        replace: whether a frame of this name may be another one.
+        parent: of a new frame: one of the cell's stationary frames, or B.
+        replace: True if an existing frame of this name may be replaced.
 
     Raises:
-        Trouble: the text can't have it.
+        Trouble: the text can't hold the result.
     """
     if not isinstance(touching, FrameTouching) or touching.value is None:
         raise Trouble(
@@ -174,7 +176,7 @@ def in_cell(
 
 
 def _key(text: str, name: str) -> str:
-    """Return a frame's name as the file writes it; a new one is in upper case."""
+    """Return a frame's name as the file writes it. New names are in upper case."""
     tables = tomllib.loads(text).get("frames", {})
     return next((one for one in tables if one.upper() == name), name) if isinstance(tables, dict) else name
 
@@ -187,17 +189,17 @@ def _standing(cell: Cell, name: str) -> Array:
 
 
 def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
-    """Return a program with a FRAME line, with the other declarations.
+    """Return a program with a FRAME line among its declarations.
 
     Args:
-        source: its text as it is.
-        place: where it stands.
-        robot: that it moves.
+        source: the present text.
+        place: path of the file.
+        robot: of the program.
         touching: with a result.
-        replace: whether a FRAME line of this name may get other values.
+        replace: True if an existing FRAME line of this name may be replaced.
 
     Raises:
-        Trouble: the text can't have it.
+        Trouble: the text can't hold the result.
     """
     pose, parent = np.eye(4), "FLANGE"
     if isinstance(touching, TipTouching) and touching.value is not None:

@@ -1,4 +1,4 @@
-"""The result of a calibration as a change of a file: proposed first, then written with what is kept of the file as it was."""
+"""Writes of a calibration's result to a file: proposed first, then written with a backup of the old file."""
 
 from __future__ import annotations
 
@@ -27,15 +27,15 @@ from yarclang.runtime.actions import Trouble
 from yarclang.source import SourceFile
 
 ROLES = {"robot": Role.SERVICE, "cell": Role.SERVICE, "program": Role.PROGRAMMER}
-"""Who may write where; robot and cell need a PIN as well."""
+"""Roles that may write to each kind of file. Robot and cell need the PIN as well."""
 
 _MOST = 2_000_000
-"""Longest file of a robot or a cell that is changed [bytes]."""
+"""Longest robot or cell file that is changed [bytes]."""
 _SUFFIX = ".yarc"
 
 
 class Writing:
-    """Writes results.
+    """Writer of results.
 
     Args:
         robot: that was calibrated.
@@ -51,7 +51,7 @@ class Writing:
         self._kept = kept
 
     async def propose(self, session: Session, asked: ProposeCalibration) -> CalibrationProposal:
-        """Return what would be written.
+        """Return the text that would be written.
 
         Raises:
             Trouble: there is no result, or it can't be written there.
@@ -83,12 +83,12 @@ class Writing:
         )
 
     async def write(self, session: Session, address: str, asked: WriteCalibration) -> CalibrationWritten:
-        """Write what was proposed.
+        """Write a proposed result.
 
         Args:
-            session: whose.
-            address: that it comes from.
-            asked: what, and the hash of the text that was shown.
+            session: of the user.
+            address: from which the request came.
+            asked: the proposal, and the hash of the text that was shown.
 
         Raises:
             Trouble: the file has changed meanwhile, or it can't be written there.
@@ -118,7 +118,7 @@ class Writing:
         return found
 
     async def _place(self, asked: ProposeCalibration) -> tuple[Path, str | None]:
-        """Return where the result is written, and the file's path in the project; None: it isn't in there."""
+        """Return the file for the result, and its path in the project; None if it is outside."""
         folder = self._files.folder
         if asked.to == "program":
             if not asked.file.lower().endswith(_SUFFIX):
@@ -138,7 +138,7 @@ class Writing:
         return place, inside
 
     async def _check_free(self, found: Calibration, asked: ProposeCalibration) -> None:
-        """Check that the name is no other frame's: one of the cell, or of the robot."""
+        """Check that no other frame of the cell or the robot has the name."""
         name = found.touching.name
         if asked.to == "robot" and found.kind == "tip" and name not in self._robot.flange_from_frame:
             frames = (await self._watched.attached.ask(orders.AskFrames())).frames
@@ -163,7 +163,9 @@ def _text(folder: ProjectFolder, file: str) -> tuple[str, str]:
 
 
 def _read(place: Path) -> str:
-    """Return the text of a file outside of the project: of the robot that the pendant has read itself."""
+    """Return the text of a file outside of the project, which describes the robot that the pendant has loaded
+    itself.
+    """
     try:
         with place.open("rb") as file:
             return file.read(_MOST).decode("utf-8")

@@ -1,1 +1,1 @@
-"""How the pendant's computer, its process and its data are."""
+"""Health of the pendant's computer, its process and its data."""

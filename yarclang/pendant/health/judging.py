@@ -1,4 +1,6 @@
-"""Judges numbers: good, worth a warning, or bad; with the threshold, why it matters, and what to do. No I/O."""
+"""Judgement of measured numbers as good, a warning, or bad, with the threshold, its reason, and a remedy. No
+I/O.
+"""
 
 from __future__ import annotations
 
@@ -13,36 +15,43 @@ Level = Literal["good", "warning", "bad", "unknown", "plain"]
 
 _GIGA, _MEGA = 1e9, 1e6
 FREE_WARNING, FREE_BAD = 2e9, 0.5e9
-"""Room on a disk below which there is a warning, and below which it is bad [bytes]."""
+"""Free space on a disk below which there is a warning, and below which it is bad [bytes]."""
 DAYS_WARNING, DAYS_BAD = 14.0, 2.0
-"""The same of the time until a disk is full [days]."""
+"""Time until a disk is full below which there is a warning, and below which it is bad [days]."""
 MEMORY_WARNING, MEMORY_BAD = 0.15, 0.05
-"""The same of the share of the computer's memory that is available."""
+"""Share of the computer's memory that is available, below which there is a warning, and below which it is
+bad.
+"""
 OWN_WARNING, OWN_BAD = 1.5e9, 3e9
 """Memory of this process above which there is a warning, and above which it is bad [bytes]."""
 LOAD_WARNING, LOAD_BAD = 0.8, 1.5
-"""The same of the load of each processor."""
+"""Load of each processor above which there is a warning, and above which it is bad."""
 LAG_WARNING, LAG_BAD = 0.05, 0.2
-"""The same of the delay of the loop [s]."""
+"""Delay of the event loop above which there is a warning, and above which it is bad [s]."""
 SILENCE_WARNING, SILENCE_BAD = 0.25, 0.6
-"""The same of the slowest reply, as a share of the silence after which the controller holds."""
+"""Time of the slowest reply above which there is a warning, and above which it is bad, as a share of the
+silence after which the controller holds.
+"""
 LOGS_WARNING, LOGS_BAD = 10e9, 50e9
-"""The same of the size of all run logs [bytes]."""
+"""Size of all run logs above which there is a warning, and above which it is bad [bytes]."""
 TRAIL_WARNING, TRAIL_BAD = 0.5e9, 2e9
-"""The same of the size of users, audit trail and alarms [bytes]."""
+"""Size of the file of users, audit trail and alarms above which there is a warning, and above which it is bad
+[bytes].
+"""
 
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """One thing that is watched.
+    """Judgement of one number.
 
     Attributes:
-        key: by which its history is found.
-        group, name: in words.
+        key: of its history.
+        group: its heading, in words.
+        name: in words.
         value: in words, with its unit.
-        level: `plain`: nothing is judged; `unknown`: this system doesn't tell.
+        level: `plain` if the number isn't judged; `unknown` if this system doesn't give it.
         limits: the thresholds, in words.
-        why: it matters.
+        why: reason for the thresholds.
         remedy: what to do.
     """
 
@@ -57,7 +66,7 @@ class Judgement:
 
 
 def sized(count: float) -> str:
-    """Return a number of bytes in words."""
+    """Format a number of bytes."""
     for bound, unit in ((_GIGA, "GB"), (_MEGA, "MB"), (1e3, "kB")):
         if count >= bound:
             return f"{count / bound:.1f} {unit}"
@@ -65,7 +74,7 @@ def sized(count: float) -> str:
 
 
 def lasting(seconds: float) -> str:
-    """Return a time in words."""
+    """Format a duration."""
     for bound, unit in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
         if seconds >= 2 * bound:
             return f"{seconds / bound:.0f} {unit}"
@@ -73,7 +82,7 @@ def lasting(seconds: float) -> str:
 
 
 def low_of(disks: Iterable[Disk]) -> str:
-    """Return how little room is left on a disk, in words; empty: there is enough on all."""
+    """Return a text on the disks with little room; empty if all have enough."""
     worst = min(disks, key=lambda one: one.free, default=None)
     if worst is None or worst.free >= FREE_BAD:
         return ""
@@ -84,8 +93,8 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
     """Judge the disks.
 
     Args:
-        disks: where something of the pendant lies.
-        growth: of the run logs [bytes a day].
+        disks: that hold files of the pendant.
+        growth: of the run logs [bytes/day].
     """
     found = []
     for one in disks:
@@ -107,7 +116,12 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
 
 
 def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
-    """Judge the memory of this process, which had `first` at its first look [bytes], and of the computer."""
+    """Judge the memory of this process and of the computer.
+
+    Args:
+        machine: the newest measurement.
+        first: memory of this process at the first measurement [bytes]; None if unknown.
+    """
     own: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
     value = "not known"
     if machine.own is not None:
@@ -134,12 +148,12 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
 
 
 def of_speed(machine: Machine, share: float, lag: float) -> tuple[Judgement, ...]:
-    """Judge how quickly this computer answers.
+    """Judge how quickly this computer responds.
 
     Args:
-        machine: the computer.
-        share: of one processor, that this process uses.
-        lag: longest delay of the loop in the last minute [s].
+        machine: the newest measurement.
+        share: share of one processor that this process uses.
+        lag: longest delay of the event loop in the last minute [s].
     """
     load: Level = "unknown" if machine.load is None else _above(machine.load, LOAD_WARNING, LOAD_BAD)
     value = "not known" if machine.load is None else f"{machine.load:.0%} of each processor"
@@ -179,7 +193,17 @@ def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
 def of_stored(
     logs: int, size: int, growth: float, project: int | None, data: int | None, database: int, deeds: int
 ) -> tuple[Judgement, ...]:
-    """Judge what is kept: number and size of run logs and their growth a day, sizes of project, data and database [bytes], entries of the audit trail."""
+    """Judge the data on the disk.
+
+    Args:
+        logs: number of run logs.
+        size: of the run logs [bytes].
+        growth: of the run logs [bytes/day].
+        project: size of the project [bytes]; None if unknown.
+        data: size of the pendant's own folder [bytes]; None if unknown.
+        database: size of the database [bytes].
+        deeds: number of entries of the audit trail.
+    """
     return (
         Judgement(
             "logs", "Records", "Run logs", f"{logs:,} with {sized(size)}; {sized(growth)} a day", _above(size, LOGS_WARNING, LOGS_BAD),

@@ -1,4 +1,6 @@
-"""Numbers of the operating system: disks, memory, load. What a system doesn't tell is None. Waits for the disk: call it in a thread."""
+"""Measurements of disks, memory and load by the operating system. Values that a system doesn't give are None.
+Waits for the disk: call it in a thread.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +12,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 _MOST_SEEN = 100_000
-"""Names that are looked at in a folder."""
+"""Most names that are read in a folder."""
 _PROC = Path("/proc")
 
 
 @dataclass(frozen=True, slots=True)
 class Disk:
-    """A disk: what of the pendant lies there, in words, and its room, free and in all [bytes]."""
+    """A disk.
+
+    Attributes:
+        holds: files of the pendant that it holds, in words.
+        free: free space [bytes].
+        total: size of the disk [bytes].
+    """
 
     holds: str
     free: int
@@ -25,15 +33,16 @@ class Disk:
 
 @dataclass(frozen=True, slots=True)
 class Machine:
-    """The computer and this process at one moment.
+    """State of the computer and of this process at one moment.
 
     Attributes:
-        disks: those where something of the pendant lies.
+        disks: that hold files of the pendant.
         own: memory of this process [bytes].
-        peak: the most that it had [bytes].
-        available, memory: memory of the computer that is available, and all of it [bytes].
+        peak: largest memory that this process had [bytes].
+        available: available memory of the computer [bytes].
+        memory: all memory of the computer [bytes].
         load: processes that wanted a processor in the last minute, divided by the number of processors.
-        cpu: time of the processor that this process has used [s].
+        cpu: processor time of this process [s].
     """
 
     disks: tuple[Disk, ...]
@@ -46,10 +55,10 @@ class Machine:
 
 
 def machine(places: Iterable[tuple[str, Path]]) -> Machine:
-    """Look at the computer.
+    """Measure the computer and this process.
 
     Args:
-        places: what lies where; what isn't there is left out.
+        places: (description, path) of the pendant's files; missing ones are left out.
     """
     own = _table(_PROC / "self" / "status")
     whole = _table(_PROC / "meminfo")
@@ -65,7 +74,7 @@ def machine(places: Iterable[tuple[str, Path]]) -> Machine:
 
 
 def disks_of(places: Iterable[tuple[str, Path]]) -> tuple[Disk, ...]:
-    """Return the disks of some places; places of one disk are named together."""
+    """Return the disks of places. Places on one disk are named together."""
     found: dict[int, list[str]] = {}
     rooms: dict[int, tuple[int, int]] = {}
     for name, place in places:
@@ -83,7 +92,9 @@ def _joined(names: list[str]) -> str:
 
 
 def size_of(folder: Path) -> int | None:
-    """Return the size of all files in a folder [bytes]; links aren't followed. None: there are too many."""
+    """Return the size of all files in a folder [bytes], without following links; None if there are too
+    many.
+    """
     total, seen = 0, 0
     for top, _, files in os.walk(folder):
         for name in files:
@@ -91,7 +102,7 @@ def size_of(folder: Path) -> int | None:
             if seen > _MOST_SEEN:
                 return None
             if seen % 200 == 0:
-                time.sleep(0.0005)  # the interpreter is for the loop that streams
+                time.sleep(0.0005)  # leave the interpreter to the loop that streams
             try:
                 total += os.lstat(f"{top}/{name}").st_size
             except OSError:
@@ -100,7 +111,7 @@ def size_of(folder: Path) -> int | None:
 
 
 def sizes_of(*files: Path) -> int:
-    """Return the size of some files, as far as they are there [bytes]."""
+    """Return the total size of files [bytes]. Missing files count as empty."""
     total = 0
     for one in files:
         try:
@@ -118,7 +129,7 @@ def _load() -> float | None:
 
 
 def _table(path: Path) -> dict[str, int]:
-    """Return the sizes that a file of /proc names [bytes]; empty where there is none."""
+    """Return the sizes in a file of /proc [bytes]; empty if there is no such file."""
     found = {}
     try:
         for line in path.read_text("ascii", "replace").splitlines():

@@ -1,4 +1,6 @@
-"""Looks at the computer, the process and the data, once for all pages, and keeps what the last hour was like."""
+"""Regular measurements of the computer, the process and the data, shared by all pages, with a history of the
+last hour.
+"""
 
 from __future__ import annotations
 
@@ -19,27 +21,28 @@ from yarclang.pendant.watched import Watched
 from yarclang.runtime.actions import Trouble
 
 EACH, EACH_UNWATCHED = 1.0, 5.0
-"""Time between two looks while a page is connected, and else [s]."""
+"""Time between two measurements while a page is connected, and otherwise [s]."""
 _TURN = 0.1
-"""Time between two looks at the clock of the loop [s]."""
+"""Time between two checks of the event loop's delay [s]."""
 _SLOW_EACH = 60.0
-"""Time between two looks at the sizes of folders, and between two points of the history [s]."""
+"""Time between two measurements of folder sizes, and between two points of the history [s]."""
 _KEPT = 60
-"""Points of the history: an hour."""
+"""Points of the history: one hour."""
 _MINUTE = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """What is kept on the disk.
+    """Data on the disk.
 
     Attributes:
-        logs, logs_size: run logs, and their size [bytes].
-        growth: what run logs have grown by in a day [bytes]: in the last one, or on the average of the last seven.
-        project: size of the project [bytes]; None: there are too many files.
+        logs: number of run logs.
+        logs_size: of the run logs [bytes].
+        growth: of the run logs [bytes/day]: in the last day, or on the average of the last seven.
+        project: size of the project [bytes]; None if there are too many files.
         data: size of the pendant's own folder [bytes].
         database: size of users, audit trail and alarms [bytes].
-        deeds: entries of the audit trail.
+        deeds: number of entries of the audit trail.
     """
 
     logs: int
@@ -53,7 +56,7 @@ class Stored:
 
 @dataclass(slots=True)
 class Worst:
-    """The worst of each second of a minute, of the delay of the loop [s]."""
+    """The largest delay of the event loop [s] in each second of the last minute."""
 
     rows: deque[float] = field(default_factory=lambda: deque([0.0], _MINUTE))
 
@@ -67,27 +70,27 @@ class Worst:
 
     @property
     def all(self) -> float:
-        """The worst of the last minute."""
+        """Largest delay of the last minute [s]."""
         return max(self.rows)
 
 
 class Sampler:
-    """Looks again and again.
+    """Regular measurements.
 
     Args:
         accounts: of the pendant.
-        watched: the robot as all pages see it.
+        watched: the robot.
         project: folder of the project.
         database: file of users, sessions and audit trail.
-        logs: where logs of runs lie.
-        now: a clock that never goes back [s].
+        logs: folders of run logs.
+        now: a monotonic clock [s].
 
     Attributes:
-        machine: the newest look at the computer; None: there was none yet.
-        stored: the newest look at what is on the disk.
-        first: memory of this process at the first look [bytes].
-        share: share of one processor that this process has used between the last two looks.
-        history: for each name, a number a minute, the oldest first.
+        machine: the newest measurement of the computer; None before the first.
+        stored: the newest measurement of the data on the disk.
+        first: memory of this process at the first measurement [bytes].
+        share: share of one processor that this process has used between the last two measurements.
+        history: one number a minute for each name, oldest first.
     """
 
     def __init__(
@@ -118,20 +121,20 @@ class Sampler:
 
     @property
     def uptime(self) -> float:
-        """Time since the pendant began [s]."""
+        """Time since the pendant was started [s]."""
         return self._now() - self._began
 
     @property
     def pages(self) -> int:
-        """Pages that are connected."""
+        """Number of connected pages."""
         return self._watched.pages
 
     def low(self) -> str:
-        """Return how little room is left on a disk, in words, as it was seen last; empty: there is enough."""
+        """Return a text on the disks with little room at the last measurement; empty if all have enough."""
         return self._low
 
     async def run(self) -> None:
-        """Look until somebody cancels this."""
+        """Measure regularly until cancelled."""
         looking = asyncio.ensure_future(self._look_often())
         clock = asyncio.get_running_loop().time
         second = clock()
@@ -148,12 +151,12 @@ class Sampler:
 
     async def _look_often(self) -> None:
         while True:
-            with suppress(Trouble, OSError):  # one look fails, and the next one may not
+            with suppress(Trouble, OSError):  # the next measurement may succeed
                 await self.look()
             await asyncio.sleep(EACH if self._watched.is_watched else EACH_UNWATCHED)
 
     async def look(self) -> None:
-        """Look now, unless somebody has looked just before.
+        """Measure now, unless the last measurement is recent.
 
         Raises:
             Trouble: the audit trail can't be read.

@@ -1,4 +1,6 @@
-"""Questions to git that run nothing of a repository's own: no hook, filter, monitor, pager, converter or transport."""
+"""Calls of git that execute nothing of a repository's own: no hook, filter, monitor, pager, converter or
+transport.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,7 @@ from yarclang.pendant.project.names import quoted
 from yarclang.runtime.actions import Trouble
 
 _LONGEST = 10.0
-"""Time for one question [s]."""
+"""Longest time of one call [s]."""
 _MOST_ANSWER = 32 << 20
 _MOST_MEMORY = 2 << 30
 
@@ -51,24 +53,27 @@ _ENVIRONMENT = {
     "LC_ALL": "C.UTF-8",
 }
 _KEPT = ("PATH", "HOME", "XDG_CONFIG_HOME", "LD_LIBRARY_PATH")
-"""What git gets of our environment: its user's settings name the folders of other users that git may read."""
+"""Environment variables that git inherits. Its user's settings name folders of other users that git may
+read.
+"""
 
 
 class Missing(Exception):  # noqa: N818 - it is an answer
-    """Git has no such thing: no repository, no commit."""
+    """Raised if git has no answer: there is no repository or no commit."""
 
 
 def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
-    """Ask git; only for questions that look at no file's content in the folder, since filters are for these.
+    """Call git. Only for commands that read no content of files in the folder, because filters would apply to
+    it.
 
     Args:
         folder: in the work tree.
         words: of the command line.
-        most: longest answer [bytes].
+        most: longest output [bytes].
 
     Raises:
-        Missing: it has no answer.
-        Trouble: it isn't there, refuses the folder, or takes too much.
+        Missing: there is no answer.
+        Trouble: git isn't installed, refuses the folder, or takes too long.
     """
     program = shutil.which("git")
     if program is None:
@@ -110,7 +115,7 @@ def ask(folder: Path, *words: str, most: int = _MOST_ANSWER) -> bytes:
 
 
 def _read(process: subprocess.Popen[bytes], most: int) -> tuple[bytes, bytes]:
-    """Return what a process says, up to so many bytes, and the beginning of its complaints."""
+    """Return at most `most` bytes of a process's output, and the beginning of its error output."""
     assert process.stdout is not None
     assert process.stderr is not None
     complaints: list[bytes] = []

@@ -1,4 +1,4 @@
-"""Who has changed a file, as far as the audit trail knows."""
+"""Users who have changed a file, as far as the audit trail knows."""
 
 from __future__ import annotations
 
@@ -10,22 +10,28 @@ from dataclasses import dataclass, field
 from yarclang.pendant.accounts.people import Deed
 
 PREFIX = "file "
-"""With which the deeds begin that change files."""
+"""Beginning of the actions that change files."""
 
 
 @dataclass(slots=True)
 class Authors:
-    """Those who changed a file, the last one first; the hash that it had afterwards, empty if it was deleted, None if nobody did."""
+    """Authors of a file.
+
+    Attributes:
+        users: names of the users who changed the file, the last one first.
+        sha256: hash after the last change; empty if the file was deleted, None if nobody changed it.
+    """
 
     users: dict[str, None] = field(default_factory=dict)
     sha256: str | None = None
 
 
 def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
-    """Return who changed which files.
+    """Return the authors of each file.
 
     Args:
-        deeds: entries of the audit trail, the newest first. One that was refused has an entry before, which doesn't count.
+        deeds: entries of the audit trail, newest first. An action that was refused has an entry before the
+            refusal, which is ignored.
     """
     found: dict[str, Authors] = {}
     refused: Counter[tuple[str, str, str]] = Counter()
@@ -45,7 +51,7 @@ def authors_of(deeds: Iterable[Deed]) -> dict[str, Authors]:
 
 
 def _changed(deed: Deed) -> Iterable[tuple[str, str]]:
-    """Yield the paths that a deed has changed, and the hashes of what is there since; "?" if it isn't known."""
+    """Yield the paths that an action has changed, and the hashes of their new content; "?" if unknown."""
     try:
         detail = json.loads(deed.detail)
         file = str(detail["file"])

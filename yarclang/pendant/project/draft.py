@@ -1,4 +1,6 @@
-"""Files that are written whole or not at all: without a name until then, so that nothing is left of one that is broken off."""
+"""Files that are written as a whole or not at all. They have no name until they are complete, so that an
+interrupted write leaves nothing.
+"""
 
 from __future__ import annotations
 
@@ -17,16 +19,16 @@ _NO_LINKS = (errno.EPERM, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK)
 
 
 class Draft:
-    """A file that is being written, in the folder that it is for.
+    """A file that is being written, in its final folder.
 
     Args:
-        place: where it will stand; its folder stays open as long as the draft lasts.
+        place: of the finished file; its folder stays open as long as the draft.
 
     Attributes:
         size: written so far [bytes].
 
     Raises:
-        OSError: it can't be made.
+        OSError: the file can't be created.
     """
 
     def __init__(self, place: At) -> None:
@@ -44,7 +46,7 @@ class Draft:
     def _opened(self) -> int:
         try:
             return os.open(".", _NAMELESS | os.O_WRONLY | os.O_CLOEXEC, 0o666, dir_fd=self._folder)
-        except OSError as error:  # some systems have no files without a name
+        except OSError as error:  # some file systems support no files without a name
             if error.errno not in (errno.EOPNOTSUPP, errno.EISDIR, errno.ENOENT, errno.EINVAL):
                 raise
         self._temporary = f".yarc-{secrets.token_hex(8)}"
@@ -53,11 +55,11 @@ class Draft:
 
     @property
     def sha256(self) -> str:
-        """Hash of what was written so far, in hexadecimal digits."""
+        """Hash of the content so far, in hexadecimal digits."""
         return self._hash.hexdigest()
 
     def write(self, data: bytes) -> None:
-        """Write more.
+        """Append data.
 
         Raises:
             OSError: there is no room, or the disk fails.
@@ -69,17 +71,17 @@ class Draft:
             view = view[os.write(self._file, view) :]
 
     def take_from(self, handle: int) -> None:
-        """Write all that an open file has."""
+        """Append the content of an open file."""
         while data := os.read(handle, _PIECE):
             self.write(data)
 
     def settle(self) -> None:
-        """Wait until all is on the disk."""
+        """Wait until the content is on the disk."""
         os.fsync(self._file)
 
     def keep_mode(self, before: os.stat_result) -> None:
-        """Take the mode of the file that is replaced, and its owner if that is allowed."""
-        with suppress(OSError):  # only root may give a file to somebody
+        """Copy the mode of the file that is replaced, and its owner if that is allowed."""
+        with suppress(OSError):  # only root may change the owner
             os.fchown(self._file, before.st_uid, before.st_gid)
         os.fchmod(self._file, stat.S_IMODE(before.st_mode))
 
@@ -87,8 +89,8 @@ class Draft:
         """Give the file its name.
 
         Raises:
-            FileExistsError: something else has the name.
-            OSError: it can't be done; the file isn't there.
+            FileExistsError: the name is taken.
+            OSError: the name can't be given, and the file is discarded.
         """
         try:
             self._link(self._name)
@@ -97,7 +99,7 @@ class Draft:
         except OSError as error:
             if error.errno not in _NO_LINKS or not self._temporary:
                 raise
-            # without links: the name is taken first, by an empty file
+            # without links: an empty file reserves the name first
             flags = os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC
             os.close(os.open(self._name, flags, 0o666, dir_fd=self._folder))
             self._replace()
@@ -105,10 +107,10 @@ class Draft:
         self._sync_folder()
 
     def stand_in_place(self) -> None:
-        """Take the name from the file that has it.
+        """Replace the existing file of this name.
 
         Raises:
-            OSError: it can't be done; that file is as it was.
+            OSError: the file can't be replaced and is unchanged.
         """
         if not self._temporary:
             name = f".yarc-{secrets.token_hex(8)}"
@@ -135,7 +137,7 @@ class Draft:
             os.fsync(self._folder)
 
     def close(self) -> None:
-        """Forget what has no name yet."""
+        """Discard a file that has no name yet."""
         if self._temporary:
             with suppress(OSError):
                 os.unlink(self._temporary, dir_fd=self._folder)

@@ -1,4 +1,4 @@
-"""The project's folder: the only way from the pendant to a file of the project."""
+"""The project's folder: the pendant's only access to the files of the project."""
 
 from __future__ import annotations
 
@@ -31,12 +31,19 @@ MOST_COPIED = 1 << 30
 _PIECE = 1 << 20
 
 _OWN = ("", "-wal", "-shm", "-journal")
-"""Ends of the names of SQLite's files."""
+"""Endings of the names of SQLite's files."""
 
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A file as it is on the disk: its path, size [bytes], SHA-256 in hexadecimal digits, and when it was changed (UTC)."""
+    """A file on the disk.
+
+    Attributes:
+        file: path in the project.
+        size: [bytes].
+        sha256: in hexadecimal digits.
+        changed: time of the last change (UTC).
+    """
 
     file: str
     size: int
@@ -49,11 +56,11 @@ class ProjectFolder:
 
     Args:
         folder: of the project.
-        database: of the pendant; it and what is beside it are out of reach, and what was deleted is kept beside it.
+        database: of the pendant. It and the files beside it are inaccessible, and the trash is beside it.
         robots: folders of robots.
 
     Attributes:
-        guarded: tells which files describe the robot or its cell.
+        guarded: decides which files describe the robot or its cell.
     """
 
     def __init__(self, folder: Path, database: Path, robots: tuple[Path, ...] = ()) -> None:
@@ -68,13 +75,14 @@ class ProjectFolder:
         self._changing = threading.RLock()
         self.trash = Trash(data / "trash", self._places)
 
-    # what is there
+    # reading
 
     def path(self, name: str) -> Path:
-        """Return the path of a file or folder of the project for those who open it by its path; it need not be there.
+        """Return the path of a file or folder of the project for code that opens it by its path. It need not
+        exist.
 
         Raises:
-            Trouble: it is outside, hidden or private.
+            Trouble: the path is outside, hidden or private.
         """
         with in_words(name):
             inside = name
@@ -86,15 +94,15 @@ class ProjectFolder:
             return self.root.joinpath(*self._places.resolved(inside))
 
     def entries(self, most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return files and folders, at most so many, and True if there are more."""
+        """Return at most `most` files and folders, and True if there are more."""
         return self._listed(Walk(self._places), most)
 
     def programs(self, most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return the programs, at most so many, and True if there may be more."""
+        """Return at most `most` programs, and True if there may be more."""
         return self.with_suffix((".yarc", *suffixes()), most)
 
     def with_suffix(self, suffixes: tuple[str, ...], most: int) -> tuple[tuple[Entry, ...], bool]:
-        """Return the files whose names end in one of these, at most so many, and True if there may be more."""
+        """Return at most `most` files with one of the suffixes, and True if there may be more."""
         return self._listed(Walk(self._places, suffixes), most)
 
     def _listed(self, walk: Walk, most: int) -> tuple[tuple[Entry, ...], bool]:
@@ -110,11 +118,11 @@ class ProjectFolder:
         """Return the content of a file.
 
         Args:
-            name: its path.
-            most: size up to which it is read [bytes].
+            name: path in the project.
+            most: size up to which the file is read [bytes].
 
         Raises:
-            Trouble: it can't be read, or is larger.
+            Trouble: the file can't be read, or is larger.
         """
         with self.opened(name) as (handle, told, _):
             if told.st_size > most:
@@ -124,16 +132,16 @@ class ProjectFolder:
             while data := os.read(handle, _PIECE):
                 pieces.append(data)
                 size += len(data)
-                if size > most:  # it grows meanwhile
+                if size > most:  # the file grows meanwhile
                     raise _too_large(name, size, most)
             content = b"".join(pieces)
             return content, Written(name, size, hashlib.sha256(content).hexdigest(), moment(told.st_mtime))
 
     def sha256(self, name: str) -> str:
-        """Return the hash of a file that can be copied.
+        """Return the hash of a file of at most the size that can be copied.
 
         Raises:
-            Trouble: it can't be read, or is larger.
+            Trouble: the file can't be read, or is larger.
         """
         with self.opened(name) as (handle, told, _):
             if told.st_size > MOST_COPIED:
@@ -142,10 +150,10 @@ class ProjectFolder:
 
     @contextmanager
     def opened(self, name: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a file for reading: its number, what the system says of it, and its own name.
+        """Open a file for reading: its descriptor, its status, and its name without links.
 
         Raises:
-            Trouble: it can't be opened.
+            Trouble: the file can't be opened.
         """
         with self._places.at(name) as place:
             handle = place.open(os.O_RDONLY)
@@ -159,40 +167,42 @@ class ProjectFolder:
             finally:
                 os.close(handle)
 
-    # what changes something
+    # changes
 
     @contextmanager
     def unchanged(self) -> Iterator[None]:
-        """Let nobody else change a file by way of this folder meanwhile."""
+        """Exclude other changes by way of this object while the context lasts."""
         with self._changing:
             yield
 
     def write(self, name: str, data: bytes, known: str | None) -> Written:
-        """Write a file whole.
+        """Write a file as a whole.
 
         Args:
-            name: its path.
-            data: what it has then.
-            known: SHA-256 of what is replaced; None: the file is new.
+            name: path in the project.
+            data: the new content.
+            known: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: something else is there (code "changed"), or it can't be written; the file is as it was.
+            Trouble: the present version is another one (code "changed"), or the file can't be written and is
+                unchanged.
         """
         with self.draft(name, len(data)) as draft, in_words(name):
             draft.write(data)
             return self.stand(draft, name, known)
 
     def change(self, name: str, data: bytes, known: str, user: str) -> Written:
-        """Write a file whole in the place of what is known, which is kept with what was deleted.
+        """Replace a file as a whole, and keep the old version in the trash.
 
         Args:
-            name: its path.
-            data: what it has then.
-            known: SHA-256 of what is replaced.
-            user: who changes it.
+            name: path in the project.
+            data: the new content.
+            known: SHA-256 of the version that is replaced.
+            user: who changes the file.
 
         Raises:
-            Trouble: something else is there (code "changed"), or it can't be written or kept; the file is as it was.
+            Trouble: the present version is another one (code "changed"), or the file can't be written or kept
+                and is unchanged.
         """
         with self._changing, in_words(name):
             before, told = self.read(name)
@@ -202,14 +212,14 @@ class ProjectFolder:
 
     @contextmanager
     def draft(self, name: str, size: int) -> Iterator[Draft]:
-        """Begin a file that `stand` ends; without it nothing is left.
+        """Begin a file that `stand` completes. Without `stand`, nothing is left of it.
 
         Args:
-            name: its path.
-            size: that is expected [bytes].
+            name: path in the project.
+            size: expected size [bytes].
 
         Raises:
-            Trouble: there can be no such file, or no room for it.
+            Trouble: the file isn't allowed, or there is no room for it.
         """
         with self._places.at(name) as place:
             if place.look() is None:
@@ -220,15 +230,15 @@ class ProjectFolder:
             yield made
 
     def stand(self, draft: Draft, name: str, known: str | None) -> Written:
-        """Give a file that was drafted its name: in the place of what is known, or as a new one.
+        """Complete a drafted file, in place of a known version or as a new file.
 
         Args:
             draft: the file.
-            name: its path.
-            known: SHA-256 of what is replaced; None: the file is new.
+            name: path in the project.
+            known: SHA-256 of the version that is replaced; None for a new file.
 
         Raises:
-            Trouble: something else is there (code "changed"), or it can't be written.
+            Trouble: the present version is another one (code "changed"), or the file can't be written.
         """
         with in_words(name):
             draft.settle()
@@ -255,7 +265,7 @@ class ProjectFolder:
         return Written(name, draft.size, draft.sha256, changed)
 
     def copy(self, name: str, to: str, check: Callable[[Draft], None] = lambda _: None) -> Written:
-        """Copy a file to a name that is free.
+        """Copy a file to an unused path.
 
         Args:
             name: of the file.
@@ -263,7 +273,7 @@ class ProjectFolder:
             check: called with the copy before it gets its name.
 
         Raises:
-            Trouble: the name is taken, or it can't be copied.
+            Trouble: the path is taken, or the file can't be copied.
         """
         with self.opened(name) as (handle, told, _):
             if told.st_size > MOST_COPIED:
@@ -274,10 +284,10 @@ class ProjectFolder:
                 return self.stand(draft, to, None)
 
     def rename(self, name: str, to: str) -> None:
-        """Give a file or folder another path, which must be free.
+        """Move a file or folder to an unused path.
 
         Raises:
-            Trouble: it is taken, or it can't be moved.
+            Trouble: the path is taken, or the file or folder can't be moved.
         """
         with self._changing, self._places.at(name, link=True) as old:
             told = self._there(old, name)
@@ -293,20 +303,20 @@ class ProjectFolder:
                     _moved(old, new, told, same=there is not None)
 
     def make_folder(self, name: str) -> None:
-        """Make a folder.
+        """Create a folder.
 
         Raises:
-            Trouble: the name is taken, or it can't be made.
+            Trouble: the name is taken, or the folder can't be created.
         """
         with self._changing, self._places.at(name, link=True) as place:
             self._check_new(place, name)
             os.mkdir(place.name, 0o777, dir_fd=place.folder)
 
     def make_folders(self, name: str) -> None:
-        """Make a folder, and those that it lies in, as far as they are missing.
+        """Create a folder and its missing parents.
 
         Raises:
-            Trouble: one can't be made.
+            Trouble: a folder can't be created.
         """
         parts = name.split("/")
         for count in range(1, len(parts) + 1):
@@ -317,7 +327,7 @@ class ProjectFolder:
                     os.mkdir(place.name, 0o777, dir_fd=place.folder)
 
     def remove_kept(self, name: str) -> None:
-        """Remove a file, or a link to one, whose content is kept already.
+        """Remove a file, or a link to one, whose content is kept elsewhere.
 
         Raises:
             Trouble: it can't be removed.
@@ -327,38 +337,39 @@ class ProjectFolder:
             os.unlink(place.name, dir_fd=place.folder)
 
     def remove_empty(self, name: str) -> None:
-        """Remove a folder that nothing is in.
+        """Remove an empty folder.
 
         Raises:
-            Trouble: something is in it, or it can't be removed.
+            Trouble: the folder isn't empty, or can't be removed.
         """
         with self._changing, self._places.at(name, link=True) as place:
             os.rmdir(place.name, dir_fd=place.folder)
 
     def delete(self, name: str, user: str) -> Deleted:
-        """Move a file or folder to what was deleted.
+        """Move a file or folder to the trash.
 
         Args:
-            name: its path.
+            name: path in the project.
             user: who deletes it.
 
         Raises:
-            Trouble: it can't be kept for undo, or can't be deleted; it is where it was.
+            Trouble: it can't be kept in the trash or can't be deleted, and is unchanged.
         """
         with self._changing, self._places.at(name, link=True) as place:
             self._there(place, name)
             return self.trash.take(place, name, user)
 
     def restore(self, number: str) -> str:
-        """Bring back what was deleted; return the path where it is now: another one if the old one is taken.
+        """Restore a file or folder from the trash. Return its new path, which differs from the old one if
+        that is taken.
 
         Raises:
-            Trouble: it isn't kept any more, or can't be brought back.
+            Trouble: it isn't in the trash any more, or can't be restored.
         """
         with self._changing:
             return self.trash.give_back(number)
 
-    # what holds of all of them
+    # checks
 
     def _there(self, place: At, name: str) -> os.stat_result:
         told = place.look()
@@ -372,7 +383,7 @@ class ProjectFolder:
         return told
 
     def _check_new(self, place: At, name: str, but: os.stat_result | None = None) -> None:
-        """Check that a name may be given, and that none that is like it is there, except for `but`."""
+        """Check that a name is allowed and that no similar name exists, except that of `but`."""
         check_new(place.parts)
         wanted = folded(place.name)
         with os.scandir(place.folder) as listed:
@@ -403,7 +414,11 @@ class ProjectFolder:
 
 
 class Changed(Trouble):
-    """A file has another content than whoever saves it knows; `sha256` is that of its present one, empty if it is no file."""
+    """Raised if a file differs from the version that the caller knows.
+
+    Attributes:
+        sha256: of the present version; empty if there is no file.
+    """
 
     def __init__(self, name: str, sha256: str) -> None:
         super().__init__(
@@ -423,7 +438,7 @@ def _as_taken(name: str) -> Iterator[None]:
 
 
 def _moved(old: At, new: At, told: os.stat_result, *, same: bool) -> None:
-    """Move what is at a place to another one, which is free unless it is `same`."""
+    """Move the content of a place to another one, which must be unused unless it is `same`."""
     if not same and stat.S_ISREG(told.st_mode):
         try:
             os.link(old.name, new.name, src_dir_fd=old.folder, dst_dir_fd=new.folder, follow_symlinks=False)

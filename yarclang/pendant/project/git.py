@@ -1,6 +1,7 @@
-"""What has changed in the project's folder since the last commit.
+"""Changes in the project's folder since the last commit.
 
-Files are compared by ourselves with the hashes that git keeps: `git status` would run the filters that a repository asks for.
+Files are compared here with the hashes that git keeps, because `git status` would run the filters of a
+repository.
 """
 
 from __future__ import annotations
@@ -29,7 +30,14 @@ _FILES = ("100644", "100755", "100664")
 
 @dataclass(frozen=True, slots=True)
 class Commit:
-    """A commit: its hash, author, time (UTC) and first line."""
+    """A commit.
+
+    Attributes:
+        hash: of the commit.
+        who: its author.
+        when: its time (UTC).
+        subject: its first line.
+    """
 
     hash: str
     who: str
@@ -39,7 +47,13 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class State:
-    """A work tree: its last commit (None: there is none yet), changed files by their paths, and True if there is more than was looked at."""
+    """State of a work tree.
+
+    Attributes:
+        commit: the last commit; None if there is none yet.
+        changes: changed files by their paths.
+        cut: True if not all files were compared.
+    """
 
     commit: Commit | None
     changes: dict[str, Kind]
@@ -55,7 +69,7 @@ class _Blob:
 
 
 class Git:
-    """The repository of a project's folder. One thread at a time asks.
+    """The repository of a project's folder. Only one thread at a time may call it.
 
     Args:
         folder: of the project.
@@ -66,10 +80,10 @@ class Git:
         self._known: OrderedDict[_Key, str] = OrderedDict()
 
     def state(self) -> State | None:
-        """Return what has changed since the last commit; None if the folder is in no work tree.
+        """Return the changes since the last commit; None if the folder is in no work tree.
 
         Raises:
-            Trouble: git isn't there, refuses the folder, or it takes too long.
+            Trouble: git isn't installed, refuses the folder, or takes too long.
         """
         commit = self._head()
         if commit is None:
@@ -92,10 +106,10 @@ class Git:
         return State(commit or None, changes, cut)
 
     def difference(self, file: str) -> tuple[str, str]:
-        """Return a file's text as of the last commit and its present one; empty where there is none.
+        """Return a file's text in the last commit and its present one. A missing text is empty.
 
         Raises:
-            Trouble: it is no text, too large, or there is no commit.
+            Trouble: the file is no text or too large, or there is no commit.
         """
         commit = self._head()
         if not commit:
@@ -152,9 +166,9 @@ class Git:
                     return self._hash(handle, key) != blob.hash
                 if told.st_size > MOST_TEXT or told.st_size < blob.size:
                     return True
-                data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line ends
+                data = _whole(handle).replace(b"\r\n", b"\n")  # a work tree may have other line endings
                 return _hashed(kind, data) != blob.hash
-        except Trouble:  # it has gone, or is no file any more
+        except Trouble:  # it was removed, or is no file any more
             return True
 
     def _hash(self, handle: int, key: _Key) -> str:

@@ -1,4 +1,6 @@
-"""Files that describe the robot or its cell: they are changed only by service users who have entered their PIN."""
+"""Files that describe the robot or its cell. Only service users who have entered their PIN may change
+them.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,9 @@ from yarclang.toml.bodies import MESHES
 
 _DESCRIBES = (".toml", ".urdf", ".xacro", ".srdf", *MESHES)
 _SCRIPT = ".inputs.toml"
-"""Ending of scripts for a simulated robot's inputs, which describe nothing."""
+"""Ending of scripts for a simulated robot's inputs, which aren't guarded."""
 _MOST_SEEN = 20_000
-"""Names that are looked at in a folder; one with more counts as guarded."""
+"""Most names that are read in a folder. A larger folder counts as guarded."""
 
 
 def describes(name: str) -> bool:
@@ -28,11 +30,11 @@ def describes(name: str) -> bool:
 
 
 class Guarded:
-    """Tells which places of a project are guarded, by whatever name they are reached. Its functions wait for the disk.
+    """Guard of a project's descriptions, by whatever name they are reached. Its functions wait for the disk.
 
     Args:
         places: of the project.
-        folders: of robots: all in there is guarded, unless the project's own folder is one.
+        folders: of robots. All files in them are guarded, unless the project's own folder is one of them.
     """
 
     def __init__(self, places: Places, folders: Iterable[Path] = ()) -> None:
@@ -40,20 +42,20 @@ class Guarded:
         self._folders = tuple(one.resolve() for one in folders)
 
     def objection(self, *names: str) -> str:
-        """Return why one of these paths is guarded, in words; empty: none is.
+        """Return why one of the paths is guarded, in words; empty if none is.
 
         Args:
-            names: paths from the top: of files, links or folders, which need not be there.
+            names: paths from the top of files, links or folders, which need not exist.
         """
         look = _Look(self._places, self._folders)
         return next((reason for name in names if (reason := look.reason(name))), "")
 
     def objection_to_kept(self, content: Path, name: str) -> str:
-        """Return why something that was deleted may not come back to a path, in words; empty: it may.
+        """Return why a file or folder in the trash may not be restored to a path, in words; empty if it may.
 
         Args:
-            content: where it is kept.
-            name: the path that it comes back to.
+            content: where the trash keeps it.
+            name: the path to which it would be restored.
         """
         look = _Look(self._places, self._folders)
         if reason := look.reason(name):
@@ -63,7 +65,9 @@ class Guarded:
 
 
 class _Look:
-    """One look at a project: what yarc.toml names, and which files have several names, is found out once."""
+    """One examination of a project. The files that yarc.toml names, and files with several names, are found
+    once.
+    """
 
     def __init__(self, places: Places, folders: tuple[Path, ...]) -> None:
         self._places = places
@@ -76,11 +80,11 @@ class _Look:
 
     def reason(self, name: str) -> str:
         found: dict[tuple[str, ...], None] = {}
-        for link in (True, False):  # the link itself, and what it leads to
+        for link in (True, False):  # the link itself, and its target
             try:
                 found[self._places.resolved(name, link=link)] = None
             except (Trouble, OSError, ValueError, RuntimeError):
-                continue  # whoever opens it is told why it can't be
+                continue  # opening it reports the reason
         for parts in found:
             path = self._places.root.joinpath(*parts)
             if self._is_guarded(path):
@@ -90,7 +94,7 @@ class _Look:
         return ""
 
     def inside(self, folder: Path) -> str:
-        """Return a guarded thing in a folder or in those below it; empty: there is none."""
+        """Return a guarded file in a folder or below it; empty if there is none."""
         for one in self._robots:
             if one.is_relative_to(folder):
                 return one.name
@@ -117,7 +121,9 @@ class _Look:
 
     @cached_property
     def _identities(self) -> frozenset[tuple[int, int]]:
-        """Device and inode of what is guarded by its name: a file may have several (hard links)."""
+        """Device and inode of the files that are guarded by name, because a file may have several names (hard
+        links).
+        """
         found = set()
         named = [self._places.root / one.file for one in Walk(self._places, _DESCRIBES).entries()]
         for robot in self._robots:

@@ -1,4 +1,6 @@
-"""Files and folders carried from one disk to another, link by link: nothing outside of them is read or removed."""
+"""Moves of files and folders from one disk to another. Links are moved as links, so that nothing outside is
+read or removed.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +18,14 @@ _DEEPEST = 100
 
 
 def measured(folder: int, name: str) -> int:
-    """Return the size of a file, or of all in a folder [bytes].
+    """Return the size of a file, or of all files in a folder [bytes].
 
     Args:
         folder: an open folder.
-        name: in there.
+        name: of the file or folder in it.
 
     Raises:
-        Trouble: there are more things in it than are counted, or it holds a pipe or a device.
+        Trouble: it holds too many files, or a pipe or a device.
         OSError: it can't be read.
     """
     left = [_MOST_THINGS]
@@ -59,12 +61,12 @@ def carried(folder: int, name: str, to: int, new: str) -> None:
 
     Args:
         folder: an open folder.
-        name: in there.
-        to: another one.
-        new: the name in there, which must be free.
+        name: of the original in it.
+        to: another open folder.
+        new: unused name for the copy in it.
 
     Raises:
-        OSError: it can't be copied; what is there of the copy stays.
+        OSError: it can't be copied; a partial copy is left.
     """
     told = os.stat(name, dir_fd=folder, follow_symlinks=False)
     if stat.S_ISLNK(told.st_mode):
@@ -108,18 +110,18 @@ def _carry_file(folder: int, name: str, to: int, new: str) -> None:
 
 
 def _keep(told: os.stat_result, target: int) -> None:
-    """Keep owner, mode and times."""
-    with suppress(OSError):  # only root may give a file to somebody
+    """Copy owner, mode and times."""
+    with suppress(OSError):  # only root may change the owner
         os.fchown(target, told.st_uid, told.st_gid)
     os.fchmod(target, stat.S_IMODE(told.st_mode))
     os.utime(target, ns=(told.st_atime_ns, told.st_mtime_ns))
 
 
 def removed(folder: int, name: str) -> None:
-    """Remove a file, a link or a folder with all that is in it.
+    """Remove a file, a link or a folder with its content.
 
     Raises:
-        OSError: something of it can't be removed.
+        OSError: a part of it can't be removed.
     """
     told = os.stat(name, dir_fd=folder, follow_symlinks=False)
     if not stat.S_ISDIR(told.st_mode):

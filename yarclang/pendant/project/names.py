@@ -1,4 +1,4 @@
-"""Names of files: what may be asked for, what may be made, and what looks like something else."""
+"""Rules for names of files: names that may be read, names that may be created, and names that look alike."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ MOST_PATH = 1000
 """Longest path from the project's folder [bytes in UTF-8]."""
 
 _DIRECTIONS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-"""Characters that turn the direction of a text: a name could look like another one."""
+"""Characters that change the direction of a text, with which a name could look like another one."""
 
 
 def quoted(name: str) -> str:
-    """Return a name as a message shows it: short, and without what a terminal would obey."""
+    """Return a name for a message: short, and without control characters for terminals."""
     return repr(name if len(name) <= 80 else f"{name[:77]}...")
 
 
@@ -25,7 +25,7 @@ def parts_of(name: str) -> tuple[str, ...]:
     """Return the folders of a path and its last name.
 
     Raises:
-        Trouble: the path can't be one of the project: it is empty, absolute, leads upwards, is hidden or is too long.
+        Trouble: the path isn't allowed: it is empty, absolute, hidden or too long, or leads upwards.
     """
     if not name or "\0" in name or not _is_text(name):
         raise Trouble(f"{quoted(name)} isn't the name of a file", "name a file of the project", "")
@@ -50,10 +50,10 @@ def parts_of(name: str) -> tuple[str, ...]:
 
 
 def check_new(parts: tuple[str, ...]) -> None:
-    """Check that names may be given to something new.
+    """Check that names are allowed for a new file or folder.
 
     Raises:
-        Trouble: a name can't be typed or read safely, or other systems can't have it.
+        Trouble: a name can't be typed or read safely, or isn't allowed on other systems.
     """
     for one in parts:
         reason = _objection(one)
@@ -62,7 +62,9 @@ def check_new(parts: tuple[str, ...]) -> None:
 
 
 def folded(name: str) -> str:
-    """Return what names have in common that some systems, and most people, take for one."""
+    """Return a form of a name that is equal for names that some systems, and most people, take for the
+    same.
+    """
     return unicodedata.normalize("NFC", unicodedata.normalize("NFC", name).casefold())
 
 
@@ -84,6 +86,6 @@ def _objection(name: str) -> str:
 def _is_text(name: str) -> bool:
     try:
         name.encode()
-    except UnicodeEncodeError:  # bytes that are no UTF-8, or half a character
+    except UnicodeEncodeError:  # bytes that are no UTF-8, or half a surrogate pair
         return False
     return True

@@ -1,4 +1,4 @@
-"""Ways to a file of a folder that can't be led out of it, whatever somebody does to the folder meanwhile."""
+"""Access to files of a folder that can't be led outside, whatever others do to the folder meanwhile."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ _REASONS = {
 
 
 def said(error: OSError, name: str) -> Trouble:
-    """Return what the operating system says of a file, in words."""
+    """Return an error of the operating system about a file, in words."""
     why, remedy = _REASONS.get(error.errno or 0, (reason_of(error), "look at the file"))
     return Trouble(f"{quoted(name)}: {why}", remedy, "missing" if error.errno == errno.ENOENT else "")
 
 
 @contextmanager
 def in_words(name: str) -> Iterator[None]:
-    """Turn what the operating system says of a file into `Trouble`."""
+    """Turn errors of the operating system about a file into `Trouble`."""
     try:
         yield
     except OSError as error:
@@ -56,8 +56,8 @@ class At:
     """A place in a folder.
 
     Attributes:
-        folder: the open folder that it is in, or would be.
-        name: in there.
+        folder: descriptor of the open folder.
+        name: in the folder; it need not exist.
         parts: its path from the top, without links.
     """
 
@@ -66,17 +66,17 @@ class At:
     parts: tuple[str, ...]
 
     def look(self) -> os.stat_result | None:
-        """Return what is there, without following a link; None if there is nothing."""
+        """Return the status of the file, without following a link; None if there is none."""
         try:
             return os.stat(self.name, dir_fd=self.folder, follow_symlinks=False)
         except FileNotFoundError:
             return None
 
     def open(self, flags: int) -> int:
-        """Open a file that is there; a pipe or a device has no end, and isn't opened.
+        """Open an existing file. Pipes and devices are refused, because they have no end.
 
         Raises:
-            OSError: it is no file, or has gone.
+            OSError: it is no file, or doesn't exist any more.
         """
         handle = os.open(
             self.name, flags | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC | os.O_NOCTTY, dir_fd=self.folder
@@ -88,11 +88,11 @@ class At:
 
 
 class Places:
-    """The places of a folder, without those that are private.
+    """The places of a folder, except private ones.
 
     Args:
         root: the folder.
-        private: files and folders in it that nobody may reach.
+        private: files and folders in it that are inaccessible.
     """
 
     def __init__(self, root: Path, private: tuple[Path, ...] = ()) -> None:
@@ -110,15 +110,15 @@ class Places:
 
     @contextmanager
     def at(self, name: str, *, link: bool = False, make: bool = False) -> Iterator[At]:
-        """Open the folder of a place; links on the way are followed as long as they lead to somewhere in the project.
+        """Open the folder of a place. Links on the way are followed if they lead to a place in the project.
 
         Args:
             name: path from the top.
-            link: True if a link in the last place is meant itself, not what it leads to.
-            make: True if missing folders on the way are made.
+            link: True to address a link in the last place itself, not its target.
+            make: True to create missing folders on the way.
 
         Raises:
-            Trouble: the place is outside, private, hidden, or can't be reached.
+            Trouble: the place is outside, private or hidden, or can't be reached.
         """
         with in_words(name):
             parts = self.resolved(name, link=link)
@@ -138,8 +138,8 @@ class Places:
         """Return the path of a place without links.
 
         Raises:
-            Trouble: it is outside, private or hidden.
-            OSError: links lead round.
+            Trouble: the place is outside, private or hidden.
+            OSError: links form a loop.
         """
         parts = parts_of(name)
         if link:
@@ -150,10 +150,10 @@ class Places:
             raise Trouble(f"{quoted(name)} isn't in the project's folder", "name a file of the project", "")
         if any(place.is_relative_to(one) for one in self._private):
             raise _private(name)
-        return parts_of(place.relative_to(self.root).as_posix())  # a link may lead to what is hidden
+        return parts_of(place.relative_to(self.root).as_posix())  # a link may lead to a hidden file
 
     def _enter(self, folder: int, part: str, make: bool) -> int:
-        """Return a folder that is open in the place of its parent, which is closed."""
+        """Open a subfolder and close its parent. Return the descriptor of the subfolder."""
         if make:
             with suppress(FileExistsError):
                 os.mkdir(part, 0o777, dir_fd=folder)
@@ -168,15 +168,15 @@ class Places:
         return inner
 
     def is_private(self, told: os.stat_result) -> bool:
-        """Return True if this is one of the private files or folders, under whatever name."""
+        """Return True if a status is that of a private file or folder, under whatever name."""
         return (told.st_dev, told.st_ino) in self.private_now()
 
     def private_now(self) -> frozenset[tuple[int, int]]:
-        """Return device and inode of what is private."""
+        """Return device and inode of the private files and folders."""
         return _identities(self._private)
 
     def holds_private(self, told: os.stat_result) -> bool:
-        """Return True if something private is in this folder, or in one of its folders."""
+        """Return True if a folder contains a private file or folder at any depth."""
         above = {up for one in self._private for up in one.parents}
         return (told.st_dev, told.st_ino) in _identities(above)
 
@@ -184,7 +184,7 @@ class Places:
 def _identities(places: Iterable[Path]) -> frozenset[tuple[int, int]]:
     found = set()
     for one in places:
-        with suppress(OSError):  # it isn't there yet
+        with suppress(OSError):  # it doesn't exist yet
             told = one.stat()
             found.add((told.st_dev, told.st_ino))
     return frozenset(found)

@@ -1,4 +1,4 @@
-"""Room on a disk, of which some is kept for logs."""
+"""Free space on a disk, of which some is reserved for logs."""
 
 from __future__ import annotations
 
@@ -7,19 +7,19 @@ import os
 from yarclang.runtime.actions import Trouble
 
 KEPT = 64 << 20
-"""Room that stays free for run logs and the audit trail [bytes]."""
+"""Space that stays free for run logs and the audit trail [bytes]."""
 
 
 def check_room(disk: os.statvfs_result, size: int, what: str) -> None:
     """Check that a disk has room.
 
     Args:
-        disk: which, as the operating system tells it.
-        size: what is needed [bytes].
-        what: what needs it, with its verb: "the backup has".
+        disk: its state from the operating system.
+        size: that is needed [bytes].
+        what: subject and verb for the message: "the backup has".
 
     Raises:
-        Trouble: there is too little.
+        Trouble: there is too little room.
     """
     free = disk.f_bavail * disk.f_frsize
     if size + KEPT > free:

@@ -1,4 +1,4 @@
-"""What was deleted, kept beside the pendant's data for undo: bounded in number, age and size."""
+"""The trash: deleted files beside the pendant's data, bounded in number, age and size."""
 
 from __future__ import annotations
 
@@ -23,18 +23,28 @@ from yarclang.runtime.actions import Trouble
 
 MOST_KEPT = 200
 MOST_AGE = 30 * 86400.0
-"""Time for which something is kept [s]."""
+"""Time for which deleted files are kept [s]."""
 MOST_SIZE = 2_000_000_000
-"""Size of all that is kept [bytes]."""
+"""Largest size of the trash [bytes]."""
 LARGEST = 500_000_000
-"""Size of one file or folder that is kept [bytes]; a larger one isn't deleted."""
+"""Largest file or folder that is kept [bytes]; a larger one can't be deleted."""
 
 _CONTENT, _NOTE = "content", "deleted.json"
 
 
 @dataclass(frozen=True, slots=True)
 class Deleted:
-    """What was deleted: its number, its path, its size [bytes], when (s since 1970, and as text in UTC), who, and whether it was a folder."""
+    """A deleted file or folder.
+
+    Attributes:
+        number: in the trash.
+        file: its path in the project.
+        size: [bytes].
+        at: time of the deletion [s since 1970].
+        deleted: time of the deletion as text (UTC).
+        user: who deleted it.
+        is_folder: True for a folder.
+    """
 
     number: str
     file: str
@@ -47,7 +57,16 @@ class Deleted:
 
 @dataclass(slots=True)
 class Keeping:
-    """Something that is being kept: its path, who keeps it, its number, since when [s since 1970], its file, its size so far [bytes]."""
+    """A file that is being written to the trash.
+
+    Attributes:
+        name: its path in the project.
+        user: who keeps it.
+        number: in the trash.
+        at: time of its creation [s since 1970].
+        file: the open file.
+        size: so far [bytes].
+    """
 
     name: str
     user: str
@@ -57,11 +76,11 @@ class Keeping:
     size: int = 0
 
     def write(self, data: bytes) -> None:
-        """Keep more.
+        """Append data.
 
         Raises:
-            Trouble: it is too large.
-            OSError: it can't be written.
+            Trouble: the file is too large.
+            OSError: the data can't be written.
         """
         self.size += len(data)
         if self.size > LARGEST:
@@ -72,17 +91,17 @@ class Keeping:
         self.file.write(data)
 
     def made(self) -> Deleted:
-        """Return what is known of it."""
+        """Return the record of the file."""
         return Deleted(
             self.number, self.name, self.size, self.at, moment(self.at), self.user, is_folder=False
         )
 
 
 class Trash:
-    """The folder of what was deleted. One thread at a time changes it.
+    """The trash. Only one thread at a time may change it.
 
     Args:
-        folder: where it is kept; made with the first thing.
+        folder: of the trash; created with the first file.
         places: of the project.
     """
 
@@ -92,7 +111,7 @@ class Trash:
         self._recover()
 
     def take(self, place: At, name: str, user: str) -> Deleted:
-        """Move what is at a place here.
+        """Move a file or folder to the trash.
 
         Args:
             place: an open place of the project.
@@ -100,8 +119,8 @@ class Trash:
             user: who deletes it.
 
         Raises:
-            Trouble: it is too large, or holds what can't be kept.
-            OSError: it can't be moved; it is where it was.
+            Trouble: it is too large, or holds a file that can't be kept.
+            OSError: it can't be moved, and is unchanged.
         """
         told = os.stat(place.name, dir_fd=place.folder, follow_symlinks=False)
         size = measured(place.folder, place.name)
@@ -121,7 +140,7 @@ class Trash:
         hidden = f".yarc-deleted-{number}"
         try:
             _write(kept / _NOTE, asdict(made))
-            # out of sight first, so that nobody changes it while it is copied to another disk
+            # hide it first, so that nobody changes it while it is copied to another disk
             os.rename(place.name, hidden, src_dir_fd=place.folder, dst_dir_fd=place.folder)
             try:
                 self._bring(place.folder, hidden, kept)
@@ -135,11 +154,11 @@ class Trash:
         return made
 
     def keep(self, name: str, content: bytes, user: str) -> Deleted:
-        """Keep a text as it was before it was changed.
+        """Keep a text before it is changed.
 
         Args:
-            name: its path.
-            content: of it.
+            name: path in the project.
+            content: the old text.
             user: who changes it.
 
         Raises:
@@ -151,14 +170,14 @@ class Trash:
 
     @contextmanager
     def keeping(self, name: str, user: str) -> Iterator[Keeping]:
-        """Keep something that is written piece by piece; nothing of it is kept if the block fails.
+        """Keep a file that is written piece by piece. Nothing is kept if the block fails.
 
         Args:
-            name: the path that it has when it is brought back.
+            name: path to which it will be restored.
             user: who keeps it.
 
         Raises:
-            Trouble: it is too large.
+            Trouble: the file is too large.
             OSError: it can't be kept.
         """
         now = time.time()
@@ -183,10 +202,10 @@ class Trash:
         self._bound()
 
     def open_kept(self, number: str) -> tuple[Deleted, int]:
-        """Open a file that is kept: what is known of it, and its number.
+        """Open a file of the trash. Return its record and its descriptor.
 
         Raises:
-            Trouble: it isn't kept any more, or is no file.
+            Trouble: it isn't in the trash any more, or is no file.
         """
         found = next((one for one in self.kept() if one.number == number and not one.is_folder), None)
         if found is None:
@@ -207,17 +226,17 @@ class Trash:
                 carried(folder, name, target, part)
                 os.rename(part, _CONTENT, src_dir_fd=target, dst_dir_fd=target)
                 os.fsync(target)
-                with suppress(OSError):  # all of it is kept: what is left stays out of sight
+                with suppress(OSError):  # all of it is in the trash: the rest stays hidden
                     removed(folder, name)
         finally:
             os.close(target)
 
     def give_back(self, number: str) -> str:
-        """Bring something back; return its path, with a number in it if the old one is taken.
+        """Restore a file or folder. Return its path, with a number in it if the old one is taken.
 
         Raises:
-            Trouble: it isn't kept any more.
-            OSError: it can't be moved; it is still kept.
+            Trouble: it isn't in the trash any more.
+            OSError: it can't be moved, and stays in the trash.
         """
         found = next((one for one in self.kept() if one.number == number), None)
         if found is None:
@@ -257,12 +276,12 @@ class Trash:
         os.rename(hidden, place.name, src_dir_fd=place.folder, dst_dir_fd=place.folder)
 
     def content(self, number: str) -> Path | None:
-        """Return where something is kept; None: it isn't."""
+        """Return the path of a file or folder in the trash; None if it isn't there."""
         found = next((one for one in self.kept() if one.number == number), None)
         return None if found is None else self._folder / found.number / _CONTENT
 
     def kept(self) -> tuple[Deleted, ...]:
-        """Return what can be brought back, the newest first."""
+        """Return the records of all files and folders in the trash, newest first."""
         found = []
         with suppress(OSError):
             for one in sorted(self._folder.iterdir(), reverse=True):
@@ -272,7 +291,7 @@ class Trash:
         return tuple(found)
 
     def _bound(self) -> None:
-        """Remove what is too old or too much, the oldest first."""
+        """Remove files and folders that exceed the age or size, oldest first."""
         now, size = time.time(), 0
         for count, one in enumerate(self.kept()):
             size += one.size
@@ -280,7 +299,7 @@ class Trash:
                 shutil.rmtree(self._folder / one.number, ignore_errors=True)
 
     def _recover(self) -> None:
-        """Bring back what was out of sight when the computer went off in the middle of a deletion."""
+        """Show files again that were hidden when the computer was switched off during a deletion."""
         with suppress(OSError):
             for one in list(self._folder.iterdir()):
                 note = _read(one / _NOTE)
@@ -291,7 +310,9 @@ class Trash:
         self._bound()
 
     def _shows_again(self, note: Deleted) -> bool:
-        """Return True if nothing of it is left out of sight."""
+        """Rename a hidden file back to its name if that is free. Return True if nothing of the file is hidden
+        any more.
+        """
         hidden = f".yarc-deleted-{note.number}"
         with suppress(Trouble, OSError), self._places.at(note.file, link=True) as place:
             try:
@@ -313,10 +334,10 @@ def _numbered(path: str, count: int) -> str:
 
 
 def _settle(folder: Path) -> None:
-    """Wait until the names in a folder are on the disk."""
+    """Wait until the names of a folder are on the disk."""
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | os.O_CLOEXEC)
     try:
-        with suppress(OSError):  # some systems can't
+        with suppress(OSError):  # not supported by all systems
             os.fsync(handle)
     finally:
         os.close(handle)

@@ -1,4 +1,4 @@
-"""What is in the project's folder, in bounded time: names, sizes, times."""
+"""Listing of the project's folder in bounded time: names, sizes, times."""
 
 from __future__ import annotations
 
@@ -14,21 +14,30 @@ from yarclang.pendant.project.places import Places
 from yarclang.runtime.actions import Trouble
 
 MOST_SEEN = 300_000
-"""Names that are looked at in one folder and all of its folders."""
+"""Most names that are read in a folder and all folders below it."""
 
 MOST_IN_FOLDER = 20_000
-"""Names of one folder that are listed: more take too long to be put in order."""
+"""Most names of one folder that are listed. More take too long to sort."""
 
 _BREATH = 100
-"""Names after which the thread rests for a moment: it must not keep the interpreter from the loop that streams."""
+"""Names after which the thread pauses briefly, so that it doesn't keep the interpreter from the loop that
+streams.
+"""
 
 DEEPEST = 60
-"""Folders within folders."""
+"""Deepest nesting of folders."""
 
 
 @dataclass(frozen=True, slots=True)
 class Entry:
-    """A file or folder: its path, size [bytes], when it was changed (UTC), and whether it is a folder."""
+    """A file or folder.
+
+    Attributes:
+        file: its path in the project.
+        size: [bytes].
+        changed: time of the last change (UTC).
+        is_folder: True for a folder.
+    """
 
     file: str
     size: int
@@ -38,11 +47,12 @@ class Entry:
 
 @dataclass(slots=True)
 class Walk:
-    """A walk through a folder; `cut` is true if there was more than it looks at.
+    """A walk through a folder.
 
-    Args:
+    Attributes:
         places: of the folder.
-        suffixes: of the files that are wanted, in lower case; empty: all files, and folders.
+        suffixes: of the wanted files, in lower case; empty for all files and folders.
+        cut: True if there are more files than were read.
     """
 
     places: Places
@@ -53,20 +63,22 @@ class Walk:
     _private: frozenset[tuple[int, int]] = frozenset()
 
     def entries(self) -> Iterator[Entry]:
-        """Yield what is there, by names; hidden and private things, pipes, devices and links out are left out."""
+        """Yield files and folders, sorted by name. Hidden and private ones, pipes, devices and links outside
+        are left out.
+        """
         self._private = self.places.private_now()
         with self.places.top() as top:
             yield from self._inside(top, "", 0)
 
     def _inside(self, folder: int, path: str, depth: int) -> Iterator[Entry]:
         told = os.fstat(folder)
-        if (told.st_dev, told.st_ino) in self._seen:  # a folder that is mounted twice
+        if (told.st_dev, told.st_ino) in self._seen:  # the folder is mounted twice
             return
         self._seen.add((told.st_dev, told.st_ino))
         for count, name in enumerate(self._names(folder)):
             if count % _BREATH == _BREATH - 1:
                 time.sleep(0.0005)
-            with suppress(OSError):  # one that goes meanwhile isn't there
+            with suppress(OSError):  # skip files that are removed meanwhile
                 entry, is_folder = self._entry(folder, name, path)
                 if entry is not None:
                     yield entry
@@ -117,10 +129,10 @@ class Walk:
         return (_shown(path + name, told) if stat.S_ISREG(told.st_mode) else None), False
 
     def _behind(self, path: str) -> os.stat_result:
-        """Return what a link leads to.
+        """Return the status of a link's target.
 
         Raises:
-            OSError: nothing in the project.
+            OSError: the target isn't in the project.
         """
         try:
             with self.places.at(path) as place:
@@ -133,7 +145,7 @@ class Walk:
 
 
 def moment(seconds: float) -> str:
-    """Return a time since 1970 [s] as text, in UTC."""
+    """Format a time since 1970 [s] in UTC."""
     try:
         return datetime.fromtimestamp(seconds, UTC).isoformat(timespec="seconds")
     except (OverflowError, OSError, ValueError):

@@ -1,1 +1,1 @@
-"""Logs of runs: which there are, and what they show."""
+"""Logs of runs: their list and their content."""

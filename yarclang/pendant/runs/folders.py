@@ -1,4 +1,4 @@
-"""Where logs lie: in the project, and in the folder where this robot's motions are logged."""
+"""Folders of logs: the project, and the folder for logs of this robot's motions."""
 
 from __future__ import annotations
 
@@ -14,12 +14,19 @@ from yarclang.runtime.actions import Trouble
 
 _LOGS = (".mcap",)
 _MOST = 10_000
-"""Files that are looked at."""
+"""Most files that are listed."""
 
 
 @dataclass(frozen=True, slots=True)
 class LogFile:
-    """A file that is called as a log: where it lies, its path there, size [bytes], when it was changed (UTC)."""
+    """A file with the name of a log.
+
+    Attributes:
+        place: folder that holds it.
+        file: path in that folder.
+        size: [bytes].
+        changed: time of the last change (UTC).
+    """
 
     place: Place
     file: str
@@ -32,8 +39,8 @@ class LogFolders:
 
     Args:
         project: the project's folder.
-        logs: where motions are logged: a folder, or the file itself; None: not known here.
-        database: of the pendant, which is out of reach.
+        logs: folder or file for logs of motions; None if unknown.
+        database: of the pendant, which is inaccessible.
     """
 
     def __init__(self, project: ProjectFolder, logs: Path | None, database: Path) -> None:
@@ -44,12 +51,12 @@ class LogFolders:
 
     @property
     def folder(self) -> str:
-        """Where motions are logged; empty: not known here."""
+        """Folder for logs of motions; empty if unknown."""
         return "" if self._logs is None else str(self._folder())
 
     @property
     def is_elsewhere(self) -> bool:
-        """True if motions are logged in a folder that the project doesn't have."""
+        """True if motions are logged outside of the project."""
         return self._elsewhere() is not None
 
     def _folder(self) -> Path:
@@ -58,7 +65,7 @@ class LogFolders:
         return self._logs.parent if is_file else self._logs
 
     def files(self) -> tuple[tuple[LogFile, ...], bool]:
-        """Return the logs, those that were changed last first, and True if there may be more."""
+        """Return the logs, latest change first, and True if there may be more."""
         found, cut = self._project.with_suffix(_LOGS, _MOST)
         listed = [LogFile("project", one.file, one.size, one.changed) for one in found]
         if (other := self._elsewhere()) is not None:
@@ -70,7 +77,7 @@ class LogFolders:
         return tuple(sorted(listed, key=lambda one: one.changed, reverse=True)), cut
 
     def _elsewhere(self) -> ProjectFolder | None:
-        """Return the folder of the logs, if there is one and the project doesn't have it."""
+        """Return the folder of the logs, if it exists and is outside of the project."""
         if self._logs is None:
             return None
         folder = self._folder()
@@ -82,11 +89,11 @@ class LogFolders:
 
     @contextmanager
     def opened(self, place: Place, file: str) -> Iterator[tuple[int, os.stat_result, str]]:
-        """Open a log for reading: its number, what the system says of it, and its own name.
+        """Open a log for reading: its descriptor, its status, and its name without links.
 
         Args:
-            place: where it lies.
-            file: its path there.
+            place: folder that holds it.
+            file: path in that folder.
 
         Raises:
             Trouble: there is no such log.

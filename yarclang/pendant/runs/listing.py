@@ -1,4 +1,4 @@
-"""The logs in short; what was read of one is remembered until the file is another one."""
+"""List of logs with their summaries, which are read again only after a change of the file."""
 
 from __future__ import annotations
 
@@ -13,20 +13,20 @@ from yarclang.report.runs.brief import Brief, brief_of
 from yarclang.runtime.actions import Trouble
 
 MOST = 1000
-"""Logs that are listed."""
+"""Most logs that are listed."""
 
 _REMEMBERED = 4 * MOST
 _FRESH = 5.0
-"""A log without an end that was changed so lately is being written [s]."""
+"""Time after the last change within which a log without an end counts as being written [s]."""
 
 _UNREADABLE = Brief("", "", "", "", "", "", is_known=False, is_whole=False)
 
 
 class Listing:
-    """The list. Its function waits for the disk: call it in a thread.
+    """The list of logs. Its function waits for the disk: call it in a thread.
 
     Args:
-        folders: where logs lie.
+        folders: of the logs.
         wall: the time of day [s].
     """
 
@@ -39,7 +39,7 @@ class Listing:
         """Return the logs.
 
         Args:
-            written: name of the file that is being written; empty: none is.
+            written: name of the file that is being written; empty if there is none.
         """
         files, cut = self._folders.files()
         shown = tuple(self._shown(one, written) for one in files[:MOST])
@@ -76,13 +76,13 @@ class Listing:
         )
 
     def _read(self, file: LogFile) -> tuple[Brief, float]:
-        """Return a log in short, and how long ago it was changed [s]."""
+        """Return a log's summary, and the time since its last change [s]."""
         try:
             with self._folders.opened(file.place, file.file) as (handle, told, _):
                 found = brief_of(lambda at, count: os.pread(handle, count, at), told.st_size)
                 age = self._wall() - told.st_mtime
         except (Trouble, OSError):
-            return _UNREADABLE, _FRESH  # it has gone meanwhile, or can't be read
+            return _UNREADABLE, _FRESH  # it was removed meanwhile, or can't be read
         brief = found or _UNREADABLE
         if brief.is_whole or (found is None and age > _FRESH):
             self._known[file] = brief

@@ -1,4 +1,6 @@
-"""Logs that are read whole: each in a process of its own, of bounded memory and time, so that none disturbs the one that streams."""
+"""Complete reading of logs, each in a process of its own with bounded memory and time, so that it can't
+disturb the process that streams.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +15,16 @@ from yarclang.pendant.runs.shown import Window
 from yarclang.runtime.actions import Trouble
 
 LARGEST = 256 << 20
-"""Log that is read here [bytes]; an hour has some 10 MB."""
+"""Largest log that is read [bytes]. An hour takes some 10 MB."""
 
 AT_ONCE, WAITING = 2, 8
-"""Processes at a time, and requests that may wait for one."""
+"""Most processes at a time, and most requests that may wait."""
 
 _MOST_MEMORY = 3 << 30
-"""Address space of one [bytes]; its libraries take 1 GiB of it."""
+"""Address space of a process [bytes]; its libraries take 1 GiB of it."""
 
 _LONGEST = 60.0
-"""Time for one [s]."""
+"""Longest time of a process [s]."""
 
 _LARGEST_ANSWER = 16 << 20
 _REMEMBERED = 6
@@ -31,7 +33,7 @@ _Key = tuple[int, int, int, int, Window | None]
 
 
 class Readings:
-    """What logs show."""
+    """Reader of logs."""
 
     def __init__(self) -> None:
         self._reading = asyncio.Semaphore(AT_ONCE)
@@ -39,15 +41,15 @@ class Readings:
         self._known: OrderedDict[_Key, bytes] = OrderedDict()
 
     async def shown(self, handle: int, told: os.stat_result, window: Window | None) -> bytes:
-        """Return what a log shows, as the JSON of `RunShown`.
+        """Return the content of a log as the JSON of `RunShown`.
 
         Args:
             handle: the open file.
-            told: what the system says of it.
-            window: of the lines [s]; None: all of it.
+            told: status of the file.
+            window: time range of the lines [s]; None for all.
 
         Raises:
-            Trouble: it can't be shown, or too many are read just now.
+            Trouble: the log can't be shown, or too many are being read.
         """
         if told.st_size > LARGEST:
             what = f"the log has {told.st_size:,} bytes; up to {LARGEST:,} are shown here"

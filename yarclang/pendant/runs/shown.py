@@ -1,4 +1,4 @@
-"""What a log shows, as a message: worked out in a process of its own, since a log may be large or hostile."""
+"""Content of a log as a message. Computed in a process of its own, because a log may be large or hostile."""
 
 from __future__ import annotations
 
@@ -23,32 +23,32 @@ from yarclang.runtime.notices import Remark
 from yarclang.runtime.state import State
 
 _INTERVALS = 1000
-"""Of a line in all; each has two points."""
+"""Most intervals of a line in all; each has two points."""
 _FEWEST = 20
-"""Intervals of one pass of many."""
+"""Fewest intervals of one pass among many."""
 _MOST_ROWS = 1500
-"""Positions of the way."""
+"""Most positions of the path."""
 _MOST_EVENTS, _MOST_SPANS, _MOST_SIGNALS, _MOST_STRETCHES = 1000, 1000, 32, 1000
 _LONGEST = 500
-"""Characters of a text."""
+"""Longest text [characters]."""
 
 Window = tuple[float, float]
-"""From when to when lines are wanted [s since the log was opened]."""
+"""Time range of lines [s since the log was opened]."""
 
 
 class CannotShow(Exception):  # noqa: N818 - it is an answer
-    """A log can't be shown, and why."""
+    """Raised with the reason if a log can't be shown."""
 
 
 def shown(file: str, window: Window | None = None) -> said.RunShown:
-    """Return what a log shows.
+    """Return the content of a log.
 
     Args:
         file: its path.
-        window: of the lines; None: all of it.
+        window: time range of the lines; None for all.
 
     Raises:
-        CannotShow: it is no log of a run, or can't be read.
+        CannotShow: the file is no log of a run, or can't be read.
     """
     read = read_run(file)
     run, notes = read.value, [one.message for one in read.diagnostics]
@@ -142,7 +142,7 @@ def _line(
     breaks: list[int],
     window: Window | None,
 ) -> said.RunLines:
-    """Return lines, thinned; of each pass for itself."""
+    """Return lines, thinned separately for each pass."""
     ends = [0, *(one for one in breaks if 0 < one < len(times)), len(times)]
     inside = np.ones(len(times), dtype=bool)
     if window is not None:
@@ -207,7 +207,7 @@ def _events(run: RecordedRun) -> Iterator[said.RunEvent]:
 
 
 def _way(run: RecordedRun) -> said.RunWay:
-    """Return where the robot was, in even steps of its samples."""
+    """Return the robot's path, evenly thinned."""
     count = len(run.times)
     if not count:
         return said.RunWay(times=(), joints=())
@@ -220,7 +220,7 @@ def _way(run: RecordedRun) -> said.RunWay:
 
 
 def _clean(values: Array) -> Array:
-    """Return values that are all finite: a forged log may have others."""
+    """Return values with non-finite ones replaced: a forged log may contain them."""
     found: Array = np.nan_to_num(values, nan=0.0, posinf=1e12, neginf=-1e12).clip(-1e12, 1e12)
     return found
 
@@ -230,11 +230,12 @@ def _finite(value: float) -> float:
 
 
 def as_json(file: str, window: Window | None = None) -> str:
-    """Return what a log shows as JSON; of one that can't be shown, an object with only `refused`, which says why.
+    """Return the content of a log as JSON. If it can't be shown, the object has only `refused`, with the
+    reason.
 
     Args:
         file: its path.
-        window: of the lines [s]; None: all of it.
+        window: time range of the lines [s]; None for all.
     """
     try:
         return shown(file, window).model_dump_json()
@@ -242,12 +243,14 @@ def as_json(file: str, window: Window | None = None) -> str:
         refused = str(why).replace(file, "the log")
     except MemoryError:
         refused = "the log takes more memory than may be used for it here"
-    except Exception as error:  # nobody knows what numerics raise on numbers that were forged
+    except Exception as error:  # forged numbers may raise any exception in numerics
         refused = f"the log says what can't be ({type(error).__name__})"
     return json.dumps({"refused": refused})
 
 
 def main() -> None:
-    """Write what the log of the first argument shows to standard output, as JSON; with two more arguments, lines from when to when [s]."""
+    """Write the content of the log in the first argument to standard output, as JSON. Two more arguments give
+    the time range of lines [s].
+    """
     file, *given = sys.argv[1:]
     sys.stdout.write(as_json(file, (float(given[0]), float(given[1])) if given else None))

@@ -1,1 +1,1 @@
-"""The robot in three dimensions for the pages: view's stage as messages and as bytes that a browser draws."""
+"""The robot in three dimensions: the viewer's stage as messages and as binary meshes for browsers."""

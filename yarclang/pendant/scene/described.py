@@ -1,4 +1,4 @@
-"""A stage as a page draws it: a description, and the meshes that the description names."""
+"""A stage for pages: a description, and the meshes that it names."""
 
 from __future__ import annotations
 
@@ -19,16 +19,20 @@ from yarclang.view.solids import Solid
 from yarclang.view.stage import Item, Stage
 
 MOST_TRIANGLES = 600_000
-"""Of all meshes together: a tablet draws no more of them. Bodies beyond are left out, with a note."""
+"""Most triangles of all meshes together, for tablets. Further bodies are left out, with a note."""
 MOST_ITEMS = 2000
-"""Bodies; those beyond are left out, with a note."""
+"""Most bodies. Further ones are left out, with a note."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drawn:
-    """A scene: its description, its meshes by their ids, and the bodies of the collision check (None: nothing is to be near to).
+    """A scene for pages.
 
-    `made` are the meshes by what they were made of.
+    Attributes:
+        shown: its description.
+        meshes: by their ids.
+        near: bodies of the collision check; None if distances aren't checked.
+        made: meshes by their source, for reuse.
     """
 
     shown: SceneShown
@@ -41,8 +45,8 @@ def drawn(stage: Stage, before: Drawn | None = None) -> Drawn:
     """Describe a stage.
 
     Args:
-        stage: of the robot at rest, or of a program; parts of a program are there from when to when it has them.
-        before: what was drawn before, whose meshes aren't made again.
+        stage: of the robot at rest, or of a program, with the times at which it has its parts.
+        before: the previous scene, whose meshes are reused.
     """
     kept, notes = _bounded((*stage.items, *shapes_beside(stage.robot, stage.items)))
     made: dict[bytes, Blob] = {}
@@ -135,7 +139,7 @@ def _time(value: float) -> float | None:
 
 
 def _box(items: Iterable[Item]) -> tuple[Array, Array]:
-    """Return the corners of a box around what no joint moves."""
+    """Return the corners of a box around all bodies that no joint moves."""
     points = [np.zeros((1, 3))]
     for item in items:
         if item.joint == 0:
@@ -146,7 +150,7 @@ def _box(items: Iterable[Item]) -> tuple[Array, Array]:
 
 
 def _tool_axis(stage: Stage) -> Array:
-    """Return the last joint's axis (3,) with all joints at zero, from the links before it to the tool."""
+    """Return the last joint's axis (3,) with all joints at zero, directed towards the tool."""
     chain = stage.robot.chain
     axis = chain.screws[-1, 3:] if chain.screws[-1, 3:].any() else chain.screws[-1, :3]
     tool = (chain.base_from_flange @ stage.flange_from_frame)[:3, 3]

@@ -1,4 +1,4 @@
-"""Bodies as bytes: corners, normals that break at edges, and triangles, named by what is in them."""
+"""Binary meshes: corners, normals that break at edges, and triangles. Ids are derived from the content."""
 
 from __future__ import annotations
 
@@ -13,18 +13,24 @@ from yarclang.view.solids import Solid
 from yarclang.view.stage import Rows
 
 _EDGE = np.cos(np.deg2rad(35.0))
-"""Faces that meet at a larger angle than this have an edge between them, where the light breaks."""
+"""Cosine of the angle between two faces above which their common edge is drawn sharp."""
 _MOST_AROUND = 64
-"""So many faces around a corner are looked at."""
+"""Most faces around a corner that are examined."""
 _LARGE = 4096
-"""From this size on [bytes] a mesh is also kept packed."""
+"""Size from which a mesh is also kept compressed [bytes]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Blob:
-    """A mesh as it is sent: its bytes, and the same by gzip; empty: it is too small to be packed.
+    """A mesh as it is sent.
 
-    Little endian: the numbers V and F (uint32), V corners x y z (float32) [m], F triangles (3 x uint32), V normals x y z (int8, of 127).
+    Little endian: the numbers V and F (uint32), V corners x y z (float32) [m], F triangles (3 x uint32), V
+    normals x y z (int8, scaled by 127).
+
+    Attributes:
+        id: hash of the content.
+        content: the bytes.
+        packed: the bytes compressed by gzip; empty for a small mesh.
     """
 
     id: str
@@ -33,7 +39,9 @@ class Blob:
 
 
 def blob_of(solid: Solid) -> Blob:
-    """Return a body as bytes; its id is made of them, so that what a browser has kept under an id is never another body."""
+    """Return a body's mesh. Its id is a hash of the content, so that a browser's cache never shows another
+    body.
+    """
     vertices, normals, faces = creased(solid)
     content = b"".join(
         (
@@ -48,17 +56,18 @@ def blob_of(solid: Solid) -> Blob:
 
 
 def creased(solid: Solid) -> tuple[Array, Array, Rows]:
-    """Give each corner of each face a normal: the mean of the faces around it that meet its face at a small angle.
+    """Compute normals for each corner of each face: the mean over the faces around the corner that meet its
+    face at a small angle.
 
     Returns:
-        Corners (V, 3), their normals (V, 3), and faces (F, 3). A corner stands there once for each of its normals.
+        Corners (V, 3), their normals (V, 3), and faces (F, 3). A corner is repeated for each of its normals.
     """
     faces = solid.faces
     corners = solid.vertices[faces]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(across, axis=1, keepdims=True)
     flat = across / np.maximum(area, 1e-300)
-    # corners at one place are one corner, however often a file names them
+    # merge corners at the same place, which files often repeat
     size = float(np.abs(solid.vertices).max(initial=1e-9))
     _, place = np.unique(_packed(np.round(solid.vertices / (size * 1e-6)), 21), return_inverse=True)
     at = place.reshape(-1)[faces].ravel()
@@ -74,9 +83,9 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
 
     Args:
         at: (3 F,) the place of each corner.
-        own: (3 F,) its face.
-        flat: (F, 3) the faces' normals.
-        across: (F, 3) the same, as long as the faces' areas.
+        own: (3 F,) the face of each corner.
+        flat: (F, 3) unit normals of the faces.
+        across: (F, 3) normals of the faces, with their areas as lengths.
     """
     order = np.argsort(at, kind="stable")
     _, begins, counts = np.unique(at[order], return_index=True, return_counts=True)
@@ -95,7 +104,7 @@ def _means(at: Rows, own: Rows, flat: Array, across: Array) -> Array:
 
 
 def _packed(values: Array, bits: int) -> Rows:
-    """Return three whole numbers (N, 3), each of so many bits with its sign, as one (N,)."""
+    """Pack three signed integers (N, 3) of `bits` bits each into one (N,)."""
     whole = values.astype(np.int64) + (1 << (bits - 1))
     found: Rows = (whole[:, 0] << (2 * bits)) | (whole[:, 1] << bits) | whole[:, 2]
     return found

@@ -1,4 +1,6 @@
-"""A loaded program to its stage: its own cell, the frames that it uses, and its parts over the time of its longest ways."""
+"""The stage of a loaded program: its own cell, its frames, and its parts over the time of its longest
+branches.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,10 @@ _UNPLANNED = (
 
 
 def stage_of_loaded(robot: Robot, loaded: Loaded) -> Stage:
-    """Return what is shown of a program before it is run; its times are those of the coordinator's `course`.
+    """Return the stage of a program before it is run, with the times of the coordinator's `course`.
 
     Args:
-        robot: that carries it out.
+        robot: that runs the program.
         loaded: the program.
     """
     plan = loaded.plan or loaded.text_plan
@@ -70,7 +72,7 @@ def _noted(stage: Stage, title: str, notes: tuple[str, ...]) -> Stage:
 
 
 def _parts(robot: Robot, plan: MotionPlan, longest: set[int]) -> ShownParts | None:
-    """Return the parts over the clock of the longest ways: what other ways do to them isn't shown."""
+    """Return the parts over the time of the longest branches. Effects of other branches aren't shown."""
     ends = {one.step: one.curve.points[-1] for one in plan.motions}
     left_out = [number for number in range(len(plan.program.steps)) if number not in longest]
     carried = carried_parts(robot, plan.program, plan.program.start, ends, left_out)

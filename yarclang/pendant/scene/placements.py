@@ -1,4 +1,4 @@
-"""Where the links of a robot are, as positions and quaternions: a page needs no kinematics of its own."""
+"""Placements of a robot's links as positions and quaternions, so that pages need no kinematics."""
 
 from __future__ import annotations
 
@@ -9,14 +9,16 @@ from yarclang.robot.model import Array, Chain
 
 
 def moved_links(chain: Chain, q: Array) -> Array:
-    """Compute what the joints do to the links that they move.
+    """Compute the displacement of the links by the joints.
 
     Args:
         chain: n joints.
         q: (N, n) [rad or m].
 
     Returns:
-        (N, n, 4, 4): from where a link is with all joints at zero to where it is; row k is for what the first k + 1 joints move.
+        (N, n, 4, 4): transforms from a link's pose with all joints at zero to its pose. Row k is for links
+        moved
+            by the first k + 1 joints.
     """
     count = len(q)
     moved = np.empty((count, chain.size, 4, 4))
@@ -37,7 +39,8 @@ def packed(moved: Array) -> Array:
 def quaternions(turns: Array) -> Array:
     """Return rotations (..., 3, 3) as unit quaternions x y z w (..., 4), w not negative.
 
-    The largest component is computed from the diagonal, the others from it (Shepperd, 1978): this is exact for turns by any angle.
+    The largest component is computed from the diagonal, the others from it (Shepperd, 1978): this is exact
+    for turns by any angle.
     """
     xx, yy, zz = turns[..., 0, 0], turns[..., 1, 1], turns[..., 2, 2]
     x, y, z = (turns[..., 2, 1], turns[..., 0, 2], turns[..., 1, 0])

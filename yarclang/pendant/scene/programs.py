@@ -1,4 +1,4 @@
-"""Scenes of loaded programs: a session looks at the programs that it has loaded itself, each in its own cell."""
+"""Scenes of loaded programs. A session sees the programs that it has loaded itself, each in its own cell."""
 
 from __future__ import annotations
 
@@ -26,14 +26,16 @@ from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 
 _MOST = 8
-"""Sessions whose program is kept drawn; the one that asked longest ago is drawn anew."""
+"""Most sessions whose program's scene is kept; the one that was used longest ago is dropped."""
 _MOST_LOADS = 4
-"""Programs of a session of which it is known how they were loaded: the newest."""
+"""Most programs of a session for which the load order is kept: the newest ones."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Kept:
-    """What was drawn of a program. A coordinator that is back counts its programs anew: a number means one program of one seat."""
+    """A kept scene. A restarted coordinator numbers programs from the beginning, so that a number identifies
+    a program only with its seat.
+    """
 
     seat: Attached
     number: int
@@ -42,12 +44,12 @@ class _Kept:
 
 
 class ProgramScenes:
-    """Draws loaded programs, each once.
+    """Scenes of loaded programs, each drawn once.
 
     Args:
-        robot: whose.
-        seats: the sessions' places at the coordinator, which has the programs.
-        live: returns what was drawn of the robot as it stands: its meshes aren't made twice.
+        robot: the robot.
+        seats: the sessions' clients of the coordinator, which has the programs.
+        live: returns the scene of the robot itself, whose meshes are reused.
     """
 
     def __init__(self, robot: Robot, seats: Seats, live: Callable[[], Drawn | None]) -> None:
@@ -59,12 +61,12 @@ class ProgramScenes:
         self._drawing = asyncio.Lock()
 
     def remember(self, session: Session, number: int, order: orders.Load) -> None:
-        """Take note of how a program was loaded.
+        """Keep the order that loaded a program.
 
         Args:
             session: that has loaded it.
             number: of the program.
-            order: by which, with the paths of its files.
+            order: with the paths of its files.
         """
         if self._seats.taken(session) is None:  # the session has ended meanwhile
             return
@@ -75,23 +77,23 @@ class ProgramScenes:
             loads.popitem(last=False)
 
     def forget(self, id_: str) -> None:
-        """Forget all of a session that has ended."""
+        """Forget everything of a session that has ended."""
         self._kept.pop(id_, None)
         self._loads.pop(id_, None)
 
     def mesh(self, id_: str) -> Blob | None:
-        """Return a mesh that a description has named; None: there is none."""
+        """Return a mesh of a scene by its id; None if there is none."""
         return next((found for one in self._kept.values() if (found := one.meshes.get(id_))), None)
 
     async def shown(self, session: Session, number: int) -> Drawn:
-        """Return a program in its cell.
+        """Return the scene of a program in its cell.
 
         Args:
             session: that has loaded it.
             number: of the program.
 
         Raises:
-            Trouble: the session has no such program, or it can't be read again.
+            Trouble: the session has no such program, or its files can't be read again.
         """
         async with self._drawing:
             seat = self._seats.taken(session)
@@ -105,7 +107,7 @@ class ProgramScenes:
             found = await asyncio.to_thread(self._draw, loaded)
             if self._seats.taken(session) is not seat:  # the session has ended meanwhile
                 raise _unknown(number)
-            # a page may still ask for what the scene before has named
+            # a page may still ask for meshes of the previous scene
             meshes = {**(before.drawn.meshes if before else {}), **found.meshes}
             self._kept[session.id] = _Kept(seat, number, found, meshes)
             self._kept.move_to_end(session.id)
@@ -121,7 +123,7 @@ class ProgramScenes:
             number: of the program.
 
         Raises:
-            Trouble: the session has no such program, or it can't be read again.
+            Trouble: the session has no such program, or its files can't be read again.
         """
         seat = self._seats.taken(session)
         if seat is None:
@@ -147,16 +149,16 @@ class ProgramScenes:
 
 
 def _again(robot: Robot, order: orders.Load, course: ProgramCourse, cell: str | None) -> Loaded:
-    """Compile once more what a coordinator in another process has loaded.
+    """Compile again a program that a coordinator in another process has loaded.
 
     Args:
-        robot: that carries it out.
+        robot: that runs it.
         order: by which it was loaded.
-        course: what the coordinator tells of it.
-        cell: the path of the cell that the coordinator keeps to.
+        course: from the coordinator.
+        cell: path of the coordinator's cell.
 
     Raises:
-        Trouble: its files aren't those any more that were loaded.
+        Trouble: the files have changed since the program was loaded.
     """
     options = Options(start=order.start, tm=order.tm, cell=cell)
     if (tolerance := order.tolerance) is not None:

@@ -1,4 +1,4 @@
-"""The scene that all pages share: it is drawn once, and again if the cell, its parts or the robot are other ones."""
+"""The scene that all pages share. It is drawn again after a change of the cell, its parts or the robot."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ from yarclang.view.reaching import Place, read_place
 from yarclang.view.stage import Stage
 
 _EACH = 0.25
-"""Time between two looks at what touches [s]."""
+"""Time between two checks for bodies that are too near [s]."""
 _LOOKS = 4
-"""Of so many looks, one asks the coordinator for cell and parts."""
+"""Every so many checks, the coordinator is asked for cell and parts."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """What a scene was drawn of."""
+    """Inputs of a scene."""
 
     around: tuple[str, str | None]
     place: Place
@@ -47,12 +47,12 @@ class _Seen:
 
 
 class Scenery:
-    """Draws the scene, and keeps it.
+    """The shared scene.
 
     Args:
-        robot: whose.
-        showing: learns the version of the scene, and which bodies touch or stop the robot.
-        is_watched: tells if a page is there: nothing is computed for nobody.
+        robot: the robot.
+        showing: gets the version of the scene, and the bodies that are too near or stop the robot.
+        is_watched: returns True if a page is connected; otherwise nothing is computed.
     """
 
     def __init__(self, robot: Robot, showing: Showing, is_watched: Callable[[], bool]) -> None:
@@ -78,15 +78,15 @@ class Scenery:
 
     @property
     def drawn(self) -> Drawn | None:
-        """What was drawn last; None: nothing was yet."""
+        """The last scene; None before the first."""
         return self._drawn
 
     def mesh(self, id_: str) -> Blob | None:
-        """Return a mesh that a description has named; None: there is none."""
+        """Return a mesh of a scene by its id; None if there is none."""
         return self._meshes.get(id_)
 
     async def watch(self, attached: Attached) -> None:
-        """Look at the scene again and again until somebody cancels this."""
+        """Check the scene regularly until cancelled."""
         turn = 0
         while True:
             if self._is_watched() and self._drawn is not None:
@@ -95,13 +95,13 @@ class Scenery:
                         await self.shown(attached)
                     await self._look_what_touches()
                 except Trouble:
-                    pass  # whoever asks for the scene is told why
+                    pass  # a request for the scene reports the reason
             turn = (turn + 1) % _LOOKS
             if await _heard(self._changed, _EACH):
                 turn = 0
 
     def hear(self, event: events.BaseEvent) -> None:
-        """Take note of what may have changed the scene."""
+        """Note events that may have changed the scene."""
         match event:
             case events.OutputSet(variable=variable, value=value):
                 q = self._showing.joints
@@ -115,7 +115,7 @@ class Scenery:
                 if names:
                     self._showing.stopped_by = names
                 if not warning:
-                    self._changed.set()  # parts may have been said to be elsewhere
+                    self._changed.set()  # an order may have moved parts
             case _:
                 pass
 
@@ -137,13 +137,13 @@ class Scenery:
             return before
         found = await asyncio.to_thread(self._draw, stage, parts)
         self._seen, self._drawn = _Seen(around, place, stage, parts, stamp), found
-        # a page may still ask for what the scene before has named
+        # a page may still ask for meshes of the previous scene
         self._meshes = found.meshes if before is None else {**before.meshes, **found.meshes}
         self._showing.scene = found.shown.version
         return found
 
     def _empty(self, place: Place) -> Stage:
-        """Return the stage without parts: only these change while the robot works."""
+        """Return the stage without parts, because only parts change while the robot works."""
         stage = stage_of_live(self._robot, place.cell, self._robot.home, parts=Parts(()))
         return replace(stage, notes=(*place.notes, *stage.notes))
 
@@ -152,7 +152,9 @@ class Scenery:
         return drawn(replace(stage, items=(*stage.items, *items), notes=(*stage.notes, *notes)), self._drawn)
 
     async def _parts(self, attached: Attached, cell: Cell | None, before: Parts | None) -> Parts:
-        """Return where the parts of a cell are: as outputs have moved them while something is under way, else as the coordinator says."""
+        """Return the positions of a cell's parts: as outputs have moved them during a run, otherwise as the
+        coordinator reports them.
+        """
         first = first_parts(cell)
         if cell is None or not cell.parts:
             self._switched.clear()
@@ -162,7 +164,7 @@ class Scenery:
             return await asyncio.to_thread(parts_after, self._robot, cell, before, switched)
         try:
             told = await attached.ask(orders.AskParts())
-        except Trouble:  # the session has no cell with parts: only the program has
+        except Trouble:  # the session's own cell has no parts
             return first if before is None else before
         return parts_told(cell, told) or (first if before is None else before)
 
@@ -194,7 +196,7 @@ async def _heard(event: asyncio.Event, within: float) -> bool:
 
 
 def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
-    """Return where the coordinator says that the parts of a cell are; None if it speaks of another cell's parts."""
+    """Return the parts' positions from the coordinator; None if they belong to another cell."""
     kinds = {part.body.name: part for part in cell.parts}
     variables = {name: one.variable for name, one in cell.outputs.items()}
     items: list[Item] = []
@@ -212,10 +214,11 @@ def parts_told(cell: Cell, told: replies.Parts) -> Parts | None:
 
 
 def placed(robot: Robot, asked: Placements) -> bytes:
-    """Return the placements of links at joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y z w.
+    """Return the placements of links at joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y
+    z w.
 
     Raises:
-        Trouble: a row doesn't have the robot's number of joints.
+        Trouble: a row has the wrong number of joints.
     """
     for number, row in enumerate(asked.joints):
         if len(row) != robot.size:

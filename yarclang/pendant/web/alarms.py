@@ -1,4 +1,4 @@
-"""Routes for alarms and for what their codes mean."""
+"""Routes for alarms and for the explanations of their codes."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 500
 _MOST_TOLD = 40
-"""Numbers of alarms that an entry of the audit trail has."""
+"""Most numbers of alarms in an entry of the audit trail."""
 
 
 async def _list(service: Service, request: Request) -> Response:

@@ -1,4 +1,4 @@
-"""The socket of the analyst, and the words by which programs are coloured."""
+"""The socket of the analyst, and the words of the language for syntax colouring."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from yarclang.pendant.web.sockets import let_in, until_it_ends
 from yarclang.runtime.actions import Trouble
 
 _NO_ROOM = 4409
-"""Code of a socket that is closed because there are as many analysts as may be."""
+"""Code for closing a socket because the largest number of analysts is running."""
 
 
 async def analyse(service: Service, analysts: Analysts, socket: WebSocket) -> None:
-    """Serve a page that edits with a language server of its own: /api/analyst."""
+    """Serve an editor page with a language server of its own: /api/analyst."""
     session = await let_in(service, socket, Role.PROGRAMMER)
     if session is None:
         return

@@ -1,4 +1,4 @@
-"""Answers of the API in their JSON form, and bodies of requests as typed messages."""
+"""Answers of the API as JSON, and bodies of requests as typed messages."""
 
 from __future__ import annotations
 
@@ -17,13 +17,15 @@ M = TypeVar("M", bound=Message)
 
 
 def answer(message: Message, status: int = 200) -> Response:
-    """Return a message as the answer to a request; nothing keeps a copy of it."""
+    """Return a message as an uncached response."""
     headers = {"cache-control": "no-store"}
     return Response(message.model_dump_json(), status, headers, media_type="application/json")
 
 
 def refusal(trouble: Trouble) -> Response:
-    """Return why something wasn't done: 400 for what isn't understood, 401 and 403 for who may not, 429 for too many attempts, else 409."""
+    """Return an error as a response: 400 for a malformed request, 401 or 403 for missing rights, 429 for too
+    many attempts, otherwise 409.
+    """
     status = 409
     if isinstance(trouble, Malformed):
         status = 400
@@ -47,10 +49,10 @@ async def body(request: Request, kind: type[M]) -> M:
 
 
 def number_in(request: Request, name: str) -> int | None:
-    """Return an integer from 0 of a request's query; None: it isn't there.
+    """Return a non-negative integer of a request's query; None if it is absent.
 
     Raises:
-        Malformed: it is something else.
+        Malformed: the value is no such integer.
     """
     text = request.query_params.get(name)
     if text is None:

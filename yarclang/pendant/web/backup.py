@@ -1,4 +1,4 @@
-"""Routes for backups of the project: one is made, one is uploaded and judged, restored, undone."""
+"""Routes for backups of the project: download, upload, judgement, restore and undo."""
 
 from __future__ import annotations
 
@@ -33,11 +33,13 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_SHOWN = 2000
 _SILENCE = 30.0
-"""Time for a client to take the next piece [s]: one that stops reading doesn't keep others from a backup."""
+"""Longest time for a client to take the next piece [s], so that a client that stops reading doesn't block
+other backups.
+"""
 
 
 class _Zip(StreamingResponse):
-    """A backup on its way: it ends with the connection, and says so."""
+    """Response with a backup. It reports the outcome when the connection ends."""
 
     def __init__(self, pieces: Generator[bytes], ended: Callable[[str], None], name: str) -> None:
         headers = {"content-disposition": disposition(name), "cache-control": "no-store"}
@@ -55,12 +57,12 @@ class _Zip(StreamingResponse):
                 outcome = ""
 
         try:
-            # what isn't complete when this returns ends with its connection
+            # an incomplete response ends with its connection
             with contextlib.suppress(TimeoutError):
                 await super().__call__(scope, receive, sent)  # type: ignore[arg-type]  # a message is a dict
         finally:
             self._told_end(outcome)
-            with contextlib.suppress(ValueError):  # a thread still reads: it ends by itself
+            with contextlib.suppress(ValueError):  # a thread is still reading and ends by itself
                 self._pieces.close()
 
 
@@ -109,7 +111,7 @@ async def _about(service: Service, request: Request) -> Response:
 
 
 def _outside(service: Service) -> tuple[str, ...]:
-    """Return what isn't in a backup, in words."""
+    """Return the files that a backup doesn't contain, in words."""
     root, notes = service.files.folder.root, []
     if not service.robot.folder.resolve().is_relative_to(root):
         notes.append(
@@ -170,7 +172,7 @@ async def _undo(service: Service, request: Request) -> Response:
 
 
 def shown(backups: Backups, upload: Upload) -> RestorePlan:
-    """Return what is shown of a backup that waits."""
+    """Return the message for a waiting upload."""
     plan, manifest = upload.plan, upload.backup.manifest
     rows = [PlannedFile(file=one.file, what="conflict", size=0, why=one.why) for one in plan.conflicts]
     for what, names in (("changed", plan.changed), ("extra", plan.extra), ("new", plan.new)):
@@ -197,7 +199,7 @@ def shown(backups: Backups, upload: Upload) -> RestorePlan:
 
 
 def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
-    """Return what there is to say of a backup, in sentences."""
+    """Return the remarks on a backup, in sentences."""
     manifest, edited, notes = upload.backup.manifest, upload.backup.edited, []
     if manifest is None:
         return ("The backup has no list: it wasn't made by System > Backup, or its list was removed",)

@@ -1,4 +1,4 @@
-"""Routes for calibrations: touches of this session, what follows from them, and the file that the result is written into."""
+"""Routes for calibrations: the touches of this session, their result, and the file that gets the result."""
 
 from __future__ import annotations
 

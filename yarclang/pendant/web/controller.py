@@ -1,4 +1,6 @@
-"""Routes for the controller's side of the system: what waits for a restart, restart, shut down. Orders to the controller have routes of their own."""
+"""Routes for the controller's side of the system: pending restarts, restart, and shutdown. Orders to the
+controller have routes of their own.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,7 @@ from yarclang.pendant.web.service import Service, address_of
 from yarclang.runtime.actions import Trouble
 
 _RESTS = 10.0
-"""How long the robot may take to rest before the process ends [s]."""
+"""Longest wait for the robot to rest before the process ends [s]."""
 
 _LOOKED_EACH = 0.05
 
@@ -54,7 +56,7 @@ def _ending(how: How) -> Serve:
         await service.accounts.did(Deed(session.user, address_of(request), how))
         if _is_ended_by(service):
             await _rested(service)
-        await service.life.may(how)  # somebody else may have been faster
+        await service.life.may(how)  # another request may have been faster
         service.life.end(how)
         return answer(Done())
 
@@ -62,7 +64,9 @@ def _ending(how: How) -> Serve:
 
 
 def _is_ended_by(service: Service) -> bool:
-    """Return True if what is under way ends with this process: it owns the coordinator, or one of its people the robot."""
+    """Return True if the running motion ends with this process: it owns the coordinator, or one of its users
+    owns the robot.
+    """
     watched = service.watched
     if not watched.showing.connected or not watched.attached.welcome.serves:
         return True
@@ -70,10 +74,10 @@ def _is_ended_by(service: Service) -> bool:
 
 
 async def _rested(service: Service) -> None:
-    """Bring what is under way to rest.
+    """Bring the running motion to rest.
 
     Raises:
-        Trouble: it doesn't rest.
+        Trouble: the robot doesn't come to rest.
     """
     showing, loop = service.watched.showing, asyncio.get_running_loop()
     if not showing.under_way or not showing.connected:

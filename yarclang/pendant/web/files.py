@@ -1,4 +1,6 @@
-"""Routes for the files of the project: what there is, their texts, uploads and downloads, what has changed since the last commit."""
+"""Routes for the files of the project: the list, texts, uploads and downloads, and changes since the last
+commit.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +46,7 @@ from yarclang.runtime.actions import Trouble
 
 _MOST_LISTED = 10_000
 _MOST_SAVED = 6 * MOST_TEXT + 1000
-"""JSON writes a character in up to six bytes for one."""
+"""Longest body with a text: JSON may write a character in up to six bytes."""
 _PIECE = 1 << 18
 
 _Kind = Literal["folder", "program", "text", "picture", "other"]
@@ -107,12 +109,13 @@ async def _download(service: Service, request: Request) -> Response:
 
 
 async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[bytes]:
-    """Yield so many bytes of a file and close it; one that was cut meanwhile ends the connection, and the browser says so.
+    """Yield `size` bytes of a file and close it. If the file was shortened meanwhile, the connection ends,
+    and the browser reports an error.
 
     Args:
         opening: closes the file.
         handle: the open file.
-        size: how much is sent [bytes].
+        size: to send [bytes].
     """
     with opening:
         left = size
@@ -122,7 +125,7 @@ async def pieces(opening: ExitStack, handle: int, size: int) -> AsyncIterator[by
 
 
 def disposition(name: str) -> str:
-    """Return the header by which a browser saves a file, under its name in any script."""
+    """Return the header with which a browser saves a file under its name, in any script."""
     plain = re.sub(r"[^A-Za-z0-9._ ()-]", "_", name)
     return f"attachment; filename=\"{plain}\"; filename*=UTF-8''{quote(name, safe='')}"
 
@@ -158,7 +161,7 @@ async def _upload(service: Service, request: Request) -> Response:
 
 
 def other(changed: Changed) -> Response:
-    """Return the answer about a file that has another content than whoever changes it knows."""
+    """Return the response for a file that differs from the version that the client knows."""
     return answer(
         OtherContent(error=changed.what, help=changed.remedy, code=changed.code, sha256=changed.sha256), 409
     )

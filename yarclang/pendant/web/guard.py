@@ -1,4 +1,6 @@
-"""What holds for every request and every socket, before anything looks at it: whose it is, how large, and what the answer forbids browsers."""
+"""Checks of every request and socket before it is processed: host name, origin, and size, and the headers of
+answers that restrict browsers.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ MOST_BODY = 1 << 20
 """Longest body of a request, if its route has no other bound [bytes]."""
 
 BOUND = "yarclang.bound"
-"""Key of a request's bound in its scope."""
+"""Key of a request's size bound in its scope."""
 
 _POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
@@ -37,11 +39,13 @@ _HEADERS = (
 
 
 class Guard:
-    """Refuses requests by other names than the server's own, of pages of other sites, and with large bodies.
+    """Middleware that refuses requests to unknown host names, from pages of other sites, and with large
+    bodies.
 
     Args:
-        app: answers the others.
-        names: by which the server may be called, besides this machine's names for itself and the address that a connection reaches.
+        app: answers the other requests.
+        names: of the server, in addition to this machine's names for itself and the address of the
+            connection.
     """
 
     def __init__(self, app: App, names: frozenset[str] = frozenset()) -> None:
@@ -73,7 +77,7 @@ class Guard:
         await self._app(scope, _bounded(receive, bound), told)
 
     def _objection(self, scope: Scope) -> str:
-        """Return why a request is refused; empty: it isn't."""
+        """Return why a request is refused; empty if it isn't."""
         hosts = [value.decode("latin-1") for name, value in scope["headers"] if name == b"host"]
         origins = [value.decode("latin-1") for name, value in scope["headers"] if name == b"origin"]
         sites = [value for name, value in scope["headers"] if name == b"sec-fetch-site"]
@@ -86,7 +90,7 @@ class Guard:
             )
         if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0], scheme):
             return "pages of other sites are refused"
-        # a link on another page may lead here, but nothing else of it
+        # another site may link here, but may send nothing else
         is_link = (
             scope["type"] == "http" and scope["method"] == "GET" and not scope["path"].startswith("/api/")
         )
@@ -96,18 +100,18 @@ class Guard:
 
 
 class TooLarge(Exception):  # noqa: N818 - it is an answer
-    """A body is longer than its route allows."""
+    """Raised if a body is longer than its route allows."""
 
 
 @dataclass(slots=True)
 class Bound:
-    """Longest body of one request [bytes]; its route changes it before the body is read."""
+    """Longest body of a request [bytes]. Its route changes the bound before the body is read."""
 
     most: int = MOST_BODY
 
 
 def _bounded(receive: Receive, bound: Bound) -> Receive:
-    """Return what receives a body up to a bound, and raises `TooLarge` beyond."""
+    """Return a receiver that raises `TooLarge` if the body exceeds a bound."""
     size = 0
 
     async def received() -> MutableMapping[str, Any]:

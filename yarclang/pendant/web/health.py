@@ -1,4 +1,4 @@
-"""The route for how the pendant's computer, its process and its data are."""
+"""The route for the health of the pendant's computer, its process and its data."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ async def _robot(service: Service) -> tuple[tuple[str, str], ...]:
         simulated = ", simulated" if attached.welcome.simulated else ""
         controller = f"{title_of(robot.controller.kind)}{simulated}, {status.state.value}"
     except Trouble:
-        pass  # the page says the rest all the same
+        pass  # the page shows the rest without it
     return ("Controller", controller), ("Robot", robot.name), ("Fingerprint of the robot", robot.fingerprint)
 
 
@@ -98,7 +98,7 @@ def _text(
     sessions: int,
     pages: int,
 ) -> str:
-    """Return all of it as a text."""
+    """Return the whole report as text."""
     rows = [f"{name}: {version}" for name, version in shown]
     rows += ["", f"Running for {lasting(uptime)}; {sessions} sessions, {pages} pages"]
     rows += [f"{one.name}: {one.value} [{one.level}]" for one in judged]

@@ -1,4 +1,4 @@
-"""The API as an OpenAPI 3.1 document, made of the routes and of the messages' types."""
+"""The API as an OpenAPI 3.1 document, generated from the routes and the messages' types."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def _operation(route: Route) -> dict[str, Any]:
 
 
 def _plain(path: str) -> str:
-    """Return a route's path as OpenAPI writes it."""
+    """Return a route's path in the syntax of OpenAPI."""
     return path.replace(":path}", "}")
 
 

@@ -1,4 +1,6 @@
-"""Routes for a program that is edited: its list, changes of it, forms, templates. Nothing is written to a file here."""
+"""Routes for a program that is being edited: its list of commands, changes, forms and templates. No file is
+written.
+"""
 
 from __future__ import annotations
 
@@ -92,7 +94,7 @@ def _given(robot: Robot, values: tuple[float, ...]) -> Array:
     """Return joint positions (n,) [rad or m] of a message.
 
     Raises:
-        Trouble: there are too many or too few, or one is beyond its limits.
+        Trouble: the number of joints is wrong, or a position is beyond its limits.
     """
     if len(values) != robot.size:
         what = f"{len(values)} joint values were given; {robot.name} has {robot.size} joints"
@@ -132,10 +134,10 @@ def _changed(
 
 
 def _with_names(named: Around, change: said.ProgramChange, joints: Array | None) -> Edited:
-    """Carry out a change that needs to know what names mean."""
+    """Carry out a change that depends on the meaning of names."""
     if isinstance(change, said.InsertCommand):
         return forms.put_in(named, change.after, change.command, change.fields)
-    assert joints is not None  # whoever teaches says where, or asks the robot
+    assert joints is not None  # a change that teaches a position has joints, given or from the robot
     match change:
         case said.TeachMotion():
             wanted = motions.Taught(
@@ -156,7 +158,7 @@ def _with_names(named: Around, change: said.ProgramChange, joints: Array | None)
 
 
 def _time(text: str) -> str:
-    """Return a motion time as it stands in its brackets."""
+    """Return a motion time as it is written in its brackets."""
     text = text.strip()
     if text.endswith("%"):
         return f"{checked('percent', 'percent', text)}%"
@@ -180,7 +182,7 @@ def _text_edits(program: Program, made: Edited) -> Iterable[said.TextEdit]:
 
 
 def _as_browsers(program: Program, line: int, column: int) -> int:
-    """Return a column in UTF-16 code units."""
+    """Convert a column to UTF-16 code units."""
     return column + sum(ord(one) > 0xFFFF for one in program.content(line)[: column - 1])
 
 

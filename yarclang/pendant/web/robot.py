@@ -1,4 +1,4 @@
-"""Routes for the robot: what it is, orders, control, the programs of the project."""
+"""Routes for the robot: its description, orders, control, and the programs of the project."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ OVER_HTTP: dict[type[Order[Any]], Role] = {
 
 
 def order_in(text: bytes) -> tuple[Order[Any], int | str | None]:
-    """Return the order of a JSON object, and its id.
+    """Return the order in a JSON object, and its id.
 
     Raises:
-        Malformed: it is none that the API takes.
+        Malformed: it is no order of the API.
     """
     asked = read_order(text, MOST_LINE)
     if isinstance(asked.what, Denied):
@@ -64,7 +64,7 @@ async def _robot(service: Service, request: Request) -> Response:
 
 
 async def robot_shown(service: Service) -> RobotShown:
-    """Return what a page needs to know of the robot."""
+    """Return the description of the robot for pages."""
     attached = service.watched.attached
     frames = (await attached.ask(orders.AskFrames())).frames
     robot, welcome = service.robot, attached.welcome
@@ -119,7 +119,7 @@ async def _give_control(service: Service, request: Request) -> Response:
 
 async def _programs(service: Service, request: Request) -> Response:
     service.session(request)
-    # a folder may have a hundred thousand files, and the robot is streamed in this very loop
+    # a folder may have 100,000 files, and the robot is streamed in this event loop
     return answer(await asyncio.to_thread(service.gate.programs))
 
 

@@ -1,4 +1,4 @@
-"""A route of the API: what serves it, and what the API's page says of it."""
+"""Routes of the API, with their descriptions."""
 
 from __future__ import annotations
 
@@ -20,17 +20,17 @@ Serve = Callable[["Service", Request], Awaitable[Response]]
 
 @dataclass(frozen=True, slots=True)
 class Route:
-    """One route.
+    """A route.
 
     Attributes:
         method: GET, POST, PUT or DELETE.
-        path: with parameters in braces; `{path:path}` takes the rest, with its slashes.
+        path: with parameters in braces; `{path:path}` takes the rest, including slashes.
         serve: answers a request, or raises `Trouble`.
-        summary: what it does, as a verb phrase.
-        body: the message that it takes; None: none.
-        answer: the message that it answers with; None: no JSON.
-        role: that is needed; empty: nobody has to be logged in.
-        most: longest body that it takes [bytes].
+        summary: description, as a verb phrase.
+        body: message of the request; None without one.
+        answer: message of the answer; None if it is no JSON.
+        role: that is needed; empty if no login is needed.
+        most: longest body of a request [bytes].
     """
 
     method: str

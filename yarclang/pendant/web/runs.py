@@ -1,4 +1,4 @@
-"""Routes for logs of runs: which there are, what they show, and the logs themselves."""
+"""Routes for logs of runs: their list, their content, and downloads."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ async def _list(service: Service, request: Request) -> Response:
         status = await service.watched.attached.ask(orders.AskStatus())
         written = (status.log or "").rpartition("/")[2]
     except Trouble:
-        pass  # without the robot, logs are there all the same
+        pass  # logs are listed without the robot, too
     return answer(await asyncio.to_thread(service.runs.listed, written))
 
 

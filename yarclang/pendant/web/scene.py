@@ -1,4 +1,6 @@
-"""Routes for the robot in three dimensions: what is to be seen, its meshes, and where links are at given joint positions."""
+"""Routes for the robot in three dimensions: the scene, its meshes, and the placements of links at joint
+positions.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +20,7 @@ from yarclang.runtime.actions import Trouble
 _FOR_EVER = "private, max-age=31536000, immutable"
 _BYTES = "application/octet-stream"
 _DIGITS = 9
-"""Of the number of a program."""
+"""Most digits of a program's number."""
 
 
 async def _scene(service: Service, request: Request) -> Response:

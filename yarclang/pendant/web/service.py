@@ -1,4 +1,4 @@
-"""What all requests share: the accounts, the robot, and whose a request is."""
+"""State that all requests share: the accounts, the robot, and the session of a request."""
 
 from __future__ import annotations
 
@@ -41,27 +41,27 @@ class Service:
     """A pendant.
 
     Attributes:
-        robot: whose.
-        accounts: everybody who may use it.
-        seats: the sessions' places at the coordinator.
-        watched: the robot as all pages see it.
-        gate: carries orders out.
-        files: those of the project, and who changes them.
+        robot: the robot.
+        accounts: the users and their sessions.
+        seats: the sessions' clients of the coordinator.
+        watched: the robot's present state.
+        gate: checks and carries out orders.
+        files: of the project, with the rights to change them.
         scenery: the robot in three dimensions.
         program_scenes: loaded programs in their cells.
-        calibrations: of all sessions, as long as they go on.
-        calibration_writing: writes their results.
+        calibrations: running calibrations of all sessions.
+        calibration_writing: writes results of calibrations.
         signals: inputs and outputs.
         workspace: zones, obstacles and limits.
-        checks: which programs no longer hold.
-        alarms: what went wrong.
-        log_folders: where logs of runs lie.
-        runs: the list of them.
-        readings: what they show.
-        life: of the process: its end.
-        descriptions: the files that it has read.
+        checks: of programs with a draft.
+        alarms: of the robot and the pendant.
+        log_folders: folders of run logs.
+        runs: list of run logs.
+        readings: content of run logs.
+        life: of the process.
+        descriptions: files that the process has read.
         backups: of the project.
-        sampler: how this computer and the pendant's process are.
+        sampler: health of the computer and the process.
         closing: functions to call when a session ends, by its id.
     """
 
@@ -99,18 +99,18 @@ class Service:
         logs: Path | None = None,
         life: Life | None = None,
     ) -> Service:
-        """Return a pendant at a robot.
+        """Open a pendant for a robot.
 
         Args:
-            robot: whose.
+            robot: the robot.
             attach: makes clients of its coordinator.
             folder: of the project.
             database: the file of users, sessions and audit trail.
-            logs: where motions are logged, a folder or a file; None: not known.
-            life: of its process; None: nobody ends it.
+            logs: folder or file for logs of motions; None if unknown.
+            life: of its process; None if it can't be ended from the pendant.
 
         Raises:
-            Trouble: that file can't be used.
+            Trouble: the database can't be used.
         """
         seats = Seats(attach)
         closing: dict[str, set[Callable[[], object]]] = {}
@@ -174,15 +174,15 @@ class Service:
         )
 
     def session(self, connection: HTTPConnection, role: Role = Role.VIEWER, *, pin: bool = False) -> Session:
-        """Return whose a request or a socket is.
+        """Return the session of a request or a socket.
 
         Args:
             connection: the request.
             role: that is needed.
-            pin: whether a PIN is needed as well.
+            pin: True if the PIN is needed as well.
 
         Raises:
-            NotAllowed: nobody is logged in there, or may not.
+            NotAllowed: nobody is logged in, or the role or the PIN is missing.
         """
         found = self.accounts.session_of(connection.cookies.get(cookie(connection, COOKIE), ""))
         if found is None:
@@ -192,7 +192,7 @@ class Service:
 
 
 def cookie(connection: HTTPConnection, name: str) -> str:
-    """Return the name of a cookie: over TLS one that only this very server can have set."""
+    """Return the name of a cookie. Over TLS it has the prefix that only this server itself can set."""
     return f"__Host-{name}" if is_secure(connection) else name
 
 
@@ -202,5 +202,5 @@ def is_secure(connection: HTTPConnection) -> bool:
 
 
 def address_of(connection: HTTPConnection) -> str:
-    """Return the address that a request comes from."""
+    """Return the address from which a request comes."""
     return connection.client.host if connection.client else "unknown"

@@ -1,4 +1,4 @@
-"""Routes for inputs and outputs: what there is, and their values. They are set by the orders `set` and `input`."""
+"""Routes for inputs and outputs and their values. Values are set by the orders `set` and `input`."""
 
 from __future__ import annotations
 

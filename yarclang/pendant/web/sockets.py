@@ -1,4 +1,6 @@
-"""The two sockets of a page: what the robot does and orders that mustn't wait for a connection, and jogs."""
+"""The two sockets of a page: one for the robot's state and for orders that mustn't wait for a new connection,
+and one for jogs.
+"""
 
 from __future__ import annotations
 
@@ -25,20 +27,20 @@ from yarclang.pendant.web.service import Service, address_of
 from yarclang.runtime.actions import Trouble
 
 _ENDED = 4401
-"""Code of a socket that is closed because its session has ended; browsers show the login."""
+"""Code for closing a socket because its session has ended. Browsers then show the login."""
 
 _REFUSED = 4403
-"""Code of a socket that is for another role."""
+"""Code for closing a socket that needs another role."""
 
 _MOST_WAITING = 8
-"""Orders of one page that are being carried out."""
+"""Most orders of one page that run at a time."""
 
 _LOOKED_EACH = 5.0
-"""Time between two looks whether a session has ended [s]."""
+"""Time between two checks for the end of a session [s]."""
 
 
 async def watch(service: Service, socket: WebSocket) -> None:
-    """Tell a page what the robot does, and take its orders: /api/robot."""
+    """Send the robot's state to a page, and take its orders: /api/robot."""
     async with contextlib.AsyncExitStack() as leaving:
         session = await let_in(service, socket)
         if session is None:
@@ -86,7 +88,7 @@ async def _carried_out(service: Service, socket: WebSocket, session: Session, pa
 
 
 async def jog(service: Service, socket: WebSocket) -> None:
-    """Move the robot as long as something is pressed on a page: /api/jog."""
+    """Move the robot while a button is pressed on a page: /api/jog."""
     session = await let_in(service, socket)
     if session is None:
         return
@@ -117,7 +119,7 @@ async def jog(service: Service, socket: WebSocket) -> None:
 
 
 async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) -> Session | None:
-    """Let a page in.
+    """Accept the socket of a page.
 
     Args:
         service: the pendant.
@@ -125,7 +127,8 @@ async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) 
         role: that is needed.
 
     Returns:
-        Whose page it is; None if nobody is logged in there, or may not: the page was told.
+        The session of the page; None if the socket was closed because nobody is logged in or the role is
+        missing.
     """
     await socket.accept()
     try:
@@ -138,13 +141,13 @@ async def let_in(service: Service, socket: WebSocket, role: Role = Role.VIEWER) 
 async def until_it_ends(
     service: Service, socket: WebSocket, session: Session, *work: Coroutine[Any, Any, None]
 ) -> None:
-    """Carry work out until one of it ends, the page goes, or the session ends.
+    """Run coroutines until one of them ends, the page disconnects, or the session ends.
 
     Args:
         service: the pendant.
         socket: of the page.
-        session: whose it is.
-        *work: what is carried out.
+        session: of the page.
+        *work: the coroutines.
     """
     over = asyncio.Event()
     closing: set[Callable[[], object]] = service.closing.setdefault(session.id, set())

@@ -1,4 +1,6 @@
-"""Routes for frames and tools: where each comes from, what a payload does to torques, and robot.toml with it."""
+"""Routes for frames and tools: their sources, the effect of a payload on torques, and robot.toml with the
+payload.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,7 @@ def _shown(
 
 
 def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
-    """Return where a frame is described; one of the session goes before another one of its name."""
+    """Return the source of a frame. A frame of the session hides another one of its name."""
     name = frame.name.strip("{}").upper()
     if name in ("B", "FLANGE"):
         return "urdf"
@@ -91,7 +93,7 @@ def _origin(frame: NamedFrame, robot: Robot, cell: Cell | None) -> said.Origin:
 
 
 def _told(file: RobotFile) -> list[said.ToolKnown]:
-    """Return the tools of a file, as far as their values have their form."""
+    """Return the tools of a file, as far as their values are valid."""
     from yarclang.robot.draft import read_draft
 
     tools = read_draft(file.data).table.tools
@@ -144,7 +146,7 @@ def _written(robot: Robot, project: ProjectFolder, asked: said.SavePayload) -> t
     """Return the text of robot.toml with a payload, and the file's path.
 
     Raises:
-        Trouble: the file can't be changed here, isn't what was shown any more, or would be wrong then.
+        Trouble: the file can't be changed here, has changed since it was shown, or would become invalid.
     """
     file = robot_file(robot, project)
     if file.outside:

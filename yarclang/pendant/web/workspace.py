@@ -1,4 +1,6 @@
-"""Routes of the workspace: zones, obstacles and limits, drafts of changes, which programs no longer hold, distances."""
+"""Routes of the workspace: zones, obstacles and limits, drafts of changes, checks of programs, and
+distances.
+"""
 
 from __future__ import annotations
 

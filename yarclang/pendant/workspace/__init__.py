@@ -1,1 +1,1 @@
-"""The workspace: the zones and obstacles of a cell and the limits of joints, shown and changed."""
+"""The workspace: display and changes of a cell's zones and obstacles, and of joint limits."""

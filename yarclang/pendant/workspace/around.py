@@ -1,4 +1,6 @@
-"""The files of a workspace: where they are, what they say, and what a draft makes of them. Waits for the disk."""
+"""The files of a workspace: their paths, their content, and their content after a draft. Waits for the
+disk.
+"""
 
 from __future__ import annotations
 
@@ -31,12 +33,21 @@ from yarclang.source import SourceFile
 from yarclang.toml.reading import read_text
 
 _WIDER = "Y1355"
-"""A limit is wider than that of the URDF."""
+"""Finding: a limit is wider than that of the URDF."""
 
 
 @dataclass(frozen=True, slots=True)
 class Around:
-    """What is known of the files: the robot, the session's cell and where it is, and the texts of those that can be changed."""
+    """The files of a workspace.
+
+    Attributes:
+        cell: path of the session's cell; None without one.
+        text: text of the cell; None if it can't be changed here.
+        why: reason why the cell can't be changed here.
+        robot_path: path of robot.toml.
+        robot: text of robot.toml; None if it can't be changed here.
+        robot_why: reason why robot.toml can't be changed here.
+    """
 
     cell: Path | None
     text: Text | None
@@ -47,12 +58,12 @@ class Around:
 
 
 def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
-    """Return what is around, of what the coordinator says."""
+    """Return the files of a workspace from the coordinator's answer."""
     cell = None if told.cell is None else Path(told.cell)
     text, why = None, ""
     if cell is None:
         why = "there is no cell: make one, or name one in yarc.toml"
-        # one that can't be read is none for the coordinator, and is to be repaired
+        # the coordinator has no unreadable cell, but it can be repaired here
         project = find_project(folder.root)
         if project.value is None:
             why = f"{FILE_NAME} can't be read: {project.diagnostics[0].message}"
@@ -77,7 +88,7 @@ def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
 
 
 def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
-    """Return the workspace as the files have it."""
+    """Return the workspace as it is in the files."""
     text = around.text
     source = None if text is None else text.placed
     if source is None and around.cell is not None:
@@ -107,13 +118,13 @@ def shown_of(robot: Robot, around: Around) -> WorkspaceShown:
 
 
 def _read(path: Path) -> SourceFile | None:
-    """Return a file that is shown, wherever it is; None if it can't be read."""
+    """Return a file that is shown, even outside of the project; None if it can't be read."""
     read = read_text(path, "")
     return None if isinstance(read, Diagnostic) else read
 
 
 def _waits(served: Robot, around: Around) -> bool:
-    """Return True if robot.toml isn't what the robot is served with."""
+    """Return True if robot.toml differs from the robot that is served."""
     if around.robot is None:
         return False
     robot, _ = checked_robot(around.robot.placed, around.robot_path.parent)
@@ -124,7 +135,7 @@ def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[Pr
     """Return the files that a draft changes, before and after.
 
     Raises:
-        Trouble: it doesn't fit the files any more (code "changed"), or they can't be changed here.
+        Trouble: the draft doesn't fit the files any more (code "changed"), or they can't be changed here.
     """
     found = []
     if draft.entries:
@@ -150,17 +161,17 @@ def proposed_of(robot: Robot, around: Around, draft: WorkspaceDraft) -> tuple[Pr
 
 
 def check_known(text: Text, known: str | None) -> None:
-    """Check that a file is as a draft knows it.
+    """Check that a file is the version that a draft was made from.
 
     Raises:
-        Changed: it isn't.
+        Changed: it is another version.
     """
     if text.known != known:
         raise Changed(text.file, text.known)
 
 
 def digest_of(files: tuple[ProposedFile, ...]) -> str:
-    """Return a hash of what a draft makes of the files."""
+    """Return a hash of the files after a draft."""
     return hashlib.sha256("\0".join(f"{one.file}\0{one.after}" for one in files).encode()).hexdigest()
 
 

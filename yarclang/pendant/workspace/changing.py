@@ -1,4 +1,4 @@
-"""Changes of zones, obstacles and limits as changes of the text that has them: all else of it stays to the byte. Pure."""
+"""Changes of zones, obstacles and limits as edits of a text that leave every other byte unchanged. No I/O."""
 
 from __future__ import annotations
 
@@ -14,18 +14,20 @@ from yarclang.toml.changes import ChangeError, with_table, with_value, without
 _BY_HAND = "change the file by hand: Program > open it"
 _LONGEST = 2000
 _MOST_WORK = 2_000_000
-"""Changes times characters of a file: each change reads the text again, for about 10 s then."""
+"""Largest number of changes times characters of a file. Each change reads the text again, for about 10 s at
+this bound.
+"""
 
 
 def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[str, str]:
-    """Return the text of a cell.toml with other zones and obstacles, and what has changed in words.
+    """Return the text of a cell.toml with changed zones and obstacles, and a description of the changes.
 
     Args:
-        source: the text that the changes were made from.
-        changes: none of them of an entry that another one has.
+        source: the text from which the changes were made.
+        changes: at most one for each entry.
 
     Raises:
-        Trouble: there is no such entry, or the file's form doesn't allow a change.
+        Trouble: there is no such entry, or the file's form can't be changed.
     """
     if len(changes) * len(source.text) > _MOST_WORK:
         what = f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, are too many at once"
@@ -56,10 +58,10 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
 
 
 def with_limits(source: SourceFile, limits: Sequence[LimitChange]) -> tuple[str, str]:
-    """Return the text of a robot.toml with other position limits, and what has changed in words.
+    """Return the text of a robot.toml with changed position limits, and a description of the changes.
 
     Raises:
-        Trouble: there is no such joint, or the file's form doesn't allow a change.
+        Trouble: there is no such joint, or the file's form can't be changed.
     """
     data = _data(source)
     tables = data.get("joints", {})
@@ -103,7 +105,7 @@ def _check_each_once(changes: Sequence[EntryChange], data: dict[str, Any]) -> No
 
 
 def _changed(text: str, name: str, one: EntryChange, before: dict[str, Any]) -> tuple[str, list[str]]:
-    """Return the text with another entry, and each value that has changed, in words."""
+    """Return the text with a changed entry, and a description of each changed value."""
     assert one.values is not None
     wanted, told = _given(one.values), list[str]()
     changed = text
@@ -120,7 +122,9 @@ def _changed(text: str, name: str, one: EntryChange, before: dict[str, Any]) -> 
 
 
 def _put(text: str, name: str, path: tuple[str, int, str], value: object) -> str:
-    """Return the text with another value of an entry's key (None: without the key); an entry that stands in one line is written anew."""
+    """Return the text with a new value of an entry's key (None removes the key). An entry on one line is
+    rewritten.
+    """
     source = SourceFile(name, text)
     try:
         return without(source, path) if value is None else with_value(source, path, value)

@@ -1,4 +1,6 @@
-"""Which programs no longer hold with a draft: checked in a process of low priority with bounded memory and time, one check at a time for all."""
+"""Checks of programs with a draft, in a process of low priority with bounded memory and time. One check runs
+at a time, for all sessions.
+"""
 
 from __future__ import annotations
 
@@ -20,26 +22,26 @@ from yarclang.runtime.actions import Trouble
 MOST_MEMORY = 3 << 30
 """Address space of the process [bytes]; a compiler with its libraries takes 1 GiB of it."""
 MOST_EACH = 120.0
-"""Time for one program [s]."""
+"""Longest time for one program [s]."""
 MOST_IN_ALL = 1800.0
-"""Time for all of them [s]."""
+"""Longest time for all programs [s]."""
 _MOST_FILES = 1000
 _MOST_TIMES = 5
-"""The process is begun so often: programs that end it are left out."""
+"""Most starts of the process. Programs that end it are left out."""
 _LARGEST = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """What is to be checked.
+    """Input of a check.
 
     Attributes:
         folder: of the project.
-        files: its programs, as paths from there.
+        files: programs, as paths in the project.
         robot: its folder or name.
-        cell: the cell of the session; None: there is none.
-        drafts: texts by the absolute paths of the files in whose place they are.
-        joints: where the robot stands (n,) [rad or m]; None: that isn't known.
+        cell: the cell of the session; None without one.
+        drafts: texts that replace files, by the files' absolute paths.
+        joints: present joint positions (n,) [rad or m]; None if unknown.
         digest: of the drafts.
     """
 
@@ -66,10 +68,10 @@ class _Check:
 
 
 class Checks:
-    """The checks of a pendant; the last one is remembered.
+    """The checks of a pendant. The last one is kept.
 
     Args:
-        command: what is run with the bound of its memory; None: the checker.
+        command: command to run with bounded memory; None for the checker.
     """
 
     def __init__(self, command: tuple[str, ...] | None = None) -> None:
@@ -78,14 +80,14 @@ class Checks:
 
     @property
     def is_busy(self) -> bool:
-        """True while a check is under way."""
+        """True while a check is running."""
         return self._last is not None and self._last.state == "running"
 
     def begin(self, session: Session, question: Question) -> None:
         """Begin a check.
 
         Raises:
-            Trouble: another one is under way.
+            Trouble: another one is running.
         """
         last = self._last
         if last is not None and last.state == "running":
@@ -96,7 +98,7 @@ class Checks:
         made.task = asyncio.ensure_future(self._run(made))
 
     def cancel(self, session: str) -> None:
-        """End the check of a session, if it has one under way."""
+        """End the running check of a session, if it has one."""
         last = self._last
         if last is not None and last.session == session and last.state == "running":
             last.state = "cancelled"
@@ -104,14 +106,14 @@ class Checks:
                 last.task.cancel()
 
     async def close(self) -> None:
-        """End what is under way."""
+        """End the running check."""
         if self._last is not None and self._last.task is not None:
             self.cancel(self._last.session)
             with contextlib.suppress(asyncio.CancelledError):
                 await self._last.task
 
     def outcome(self, digest: str) -> str:
-        """Return what the last check says of drafts, in words for the audit trail."""
+        """Return the outcome of the last check for drafts, in words for the audit trail."""
         last = self._last
         if last is None or last.question.digest != digest or last.state != "done":
             return "programs not checked"
@@ -120,7 +122,7 @@ class Checks:
         )
 
     def shown(self, session: Session) -> CheckShown:
-        """Return how far the last check is."""
+        """Return the progress of the last check."""
         last = self._last
         if last is None:
             return CheckShown(
@@ -165,11 +167,11 @@ class Checks:
         except OSError as error:
             check.what = f"it can't be begun: {reason_of(error)}"
         finally:
-            if check.state == "running":  # nobody else could check anything
+            if check.state == "running":  # otherwise no other check could begin
                 check.state = "failed"
 
     async def _listen(self, check: _Check) -> bool:
-        """Take what a process says of the files that are left; return True if it has come to its end."""
+        """Take the process's answers for the remaining files. Return True if it has finished."""
         process = await begun(self._command, limit=_LARGEST)
         try:
             await _ask(process, check)
@@ -191,7 +193,7 @@ class Checks:
             await _end(process)
 
     async def _leave_out(self, check: _Check) -> None:
-        """The program that was looked at has ended the process, or kept it too long."""
+        """Leave out the current program, which has ended the process or taken too long."""
         files = check.question.files
         if check.at < len(files):
             message = f"it couldn't be checked within {MOST_EACH:.0f} s and {MOST_MEMORY >> 30} GiB"

@@ -1,4 +1,6 @@
-"""The nearest pairs of bodies and the nearest borders of zones at one joint position, to be shown: what is proved stands in certificates."""
+"""The nearest pairs of bodies and the nearest zone borders at one joint position, for display. Proofs are in
+certificates.
+"""
 
 from __future__ import annotations
 
@@ -14,16 +16,24 @@ from yarclang.collision.zones.workspace import slack_at, watches_of
 from yarclang.robot.model import Array, Robot
 
 MOST = 8
-"""Pairs that are shown."""
+"""Most pairs that are shown."""
 _MOST_OWN = 2
-"""Pairs of the robot's own bodies among them: these are always near."""
+"""Most pairs of the robot's own bodies among them, because these are always near."""
 _LOOKED_AT = 60
-"""Pairs whose distance is computed exactly: those that are nearest by their boxes."""
+"""Most pairs whose distance is computed exactly: the nearest by their bounding boxes."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Near:
-    """Two things by their names: `distance` and `margin` [m]; `points` (2, 3) are the nearest points in {B} [m], None without such."""
+    """Two bodies, or a body and a zone.
+
+    Attributes:
+        first: name of the first.
+        second: name of the second.
+        distance: [m].
+        margin: required distance [m].
+        points: (2, 3) nearest points in {B} [m]; None if there are none.
+    """
 
     first: str
     second: str
@@ -33,12 +43,12 @@ class Near:
 
 
 def nearest(robot: Robot, cell: Cell | None, moving: Moving, q: Array) -> tuple[Near, ...]:
-    """Return what is nearest to what, the least room first.
+    """Return the nearest pairs, least distance beyond the margin first.
 
     Args:
         robot: the arm.
         cell: its surroundings.
-        moving: the frame that zones watch as the tool.
+        moving: frame that zones treat as the tool.
         q: (n,) [rad or m].
     """
     scene = scene_of(robot, cell).value
@@ -55,7 +65,7 @@ def _room(one: Near) -> float:
 
 
 def _pairs(scene: Scene, q: Array, pair: Rows, most: int) -> list[Near]:
-    """Return the nearest of some pairs (K,), each two names once."""
+    """Return the nearest of candidate pairs (K,), each two names once."""
     if not len(pair):
         return []
     placed = place(scene, q[None])
@@ -98,9 +108,9 @@ def _zones(robot: Robot, cell: Cell, scene: Scene, moving: Moving, q: Array) -> 
     for watch in watches_of(robot, cell, moving):
         if watch.item is None or watch.zone.rule == "slow":
             continue
-        # what a border asks for has its margin taken off already
+        # the slack of a border has its margin subtracted already
         room = float(slack_at(scene, watch, q[None])[0])
-        if not np.isfinite(room):  # a posture that is kept
+        if not np.isfinite(room):  # a constraint on the posture has no distance
             continue
         key = (watch.item.name, watch.zone.name)
         distance = room + watch.zone.margin

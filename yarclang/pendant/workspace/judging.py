@@ -1,6 +1,7 @@
-"""What a process of its own does to say which programs no longer hold: it reads what is asked from standard input, and writes a line of JSON for each answer.
+"""The process that checks which programs fail with a draft. It reads the question from standard input and
+writes a line of JSON for each answer.
 
-No file is written, and drafts are read in the place of files.
+No file is written, and drafts are read in place of files.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ from yarclang.units import MM
 from yarclang.view.clearance import touching
 
 _NOTHING = "Y0104"
-"""A file without a command: a module, which its callers are checked with."""
+"""Finding: the file has no command. It is a module, which is checked with its callers."""
 
 
 def main() -> None:
@@ -43,10 +44,11 @@ def main() -> None:
 
 
 def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
-    """Yield what is wrong with where the robot stands, and then of each file whether it holds.
+    """Yield the problems of the robot's present position, and then the judgement of each file.
 
     Args:
-        asked: `folder` and `files` of the project, `robot`, `cell` (the session's, or null), `drafts` (text by path), `joints` (n,) [rad or m].
+        asked: `folder` and `files` of the project, `robot`, `cell` (the session's, or null), `drafts` (text
+            by path), `joints` (n,) [rad or m].
     """
     drafts = {Path(path): SourceFile(path, text) for path, text in asked["drafts"].items()}
     before = Options(robot=asked["robot"], cell=asked["cell"])
@@ -59,7 +61,7 @@ def answers(asked: Mapping[str, Any]) -> Iterator[dict[str, Any]]:
 
 
 def _judged(path: str, before: Options, after: Options) -> dict[str, Any]:
-    """Return whether a program held before and holds now; nothing if the drafts don't matter to it."""
+    """Return the judgement of a program before and after; an empty one if the drafts don't affect it."""
     now = check_file(path, after)
     if any(one.code == _NOTHING for one in now.diagnostics):
         return {}
@@ -91,7 +93,7 @@ def _said(error: Diagnostic) -> dict[str, Any]:
 
 
 def _standing(asked: Mapping[str, Any], options: Options) -> Iterator[str]:
-    """Yield what the drafts make wrong with where the robot stands."""
+    """Yield the problems that the drafts cause at the robot's present position."""
     if asked["joints"] is None:
         yield "it isn't known where the robot stands"
         return
@@ -112,7 +114,7 @@ def _standing(asked: Mapping[str, Any], options: Options) -> Iterator[str]:
 
 
 def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
-    """Yield which joints stand beyond their limits at (n,) [rad or m]."""
+    """Yield the joints that are beyond their limits at (n,) [rad or m]."""
     excess = np.maximum(robot.limits.lower - q, q - robot.limits.upper) / robot.axis_units
     for name, by, unit in zip(robot.joint_names, excess, robot.axis_unit_names, strict=True):
         if by > 1e-6:
@@ -120,7 +122,7 @@ def beyond_limits(robot: Robot, q: Array) -> Iterator[str]:
 
 
 def in_the_way(robot: Robot, cell: Cell, q: Array) -> Iterator[str]:
-    """Yield which zones and margins of a cell the robot breaks at (n,) [rad or m]."""
+    """Yield the zones and margins of a cell that the robot violates at (n,) [rad or m]."""
     told = set()
     for watch, slack in broken_at(robot, cell, tool_frame(robot), q):
         item = "the joints" if watch.item is None else watch.item.name

@@ -44,7 +44,15 @@ _MARK = "\ufeff"
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A file of the project: its path there, its whole path, its text (with `mark`, a byte order mark, before it), its SHA-256."""
+    """A file of the project.
+
+    Attributes:
+        file: path in the project.
+        path: absolute path.
+        text: its content, without the byte order mark.
+        mark: the byte order mark; empty if there is none.
+        known: SHA-256 of the file.
+    """
 
     file: str
     path: Path
@@ -54,12 +62,12 @@ class Text:
 
     @property
     def source(self) -> SourceFile:
-        """The text, with the file's path as its name."""
+        """The text as a source named by the path in the project."""
         return SourceFile(self.file, self.text)
 
     @property
     def placed(self) -> SourceFile:
-        """The text, with the whole path as its name."""
+        """The text as a source named by the absolute path."""
         return SourceFile(str(self.path), self.text)
 
 
@@ -67,7 +75,7 @@ def text_in(folder: ProjectFolder, path: Path) -> Text:
     """Return a file that must be in the project.
 
     Raises:
-        Trouble: it isn't there, or is no text.
+        Trouble: it doesn't exist, or is no text.
     """
     inside = folder.path(str(path.absolute()))
     file = inside.relative_to(folder.root).as_posix()
@@ -81,13 +89,13 @@ def text_in(folder: ProjectFolder, path: Path) -> Text:
 
 
 def cell_of(text: SourceFile, folder: Path, robot: Robot) -> tuple[Cell | None, tuple[Diagnostic, ...]]:
-    """Return the cell of a text, and all findings of it."""
+    """Return the cell of a text, and all of its findings."""
     made = read_cell(text, folder, Names(is_word, robot))
     return made.value, made.diagnostics
 
 
 def entries_of(text: SourceFile) -> tuple[WorkspaceEntry, ...]:
-    """Return the zones and obstacles of a text; those that aren't tables of such keys are left out."""
+    """Return the zones and obstacles of a text. Entries that aren't tables are left out."""
     data = _data(text)
     if data is None:
         return ()
@@ -113,7 +121,7 @@ def units_of(text: SourceFile) -> Mapping[Kind, Unit]:
 
 
 def frames_of(cell: Cell | None) -> tuple[WorkspaceFrame, ...]:
-    """Return the frames in which bodies may stand."""
+    """Return the frames in which bodies may be placed."""
     still = WorkspaceFrame(name="B", on_flange=False, pose=_rows(np.eye(4)))
     carried = WorkspaceFrame(name="FLANGE", on_flange=True, pose=_rows(np.eye(4)))
     own = () if cell is None else cell.frames.values()
@@ -128,12 +136,12 @@ def frames_of(cell: Cell | None) -> tuple[WorkspaceFrame, ...]:
 
 
 def watched_of(robot: Robot) -> tuple[str, ...]:
-    """Return what a zone may watch: parts, and links with shapes."""
+    """Return the bodies that a zone may watch: parts, and links with shapes."""
     return (*PARTS, *dict.fromkeys(one.link for one in robot.shapes))
 
 
 def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
-    """Return the position limits in a robot.toml beside those of the URDF."""
+    """Return the position limits in a robot.toml and those of the URDF."""
     try:
         tables = tomllib.loads(text).get("joints", {})
     except (tomllib.TOMLDecodeError, RecursionError):
@@ -159,18 +167,18 @@ def limits_of(text: str, robot: Robot) -> tuple[JointLimits, ...]:
 
 
 def findings_of(found: tuple[Diagnostic, ...]) -> tuple[Finding, ...]:
-    """Return findings as messages, few enough for a page."""
+    """Return findings as messages, at most as many as a page shows."""
     return finding_messages(found[:100])
 
 
 def checked_robot(text: SourceFile, folder: Path) -> tuple[Robot | None, tuple[Diagnostic, ...]]:
-    """Return the robot of a robot.toml's text, and all findings of it."""
+    """Return the robot of a robot.toml's text, and all of its findings."""
     made = read_robot(text, folder)
     return made.value, made.diagnostics
 
 
 def _of_urdf(robot: Robot) -> dict[str, tuple[float | None, float | None]]:
-    """Return the end stops of a robot's URDF by its joints [deg or mm]; without those that it doesn't know."""
+    """Return the end stops in a robot's URDF by joint [deg or mm], as far as they are given."""
     found: dict[str, tuple[float | None, float | None]] = {}
     source = read_text(robot.folder / robot.urdf, "")
     if isinstance(source, Diagnostic):
@@ -204,7 +212,7 @@ def _entry(
 
 
 def _values(known: dict[str, Any]) -> EntryValues:
-    """Return the keys of an entry; those of a wrong form are left out, and are said among the findings."""
+    """Return the keys of an entry. Those of a wrong form are left out, and are among the findings."""
     while True:
         try:
             return EntryValues.model_validate_json(json.dumps(known, default=str))
@@ -223,7 +231,7 @@ def _data(text: SourceFile) -> dict[str, Any] | None:
 
 
 def _pair(value: object) -> tuple[float | None, float | None]:
-    """Return two numbers; None for each if the value isn't two of them."""
+    """Return two numbers; (None, None) if the value isn't a pair of numbers."""
     if not isinstance(value, list) or len(value) != 2:
         return None, None
     if not all(type(one) in (int, float) and abs(one) <= LARGEST for one in value):

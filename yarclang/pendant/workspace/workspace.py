@@ -1,4 +1,6 @@
-"""The workspace of the session's cell: shown, changed by drafts, saved by service users, and how near things are now."""
+"""The workspace of the session's cell: its display, drafts of changes, saving by service users, and present
+distances.
+"""
 
 from __future__ import annotations
 
@@ -52,9 +54,11 @@ from yarclang.units import MM
 _PROGRAM = ".yarc"
 _MOST_PROGRAMS = 1000
 _EACH = 1.0
-"""Time between two looks at the files for distances [s]."""
+"""Time between two checks of the files for distances [s]."""
 _LONGEST = 30_000
-"""Characters of a cell.toml up to which distances are measured with a draft: it would be read anew several times a second."""
+"""Longest cell.toml for which distances are measured with a draft [characters], because the text is parsed
+several times a second.
+"""
 _NEW_CELL = 'units = "mm,deg,s"\n'
 _NOW = "Offers, jogs and programs that are loaded from now on keep to it. "
 _RESTART = (
@@ -66,8 +70,8 @@ class Workspace:
     """The workspace of a pendant.
 
     Args:
-        robot: whose.
-        watched: the robot as all pages see it.
+        robot: of the pendant.
+        watched: the robot's present state.
         filing: the files of the project.
         checks: of programs.
     """
@@ -83,7 +87,7 @@ class Workspace:
         self._measured: tuple[tuple[object, bytes], tuple[Near, ...]] | None = None
 
     async def shown(self) -> WorkspaceShown:
-        """Return the workspace as the files have it.
+        """Return the workspace as it is in the files.
 
         Raises:
             Trouble: the coordinator can't be reached.
@@ -91,24 +95,24 @@ class Workspace:
         return await asyncio.to_thread(shown_of, self._robot, await self._asked())
 
     async def proposed(self, draft: WorkspaceDraft) -> Proposed:
-        """Return what a draft makes of the files; nothing is written.
+        """Return the files after a draft, without writing anything.
 
         Raises:
-            Trouble: it doesn't fit the files any more (code "changed"), or they can't be changed here.
+            Trouble: the draft doesn't fit the files any more (code "changed"), or they can't be changed here.
         """
         return Proposed(files=await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft))
 
     async def save(self, session: Session, address: str, draft: WorkspaceDraft) -> SavedWorkspace:
-        """Write what a draft makes of the files.
+        """Write the files after a draft.
 
         Args:
-            session: whose; of a service user who has entered the PIN lately.
-            address: that it comes from.
+            session: of a service user who has entered the PIN lately.
+            address: from which the request came.
             draft: the changes.
 
         Raises:
-            NotAllowed: the session may not.
-            Trouble: the robot moves, a file has changed meanwhile, or it can't be written.
+            NotAllowed: the session lacks the role or the PIN.
+            Trouble: the robot moves, a file has changed meanwhile, or can't be written.
         """
         self._filing.check_service(session)
         files = await asyncio.to_thread(proposed_of, self._robot, await self._asked(), draft)
@@ -139,11 +143,11 @@ class Workspace:
         return SavedWorkspace(files=tuple(_written(one) for one in written), told=told.strip())
 
     async def make(self, session: Session, address: str, file: str) -> SavedWorkspace:
-        """Make a cell for a project that has none: a new file, which yarc.toml names.
+        """Create a cell for a project without one: a new file that yarc.toml names.
 
         Raises:
-            NotAllowed: the session may not.
-            Trouble: there is one, the file is there already, or it can't be written.
+            NotAllowed: the session lacks the role or the PIN.
+            Trouble: there is a cell or a file of this name already, or it can't be written.
         """
         self._filing.check_service(session)
         self._check_rest()
@@ -178,10 +182,10 @@ class Workspace:
     # programs
 
     async def check(self, session: Session, draft: WorkspaceDraft) -> CheckShown:
-        """Begin to check which programs no longer hold with a draft.
+        """Begin to check which programs fail with a draft.
 
         Raises:
-            Trouble: another check is under way, or the draft doesn't fit.
+            Trouble: another check is running, or the draft doesn't fit.
         """
         around = await self._asked()
         files = await asyncio.to_thread(proposed_of, self._robot, around, draft)
@@ -208,7 +212,7 @@ class Workspace:
     # distances
 
     async def distances(self, draft: WorkspaceDraft | None) -> Distances:
-        """Return what is nearest to what now; nothing else is measured meanwhile.
+        """Return the present distances. Only one measurement runs at a time.
 
         Raises:
             Trouble: the draft doesn't fit.
@@ -228,7 +232,7 @@ class Workspace:
             return Distances(pairs=tuple(map(_near_shown, self._measured[1])), what=what)
 
     async def _cell_with(self, draft: WorkspaceDraft | None) -> Cell | None:
-        """Return the cell, with a draft's bodies; the same value as long as the text is the same."""
+        """Return the cell with a draft's bodies; the same object for the same text."""
         around = await self._lately()
 
         def read() -> tuple[str, Cell | None]:
@@ -254,7 +258,9 @@ class Workspace:
     # files
 
     async def _lately(self) -> Around:
-        """Return what is around, asked at most once a second: each question goes to the controller as well."""
+        """Return the files, requested at most once a second, because each request also goes to the
+        controller.
+        """
         now = asyncio.get_running_loop().time()
         if self._around_at is None or now - self._around_at[0] > _EACH:
             self._around_at = now, await self._asked()

@@ -1,4 +1,4 @@
-"""Two programs compared by what the robot does: paths, times, configurations, outputs and waits."""
+"""Comparison of two programs by the robot's behaviour: paths, times, configurations, outputs and waits."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot, Tolerance
 
 SAME_TIME = 5e-4
-"""Durations that differ by less [s] are one: the segment time has steps."""
+"""Difference below which durations count as equal [s], because the segment time has steps."""
 
 _OTHER_JOINTS = 1.0
-"""The tool stands where it should, but a joint is off by more [deg or mm]: another solution was taken."""
+"""Difference of a joint at an equal tool pose above which another solution was taken [deg or mm]."""
 
 Status = Literal["same", "changed", "added", "removed"]
 
@@ -27,9 +27,15 @@ Status = Literal["same", "changed", "added", "removed"]
 class Compared:
     """A command of the first program, one of the second, or both.
 
-    Of two motions, `path` says how far their ways are apart, `differs` whether that is beyond the tolerance. `other_branch` says
-    that the tool ends alike with other joint values. `longer` [s] is by how much the second takes longer (0 within the clock's step),
-    `what` whether what a command does that moves nothing is another thing, `carries` whether the robot carries other parts meanwhile.
+    Attributes:
+        first: command of the first program; None if it has none.
+        second: command of the second program; None if it has none.
+        path: difference of the paths of two motions.
+        differs: True if this is beyond the tolerance.
+        other_branch: True if the tool ends alike with other joint values.
+        longer: extra duration of the second command [s]; 0 within the clock's step.
+        what: True if two commands without motion do different things.
+        carries: True if the robot carries other parts meanwhile.
     """
 
     first: Act | None
@@ -43,7 +49,7 @@ class Compared:
 
     @property
     def status(self) -> Status:
-        """Whether and how the programs differ here."""
+        """Kind of the difference."""
         if self.first is None:
             return "added"
         if self.second is None:
@@ -54,8 +60,15 @@ class Compared:
 
 @frozen(eq=False)
 class Comparison:
-    """Two programs side by side; `frame` is the one whose path is compared, `start` (n,) [rad or m] how much further the
-    second starts.
+    """Two programs side by side.
+
+    Attributes:
+        first: execution of the first program.
+        second: execution of the second program.
+        frame: whose path is compared.
+        tolerance: of the comparison.
+        start: (n,) difference of the second program's start from the first's [rad or m].
+        commands: of both programs.
     """
 
     first: Executed
@@ -67,21 +80,21 @@ class Comparison:
 
     @property
     def starts_elsewhere(self) -> bool:
-        """Whether a joint starts further off than the tolerance of an angle or a distance."""
+        """True if a joint's start differs by more than the tolerance of an angle or a distance."""
         return bool((np.abs(self.start) > _allowed(self.first.robot, self.tolerance)).any())
 
     @property
     def equal(self) -> bool:
-        """Whether there is no difference beyond the tolerance."""
+        """True if there is no difference beyond the tolerance."""
         return not self.starts_elsewhere and all(one.status == "same" for one in self.commands)
 
     def count(self, status: Status) -> int:
-        """How many commands have a status."""
+        """Return the number of commands with a status."""
         return sum(one.status == status for one in self.commands)
 
     @property
     def worst(self) -> Compared | None:
-        """The command whose path differs most."""
+        """The command with the largest difference of paths."""
         with_path = [one for one in self.commands if one.path is not None]
         return max(with_path, key=lambda one: one.path.position if one.path else 0.0, default=None)
 
@@ -90,9 +103,9 @@ def compare(first: Executed, second: Executed, tolerance: Tolerance) -> Comparis
     """Compare two programs for robots of one kind.
 
     Args:
-        first: as it is executed.
-        second: likewise, with as many joints.
-        tolerance: how far the tool may be off.
+        first: execution of the first program.
+        second: execution of the second program, with as many joints.
+        tolerance: allowed difference of the tool.
     """
     robot = second.robot
     frame = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
@@ -111,7 +124,7 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     longer = other.duration - one.duration
     longer = longer if abs(longer) > SAME_TIME else 0.0
     if one.curve is None or other.curve is None:
-        # how long a dwell is says itself
+        # the text of a dwell contains its duration
         return Compared(one, other, what=one.what != other.what, longer=longer)
     path = path_difference(robot, frame, one.curve, other.curve)
     differs = path.position > tolerance.position or path.angle > tolerance.angle
@@ -122,7 +135,7 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:
-    """Whether two ends (2, n) are one for the tool, and not for the joints."""
+    """Return True if two ends (2, n) are equal for the tool but not for the joints."""
     if path.joint_off <= _OTHER_JOINTS:
         return False
     off = np.abs(ends[1] - ends[0]) / robot.axis_units

@@ -1,6 +1,6 @@
-"""Which command of one program is which of another: by what they do and in their order, then by their places.
+"""Pairing of the commands of two programs: by effect and order, then by place.
 
-An inserted command is one that is new, wherever it stands; another index for the same command is no difference.
+An inserted command counts as new, wherever it is. Another index for an equal command is no difference.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ from yarclang.progress import go_on
 Pair = tuple[Act | None, Act | None]
 
 _FINE = 1e-3
-"""Ends of motions that round to the same multiple of this [rad or m] are surely one."""
+"""Ends of motions that round to the same multiple of this are certainly equal [rad or m]."""
 
 _MOST_CELLS = 200_000
-"""A larger table isn't searched for the best pairs: places decide then."""
+"""Largest table that is searched for the best pairs. Beyond it, commands are paired by place."""
 
 _ALONE = 0.7
 _OTHER_PLACE = 0.3
 _OTHER_NAME = 0.15
 _OTHER_END = 0.8
 _FAR = 0.5
-"""An end that is as far off [rad or m] costs all of `_OTHER_END`."""
+"""Distance of two ends that costs all of `_OTHER_END` [rad or m]."""
 
 
 def pairs_of(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """The commands of two programs side by side, in order; None where one has none."""
+    """Return the commands of two programs side by side, in order; None for a missing partner."""
     return _aligned(first, second, [_key(one) for one in first], [_key(one) for one in second], _closest)
 
 
 def _key(act: Act) -> Hashable:
-    """What a command surely has in common with the one that does the same."""
+    """Return a value that is equal for commands with certainly the same effect."""
     if act.curve is None:
         return act.kind, act.what
     return act.kind, tuple(np.round(act.curve.points[-1] / _FINE).astype(int).tolist())
@@ -48,7 +48,7 @@ def _aligned(
     others: Sequence[Hashable],
     rest: Callable[[Sequence[Act], Sequence[Act]], list[Pair]],
 ) -> list[Pair]:
-    """Those with equal keys side by side; `rest` says what becomes of those between them."""
+    """Pair commands with equal keys; `rest` pairs the commands between them."""
     pairs: list[Pair] = []
     for tag, i, j, k, m in SequenceMatcher(None, keys, others, autojunk=False).get_opcodes():
         if tag == "equal":
@@ -63,7 +63,7 @@ def _apart(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
-    """The pairs, in order, that cost least; a command without a partner costs as well."""
+    """Return the ordered pairs of least cost. A command without a partner costs as well."""
     n, m = len(first), len(second)
     if n * m == 0:
         return _apart(first, second)
@@ -102,7 +102,7 @@ def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
 
 
 def _cost(one: Act, other: Act) -> float:
-    """How little two commands look like one; infinite for those that can't be."""
+    """Return the dissimilarity of two commands; infinite if they can't be paired."""
     if one.kind != other.kind:
         return np.inf
     cost = _OTHER_PLACE * (one.place != other.place) + _OTHER_NAME * (one.name != other.name)

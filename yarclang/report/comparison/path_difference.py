@@ -1,4 +1,4 @@
-"""How far two executed motions are from each other, place by place along their ways: their laws over time don't enter."""
+"""Difference of two executed motions, place by place along their paths, regardless of their timing."""
 
 from __future__ import annotations
 
@@ -10,17 +10,23 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 
 _SAMPLES = 2048
-"""Of a motion's way over time."""
+"""Samples of a motion over time."""
 
 _PLACES = 513
-"""Along the way, where both are compared."""
+"""Places along the path at which both are compared."""
 
 
 @frozen
 class PathDifference:
-    """The largest differences: of the tool's position [m] and orientation [rad], and of a joint, `joint` (from 0), in axis units.
+    """The largest differences of two motions.
 
-    `at` is where on the way the tool's position differs most, from 0 to 1; where only the rest does, where that is.
+    Attributes:
+        position: of the tool's position [m].
+        angle: of the tool's orientation [rad].
+        joint: the joint with the largest difference, from 0.
+        joint_off: difference of this joint, in axis units.
+        at: place on the path of the largest difference in position, from 0 to 1; if the positions are equal,
+            that of the other differences.
     """
 
     position: float
@@ -34,13 +40,13 @@ SAME_PATH = PathDifference(0.0, 0.0, 0, 0.0, 0.0)
 
 
 def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathDifference:
-    """Compare two curves at equal shares of their ways in joint space.
+    """Compare two curves at equal shares of their lengths in joint space.
 
     Args:
-        robot: whose.
-        frame: whose position and orientation count, one on the flange.
+        robot: of both motions.
+        frame: frame on the flange whose position and orientation are compared.
         one: a motion.
-        other: another.
+        other: another motion.
     """
     if one.points.shape == other.points.shape and np.array_equal(one.points, other.points):
         return SAME_PATH
@@ -49,7 +55,7 @@ def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathD
     tool = robot.flange_from_frame[frame]
     poses, others = tool_poses(robot.chain, q, tool), tool_poses(robot.chain, r, tool)
     off = np.linalg.norm(poses[:, :3, 3] - others[:, :3, 3], axis=1)
-    # 2 sqrt(2) sin(angle / 2) is the distance of two rotations
+    # the Frobenius distance of two rotations is 2 sqrt(2) sin(angle / 2)
     spread = np.linalg.norm(poses[:, :3, :3] - others[:, :3, :3], axis=(1, 2))
     angle = 2.0 * np.arcsin(np.minimum(spread / np.sqrt(8.0), 1.0))
     joints = np.abs(q - r) / robot.axis_units
@@ -61,7 +67,7 @@ def path_difference(robot: Robot, frame: str, one: Curve, other: Curve) -> PathD
 
 
 def _along(curve: Curve, s: Array) -> Array:
-    """Joint positions (N, n) [rad or m] at shares `s` (N,) of the way, counted in joint space."""
+    """Return joint positions (N, n) [rad or m] at shares `s` (N,) of the curve's length in joint space."""
     times = np.linspace(0.0, curve.duration, _SAMPLES)
     q = curve.sample(times)[0]
     way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(q, axis=0), axis=1))))

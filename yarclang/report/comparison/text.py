@@ -17,7 +17,9 @@ _SIGNS = {"same": " ", "changed": "~", "added": "+", "removed": "-"}
 
 
 def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Iterator[tuple[str, str]]:
-    """Sign and line of each difference: ~ changed, + only in the second, - only in the first program; then totals, without a sign."""
+    """Yield sign and line of each difference: ~ changed, + only in the second, - only in the first program;
+    then the totals, without a sign.
+    """
     robot = comparison.second.robot
     if comparison.starts_elsewhere:
         parts = [
@@ -48,7 +50,7 @@ def _title(one: Compared) -> str:
 
 
 def difference_text(comparison: Comparison, one: Compared) -> str:
-    """What is different at a command, in words."""
+    """Return the difference of a command, in words."""
     robot = comparison.second.robot
     match one.status, one.first, one.second:
         case "added", _, Act() as act:
@@ -83,7 +85,7 @@ def _carried(act: Act) -> str:
 
 
 def path_text(robot: Robot, path: PathDifference) -> str:
-    """`5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
+    """Return a difference of paths: `5.02 mm, 0.1 deg (J3 by 1.2 deg), most at 63 % of the way`."""
     joint = f"{robot.joint_names[path.joint]} by {path.joint_off:.4g} {robot.axis_unit_names[path.joint]}"
     return f"{path.position / MM:.4g} mm, {path.angle / DEG:.3g} deg ({joint}), most at {path.at * 100:.0f} % of the way"
 
@@ -93,7 +95,7 @@ def _act_text(act: Act) -> str:
 
 
 def totals_text(comparison: Comparison) -> str:
-    """How many commands are the same, and how long both programs take."""
+    """Return the number of equal commands, and the durations of both programs."""
     counts = ", ".join(
         f"{comparison.count(status)} {status}"
         for status in ("same", "changed", "added", "removed")
@@ -109,7 +111,7 @@ def totals_text(comparison: Comparison) -> str:
 
 
 def compared_json(comparison: Comparison) -> dict[str, Any]:
-    """Plain data, the unit in each name; a command that only one program has is null on the other's side."""
+    """Return plain data, with units in the names. A missing command is null."""
     robot = comparison.second.robot
     return {
         "version": 1,

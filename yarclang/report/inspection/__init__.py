@@ -1,1 +1,1 @@
-"""All that is known of one command: `yarc inspect`."""
+"""Complete information on one command: `yarc inspect`."""

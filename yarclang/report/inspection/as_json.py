@@ -1,4 +1,4 @@
-"""A command's inspection as plain data, the unit in each name."""
+"""A command's inspection as plain data, with units in the names."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from yarclang.units import MS
 
 
 def inspected_json(inspected: Inspected) -> dict[str, Any]:
-    """Everything that the text shows; joints by name, null where something isn't known."""
+    """Return everything that the text shows; joints by name, null for unknown values."""
     origin, robot = inspected.origin, inspected.robot
     motion = inspected.motion
     return {
@@ -58,7 +58,7 @@ def inspected_json(inspected: Inspected) -> dict[str, Any]:
 
 
 def _table(step: TimedMove) -> dict[str, Any]:
-    """Return what a timetable says, and what is between its rows."""
+    """Return the rows of a timetable, and the interpolation between them."""
     table = step.table
     between = (
         "clamped spline"
@@ -78,7 +78,7 @@ def _table(step: TimedMove) -> dict[str, Any]:
 
 
 def _stands(step: Step) -> float | None:
-    """How long a step stands [s]; None if it isn't a dwell."""
+    """Return the duration of a dwell [s]; None for another step."""
     return step.duration if isinstance(step, Dwell) else None
 
 

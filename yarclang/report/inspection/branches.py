@@ -1,4 +1,4 @@
-"""All joint positions that reach a pose: which was taken, and why not another."""
+"""All joint positions that reach a pose, with the reasons why one was taken and others weren't."""
 
 from __future__ import annotations
 
@@ -14,19 +14,23 @@ from yarclang.robot.kinematics.within import EDGE, beyond, nearest_turn
 from yarclang.robot.model import Array, Robot
 
 MOST_TRIED = 24
-"""From so many solutions what follows is tried."""
+"""Most solutions that are tried with the following motions."""
 
 Verdict = Literal["chosen", "farther", "continuity", "fails later", "works", "out of limits"]
 Follow = Callable[[Array], str]
-"""What goes wrong behind a joint position (n,): a sentence, or nothing."""
+"""Function that returns what goes wrong after a joint position (n,), in a sentence; empty for nothing."""
 
 
 @frozen(eq=False)
 class Solution:
-    """A joint position `q` (n,) [rad or m] that reaches the pose.
+    """A joint position that reaches the pose.
 
-    `distance` is the sum of squared joint differences from `reference` (rad and m), `verdict` what became of it, `reason` in words.
-    `excess` (n,) [rad or m] is how far each joint is out of its limits, 0 within.
+    Attributes:
+        q: (n,) [rad or m].
+        distance: sum of squared joint differences from the reference (rad and m).
+        excess: (n,) distance of each joint beyond its limits [rad or m]; 0 within.
+        verdict: if and why it was taken.
+        reason: of the verdict, in words.
     """
 
     q: Array
@@ -45,15 +49,16 @@ def solutions_of(
     *,
     along_path: bool,
 ) -> tuple[Solution, ...]:
-    """Every inverse-kinematics solution, each with all its full turns within limits, nearest first; then those out of limits.
+    """Return all inverse-kinematics solutions with their full turns within limits, nearest first; then those
+    beyond limits.
 
     Args:
-        robot: whose.
+        robot: the robot.
         base_from_flange: (4, 4), the pose.
-        reference: (n,) from where the distance counts [rad or m].
-        chosen: (n,) what the plan takes; None where it takes none.
-        follow: what goes wrong behind a solution.
-        along_path: whether the motion keeps its configuration, so that nothing is chosen.
+        reference: (n,) position from which the distance counts [rad or m].
+        chosen: (n,) the plan's solution; None if it takes none.
+        follow: returns what goes wrong after a solution.
+        along_path: True if the motion keeps its configuration, so that there is no choice.
     """
     chain, limits = robot.chain, robot.limits
     found, reached = branches(chain, base_from_flange[None], hold=reference)
@@ -112,7 +117,7 @@ def _verdict(
 
 
 def excess_text(robot: Robot, excess: Array) -> str:
-    """`J3 12.5 deg above, J5 3 deg below its limit`."""
+    """Return the joints beyond their limits: `J3 12.5 deg above, J5 3 deg below its limit`."""
     parts = [
         f"{name} by {abs(value) / unit:.4g} {unit_name} {'above' if value > 0 else 'below'}"
         for name, value, unit, unit_name in zip(

@@ -1,4 +1,4 @@
-"""The corners that a command has to do with: motions that flow into each other, and outputs that are set in the middle of one."""
+"""Corners around a command: motions that flow into each other, and outputs that are set during one."""
 
 from __future__ import annotations
 
@@ -12,8 +12,14 @@ from yarclang.motion.plan import MotionPlan
 
 @frozen
 class Flowing:
-    """A corner that is passed in motion: from which command into which, when both are carried out together, from `begins` to
-    `ends` [s of the program], and when one gives way to the other, `middle`.
+    """A corner that is passed in motion.
+
+    Attributes:
+        first: command before the corner.
+        second: command after the corner.
+        begins: time at which both begin to overlap [s of the program].
+        middle: time at which the first command gives way to the second [s of the program].
+        ends: end of the overlap [s of the program].
     """
 
     first: Origin
@@ -25,7 +31,13 @@ class Flowing:
 
 @frozen
 class Flows:
-    """The corners `before` and `behind` a motion, or that `inside` which an output is set; None where the robot stands."""
+    """Corners of a command; None at a stop.
+
+    Attributes:
+        before: corner at the start of a motion.
+        behind: corner at the end of a motion.
+        inside: corner during which an output is set.
+    """
 
     before: Flowing | None = None
     behind: Flowing | None = None
@@ -36,7 +48,7 @@ NO_FLOWS = Flows()
 
 
 def flows_of(plan: MotionPlan, number: int) -> Flows:
-    """The corners that step `number` of a planned program has to do with."""
+    """Return the corners of step `number` in a planned program."""
     step = plan.program.steps[number]
     places = [motion.step for motion in plan.motions]
     if isinstance(step, Motion) and number in places:
@@ -49,7 +61,7 @@ def flows_of(plan: MotionPlan, number: int) -> Flows:
 
 
 def flow_lines(flows: Flows) -> Iterator[str]:
-    """What there is to say of a motion."""
+    """Yield the lines on a motion's corners."""
     if flows.before is not None:
         yield f"flows in from {_called(flows.before.first)} without a stop: {_together(flows.before)}"
     if flows.behind is not None:
@@ -63,14 +75,14 @@ def _together(corner: Flowing) -> str:
 
 
 def when_set(flows: Flows) -> str:
-    """When an output is set, in words."""
+    """Return the time at which an output is set, in words."""
     if flows.inside is None:
         return "at rest,"
     return f"in motion, half way from {_called(flows.inside.first)} to {_called(flows.inside.second)},"
 
 
 def flows_json(flows: Flows) -> dict[str, Any]:
-    """As plain data, the unit in each name."""
+    """Return plain data, with units in the names."""
     return {
         name: corner
         and {
@@ -89,7 +101,7 @@ def flows_json(flows: Flows) -> dict[str, Any]:
 
 
 def _corner(plan: MotionPlan, motion: int) -> Flowing | None:
-    """The corner at the end of a motion; None where the robot stands there."""
+    """Return the corner at the end of a motion; None if the robot stops there."""
     if motion < 0 or not plan.motions[motion].flows:
         return None
     made = plan.motions[motion]

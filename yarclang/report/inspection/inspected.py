@@ -1,4 +1,6 @@
-"""Everything that is known of one command of a program: frames, target, joints, solutions, time, proofs, and its lines for the controller."""
+"""Complete information on one command of a program: frames, target, joints, solutions, time, proofs, and its
+controller lines.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class Studied:
-    """A program as far as it can be understood, with all that is said of it: planned and certified only if it has no errors."""
+    """A program as far as it is understood, with its findings. It is planned and certified only if it has no
+    errors.
+    """
 
     program: Program
     request: Request
@@ -47,8 +51,15 @@ class Studied:
 
 @frozen(eq=False)
 class WayPoint:
-    """A pose that a motion goes to: `pose` (4, 4) is base_from_moving, with the frame at `flange_from_moving`. `reference` (n,)
-    [rad or m] is from where the nearest solution counts (`near`: NEAR says so).
+    """A pose that a motion goes to.
+
+    Attributes:
+        pose: (4, 4) base_from_moving.
+        flange_from_moving: (4, 4) pose of the moving frame.
+        reference: (n,) position from which the nearest solution counts [rad or m].
+        near: True if NEAR gives the reference.
+        solutions: joint positions that reach the pose.
+        unreachable: why there are none; None if there are.
     """
 
     pose: Array
@@ -64,22 +75,23 @@ class Inspected:
     """A command.
 
     Attributes:
-        robot: whose.
-        step: what it is.
+        robot: of the program.
+        step: the command's step.
         number: its number in the program.
-        start: (n,) the joint positions before it [rad or m]; None where errors hide them.
-        end: (n,) those behind it.
-        motion: as it is planned; None for what doesn't move, or can't be planned.
-        begins: when it begins in the program [s], the latest known time after a WHEN; None where that isn't known.
-        total: how long the program takes; None likewise.
+        start: (n,) joint positions before it [rad or m]; None if unknown because of errors.
+        end: (n,) joint positions after it [rad or m]; None if unknown because of errors.
+        motion: the planned motion; None for a command without motion, or one that can't be planned.
+        begins: its latest start in the program [s], counted after a WHEN; None if unknown.
+        total: duration of the program; None if unknown.
         waypoints: the poses that it goes to.
-        pace: what limits its time.
-        certificate: what was proved.
-        stretches: its lines in the controller's text, and `text`, the lines of that; empty where the program has errors.
-        findings: what is wrong with this command.
-        flows: the corners in motion that it has to do with.
-        carries: the parts that grippers hold during a motion.
-        deeds: what a SET does to parts, verb and names.
+        pace: limits of its time.
+        certificate: its proof.
+        stretches: its lines in the controller's text.
+        text: lines of the controller's text; empty if the program has errors.
+        findings: of this command.
+        flows: its corners in motion.
+        carries: parts that grippers hold during a motion.
+        deeds: effects of a SET on parts, verb and names.
     """
 
     robot: Robot
@@ -102,20 +114,20 @@ class Inspected:
 
     @property
     def origin(self) -> Origin:
-        """Where it comes from."""
+        """Source of the command."""
         assert not isinstance(self.step, Gap)
         return self.step.origin
 
 
 def study(checked: Checked) -> Studied | None:
-    """A program that was checked with planning; None where it isn't known for which robot it is."""
+    """Study a program that was checked with planning; None if its robot is unknown."""
     if checked.program is None or checked.opened is None:
         return None
     return Studied(checked.program, checked.opened.request, checked.compiled, checked.diagnostics)
 
 
 def inspect_step(studied: Studied, number: int) -> Inspected:
-    """Look at step `number` of a program, which isn't a Gap."""
+    """Inspect step `number` of a program, which isn't a Gap."""
     program, request, compiled = studied.program, studied.request, studied.compiled
     step = program.steps[number]
     assert not isinstance(step, Gap)
@@ -175,7 +187,7 @@ def _way(studied: Studied, number: int) -> Way:
 
 
 def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
-    """The findings about this command."""
+    """Return the findings about this command."""
     assert not isinstance(step, Gap)
     origin = step.origin
     return tuple(
@@ -190,7 +202,7 @@ def _own(studied: Studied, step: Step) -> tuple[Diagnostic, ...]:
 
 
 def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
-    """The poses of a motion, each with its solutions; of a Cartesian motion the last one."""
+    """Return the poses of a motion with their solutions; the last pose of a Cartesian motion."""
     step = studied.program.steps[number]
     robot = studied.request.robot
     assert isinstance(step, Motion)
@@ -251,7 +263,7 @@ def _waypoint(
 
 
 def chain_of(link: FrameLink | None) -> tuple[FrameLink, ...]:
-    """A frame and those that it hangs on, up to {B} or {FLANGE}."""
+    """Return a frame and its parents, up to {B} or {FLANGE}."""
     chain: list[FrameLink] = []
     while link is not None:
         chain.append(link)
@@ -260,7 +272,7 @@ def chain_of(link: FrameLink | None) -> tuple[FrameLink, ...]:
 
 
 def chain_pose(link: FrameLink) -> Array:
-    """Where a frame sits in {B} or on {FLANGE}: (4, 4)."""
+    """Return the pose of a frame in {B} or on {FLANGE} (4, 4)."""
     pose = np.eye(4)
     for one in chain_of(link):
         pose = one.parent_from_frame @ pose

@@ -1,4 +1,4 @@
-"""What limits the time of a motion, where on its path, and the shortest time that works."""
+"""Limits of a motion's time, where on its path they are reached, and the shortest possible time."""
 
 from __future__ import annotations
 
@@ -23,8 +23,14 @@ _TRIALS = 20
 
 @frozen
 class Limit:
-    """How near a motion comes to a limit: `share` of it (1 is all that may be used), of `whose` joint or motor, `time` [s] behind
-    the start of the motion, at a share `s` of its way.
+    """Use of a limit by a motion.
+
+    Attributes:
+        kind: of the limit.
+        whose: joint or motor.
+        share: largest used share; 1 is all that may be used.
+        time: of the largest share, from the start of the motion [s].
+        s: share of the path at that time.
     """
 
     kind: str
@@ -36,29 +42,35 @@ class Limit:
 
 @frozen
 class Pace:
-    """What limits the time of a motion: the limits, the nearest first, and the shortest time that works [s] (None: none does, or the motion has none of its own)."""
+    """Limits of a motion's time.
+
+    Attributes:
+        limits: largest share first.
+        shortest: shortest possible time [s]; None if there is none, or the motion has no time of its own.
+    """
 
     limits: tuple[Limit, ...]
     shortest: float | None
 
     @property
     def is_shortest(self) -> bool:
-        """Whether the first of the limits is used up."""
+        """True if the first of the limits is fully used."""
         return bool(self.limits) and self.limits[0].share > 1.0 - 0.02
 
 
 def pace_of(
     program: Program, step: Motion, start: Array, motion: PlannedMotion, request: Request, *, flows: bool
 ) -> Pace:
-    """Look at the limits of a planned motion.
+    """Compute the limits of a planned motion.
 
     Args:
-        program: the step's.
+        program: of the step.
         step: the motion.
-        start: (n,) where it begins [rad or m].
-        motion: as it is planned.
-        request: how it was planned.
-        flows: True if it begins or ends without a stop: its time is that of its chain, so that no shortest time is looked for.
+        start: (n,) start of the motion [rad or m].
+        motion: the planned motion.
+        request: with which it was planned.
+        flows: True if it begins or ends without a stop. Its time is then that of its chain, and no shortest
+            time is searched.
     """
     curve, robot = motion.curve, request.robot
     bounds = bounds_of(robot).reduced(step.timing.share, step.timing.ramp)
@@ -76,7 +88,7 @@ def pace_of(
 def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:
     curve = motion.curve
     order = _ORDERS[demand.kind]
-    # a difference of order r from control point i on belongs to knots i + r/2 - 1 (points stand one knot ahead)
+    # a difference of order r from control point i belongs to knot i + r/2 - 1 (points are one knot ahead)
     knot = min(max(demand.at + order / 2.0 - 1.0, 0.0), float(curve.segments))
     s = float(np.interp(knot, np.arange(curve.segments + 1), knot_values(curve.law)))
     of_motor = demand.kind == "motor speed"
@@ -86,14 +98,14 @@ def _limit(robot: Robot, motion: PlannedMotion, demand: Demand) -> Limit:
 
 
 def _shortest(program: Program, step: Motion, start: Array, request: Request) -> float | None:
-    """The shortest time that works under the whole limits that the command may use [s]."""
+    """Return the shortest possible time under the command's shares of the limits [s]."""
     quickest = replace(alone(step), timing=replace(step.timing, duration=None, share=1.0, speed=None))
     planned = plan_program(replace(program, start=start, steps=(quickest,)), request)
     if planned.value is None or not planned.value.motions:
         return None
     duration = planned.value.motions[0].curve.duration
     for _ in range(_TRIALS):
-        # few digits, and it works when it is given
+        # few digits, rounded up so that the printed time is possible
         duration = math.ceil(duration * 1e3 - 1e-6) / 1e3
         given = replace(quickest, timing=replace(quickest.timing, duration=duration))
         if plan_program(replace(program, start=start, steps=(given,)), request).value is not None:

@@ -1,4 +1,4 @@
-"""What a program does as a tree: its ways and loops, each with the time that it takes."""
+"""Outline of a program as a tree: its branches and loops with their durations."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ class Row:
     """A line of the tree.
 
     Attributes:
-        depth: how many ways and loops are around it.
+        depth: number of enclosing branches and loops.
         kind: `step`, `way`, `loop` or `block`.
         label: the command's place, or the line of a word without an index.
-        text: what is done.
-        takes: the time of a motion, a way, or one pass of a loop; None of what takes none.
+        text: description of the step.
+        takes: duration of a motion, a branch, or one pass of a loop; None for others.
         step: its number in the program.
     """
 
@@ -75,7 +75,7 @@ def outline_of(plan: MotionPlan) -> tuple[Row, ...]:
 
 
 class _Outline:
-    """A program while its tree is made."""
+    """Builder of a program's tree."""
 
     def __init__(self, steps: Sequence[Step], parts: Sequence[Part]) -> None:
         self._steps, self._parts = steps, parts
@@ -85,7 +85,7 @@ class _Outline:
             for one in steps
             if isinstance(one, JointMove | LineMove) and one.search is not None
         }
-        """What is searched for, by the register that says whether it was found."""
+        """Texts of searches, by the register with the result."""
 
     def rows(self) -> Iterator[Row]:
         """Yield the lines from the first step on."""
@@ -113,7 +113,7 @@ class _Outline:
     def _loop(self, number: int, depth: int) -> Iterator[Row]:
         step, end = self._steps[number], self._ends[number][1]
         is_sub = not any(isinstance(one, NextPass) for one in self._steps[number:end])
-        # of a loop the longest is a whole pass, the shortest the way to where it is left
+        # the longest time of a loop is a whole pass, the shortest the time until it is left
         told = self._taken(number, end + 1)
         if not any(isinstance(one, Loop) for one in self._steps[number + 1 : end]):
             told = replace(told, loops=False)
@@ -145,7 +145,9 @@ class _Outline:
 
 
 def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
-    """Return for each WHEN and loop its ELSE (None: there is none), and its end; what isn't ended ends with the program."""
+    """Return the ELSE (None without one) and the end of each WHEN and loop. An unclosed one ends with the
+    program.
+    """
     found: dict[int, tuple[int | None, int]] = {}
     opened: list[tuple[int, int | None]] = []
     for number, step in enumerate(steps):
@@ -169,12 +171,12 @@ def _said(step: When) -> str:
 
 
 def _label(step: Step) -> str:
-    assert not isinstance(step, Gap)  # what isn't understood has no line
+    assert not isinstance(step, Gap)  # steps that aren't understood have no line
     return step.origin.label or f"line {step.origin.span.line}"
 
 
 def _text(step: Step) -> str:
-    """Return what a step does, in a few words; nothing of what only ends a block."""
+    """Return a step's description in a few words; empty for the end of a block."""
     match step:
         case JointMove(search=Search(name=name)) | LineMove(search=Search(name=name)):
             return f"{step.origin.name} UNTIL {name}"
@@ -201,7 +203,7 @@ def _text(step: Step) -> str:
 
 
 def outline_lines(rows: Sequence[Row]) -> Iterator[str]:
-    """Yield the tree as text: depth by blanks, times on the right."""
+    """Yield the tree as text: indented by depth, times on the right."""
     left = [f"{'  ' * row.depth}{row.label} {row.text}" for row in rows]
     width = min(max(map(len, left), default=0), 90)
     for text, row in zip(left, rows, strict=True):

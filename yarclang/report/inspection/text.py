@@ -1,4 +1,4 @@
-"""A command's inspection as text: sections with a title and lines each."""
+"""A command's inspection as text: sections of a title and lines."""
 
 from __future__ import annotations
 
@@ -48,13 +48,13 @@ from yarclang.robot.model import Array, Robot
 from yarclang.units import DEG, MM, MS
 
 FEW = 3
-"""Lines of controller text that are shown of each end."""
+"""Lines of controller text that are shown at each end."""
 
 _NO_SHORTER = 2e-3
-"""The shortest time is rounded up when it is told [s]."""
+"""Difference below which a time counts as the shortest, because that is rounded up [s]."""
 
 _MOST_SOLUTIONS = 12
-"""More are counted."""
+"""Most solutions that are listed; further ones are only counted."""
 
 
 @frozen
@@ -66,11 +66,11 @@ class Section:
 
 
 def sections_of(inspected: Inspected, *, all_lines: bool = False) -> tuple[Section, ...]:
-    """What is known of a command, in the order in which it comes to be.
+    """Return all information on a command, in the order in which it is computed.
 
     Args:
         inspected: the command.
-        all_lines: show its controller text whole.
+        all_lines: True to show its whole controller text.
     """
     motion = isinstance(inspected.step, Motion)
     found = [
@@ -103,7 +103,7 @@ def _command(inspected: Inspected) -> Iterator[str]:
 
 
 def _told(inspected: Inspected, step: Step) -> str | None:
-    """What a step of a command does that moves nothing."""
+    """Return the effect of a step without motion; None if there is nothing to say."""
     match step:
         case JointMove(search=Search() as one) | LineMove(search=Search() as one):
             return f"it ends where {one.name} ({one.variable}) becomes {_state(one.value)}; what follows is planned and proved from there when it runs"
@@ -227,12 +227,12 @@ def _limit_cell(value: float) -> str:
 
 
 def joint_cells(robot: Robot, q: Array, sign: str = "") -> tuple[str, ...]:
-    """Joint values (n,) [rad or m] in axis units, as cells of a table."""
+    """Return joint values (n,) [rad or m] in axis units, as cells of a table."""
     return tuple(f"{value:{sign}.3f}" for value in (q / robot.axis_units).round(3) + 0.0)
 
 
 def table(rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
-    """Rows as lines with columns: the first to the left, the others to the right."""
+    """Yield rows as lines with columns: the first column left-aligned, the others right-aligned."""
     widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     for row in rows:
         cells = (
@@ -306,7 +306,7 @@ def _time(inspected: Inspected) -> Iterator[str]:
 
 
 def _table(step: TimedMove) -> Iterator[str]:
-    """Yield what a timetable says, and what is between its rows."""
+    """Yield the rows of a timetable, and the interpolation between them."""
     table = step.table
     rows = len(table.times)
     given = "velocities" if table.accelerations is None else "velocities and accelerations"
@@ -324,11 +324,11 @@ def _table(step: TimedMove) -> Iterator[str]:
 
 
 _AT_ITS_SPEED = 0.99
-"""Share of a zone's speed, or of a ceiling, from which on it is what limits a motion."""
+"""Share of a zone's speed, or of a ceiling, above which it counts as the motion's limit."""
 
 
 def _asked(timing: Timing) -> str:
-    """The motion time as the command gives it."""
+    """Return the motion time as the command gives it."""
     if timing.duration is not None:
         return f"[{timing.duration:g} s]"
     if timing.speed is not None:
@@ -393,7 +393,9 @@ def _load(name: str, load: Load) -> str:
 def stretch_lines(
     stretches: Sequence[Stretch], text: Sequence[str], *, all_lines: bool = False
 ) -> Iterator[str]:
-    """Lines of controller text with their numbers, the first and the last of each stretch or all, and what they are for."""
+    """Yield numbered lines of controller text, all or the first and last of each stretch, with their
+    purpose.
+    """
     for stretch in stretches:
         size = stretch.last - stretch.first + 1
         lines = f"line {stretch.first}" if size == 1 else f"lines {stretch.first} to {stretch.last}"

@@ -1,4 +1,4 @@
-"""How the robot comes to a command: what is planned of the steps before it, also where others have errors."""
+"""The path to a command: plans of the steps before it, even if other steps have errors."""
 
 from __future__ import annotations
 
@@ -24,9 +24,11 @@ from yarclang.ways import Turn, line_to
 
 @frozen(eq=False)
 class Way:
-    """Where the robot stands when a motion begins, `start` (n,) [rad or m], and the motion as it is planned.
+    """A motion and its start.
 
-    `start` is None where errors before it hide that, `motion` where it can't be planned.
+    Attributes:
+        start: (n,) start of the motion [rad or m]; None if unknown because of earlier errors.
+        motion: the planned motion; None if it can't be planned.
     """
 
     start: Array | None
@@ -34,12 +36,12 @@ class Way:
 
 
 def steps_to(program: Program, number: int) -> tuple[Step, ...]:
-    """The steps that lead to a step, in one line, as `line_to` has them."""
+    """Return the steps that lead to a step, in one line, as in `line_to`."""
     return tuple(line_to(program.steps[:number]))
 
 
 def way_to(program: Program, number: int, request: Request) -> Way:
-    """Plan the motion that is step `number`, and of what leads to it as much as is needed to know where it starts."""
+    """Plan the motion of step `number`, and as many steps before it as are needed for its start."""
     step = program.steps[number]
     assert isinstance(step, Motion)
     start = stands_before(program, number, request)
@@ -48,7 +50,7 @@ def way_to(program: Program, number: int, request: Request) -> Way:
     planned = plan_program(replace(program, start=start, steps=(alone(step),)), request)
     if planned.value is not None and planned.value.motions:
         return Way(start, planned.value.motions[0])
-    if isinstance(step, TimedMove):  # its table decides, whatever its time
+    if isinstance(step, TimedMove):  # its table determines it, regardless of the time
         return Way(start, None)
     relaxed = replace(alone(step), timing=replace(step.timing, duration=None, speed=None))
     again = plan_program(replace(program, start=start, steps=(relaxed,)), request)
@@ -57,28 +59,29 @@ def way_to(program: Program, number: int, request: Request) -> Way:
 
 
 def stands_before(program: Program, number: int, request: Request) -> Array | None:
-    """Where the robot stands before step `number` (n,) [rad or m]; None where errors hide it."""
+    """Return the joint positions before step `number` (n,) [rad or m]; None if unknown because of errors."""
     line = steps_to(program, number)
     if (found := _behind(program, program.start, line, request)) is not None:
         return found
     for place in range(len(line) - 1, -1, -1):
         one = line[place]
         if isinstance(one, Motion) and isinstance(one.end, JointGoal):
-            # wherever it came from, there it stands
+            # the end is fixed, regardless of the start
             return _behind(program, one.end.q, line[place + 1 :], request)
     return None
 
 
 def alone(step: Motion) -> Motion:
-    """A motion that ends at rest: it flows into nothing."""
+    """Return a motion that ends at rest, without a blend."""
     return replace(step, blend=None)
 
 
 def trouble_behind(program: Program, number: int, stands: Array, request: Request) -> str:
-    """What goes wrong with the Cartesian motions right behind step `number`, if the robot stands at `stands` (n,) [rad or m] then.
+    """Return what goes wrong with the Cartesian motions directly after step `number`, if the robot is at
+    `stands` (n,) [rad or m].
 
     Returns:
-        The first error in words, or nothing.
+        The first error in words; empty for none.
     """
     line: list[Motion] = []
     for step in program.steps[number + 1 :]:
@@ -100,7 +103,7 @@ def trouble_behind(program: Program, number: int, stands: Array, request: Reques
 
 
 def _behind(program: Program, start: Array, line: tuple[Step, ...], request: Request) -> Array | None:
-    """Where the robot stands behind some steps from a start; None where they can't all be planned."""
+    """Return the joint positions after some steps from a start; None if a step can't be planned."""
     if any(isinstance(one, Gap | Stop | Finish) for one in line):
         return None
     motions = tuple(alone(one) for one in line if isinstance(one, Motion))

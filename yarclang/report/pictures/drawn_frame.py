@@ -1,4 +1,4 @@
-"""Which frame on the flange a picture of a plan follows."""
+"""Choice of the frame on the flange that a picture of a plan follows."""
 
 from __future__ import annotations
 
@@ -12,14 +12,21 @@ from yarclang.robot.model import Robot
 
 @frozen(eq=False)
 class DrawnFrame:
-    """A frame on the flange: its name without braces, and where it sits, `flange_from_frame` (4, 4)."""
+    """A frame on the flange.
+
+    Attributes:
+        name: without braces.
+        flange_from_frame: (4, 4).
+    """
 
     name: str
     flange_from_frame: Array
 
 
 def drawn_frame(plan: MotionPlan) -> DrawnFrame:
-    """The frame that most motions of a plan lead somewhere, of equals the first; {TCP} where none leads one."""
+    """Return the frame that most motions move; the first one wins a tie. {TCP} if there are only joint
+    motions.
+    """
     led = [found for motion in plan.motions if (found := led_by(plan.program.steps[motion.step])) is not None]
     if not led:
         name = _tool_name(plan.robot)
@@ -29,12 +36,12 @@ def drawn_frame(plan: MotionPlan) -> DrawnFrame:
 
 
 def moving_frame(step: Step) -> Array | None:
-    """The frame on the flange, as flange_from_moving (4, 4), whose pose a motion leads somewhere; None where it leads none."""
+    """Return the frame that a motion moves, as flange_from_moving (4, 4); None for a joint motion."""
     return step.flange_from_moving if isinstance(step, Motion) else None
 
 
 def led_by(step: Step) -> DrawnFrame | None:
-    """The frame whose pose a motion leads somewhere; None where it leads none, or one without a name."""
+    """Return the frame that a motion moves; None for a joint motion, or a frame without a name."""
     frame = moving_frame(step)
     if frame is None or not isinstance(step, Motion) or step.origin.moving is None:
         return None
@@ -42,6 +49,6 @@ def led_by(step: Step) -> DrawnFrame | None:
 
 
 def _tool_name(robot: Robot) -> str:
-    """{TCP} if there is one, else the first on the flange."""
+    """Return {TCP} if it exists, otherwise the first frame on the flange."""
     names = list(robot.flange_from_frame)
     return "TCP" if "TCP" in names else next((name for name in names if name != "FLANGE"), "FLANGE")

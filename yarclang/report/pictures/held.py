@@ -1,4 +1,4 @@
-"""Where an arm can hold its flange as a picture."""
+"""Picture of an arm's workspace."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from yarclang.robot.model import Robot
 
 
 def draw_held(robot: Robot, format_: Format) -> bytes:
-    """Return the picture of a robot's workspace, the same bytes for the same robot."""
+    """Return the picture of a robot's workspace, equal bytes for equal robots."""
     from matplotlib.figure import Figure
 
     with picture_style():

@@ -1,4 +1,4 @@
-"""Colours that people with any colour vision tell apart, and which command has which."""
+"""Colours for any colour vision, and their assignment to commands."""
 
 from __future__ import annotations
 
@@ -13,20 +13,30 @@ Colour = tuple[float, float, float]
 _JOINTS = ("#0072B2", "#E69F00", "#009E73", "#CC79A7", "#D55E00", "#56B4E9", "#000000")
 
 _STYLES: tuple[Literal["-", "--", ":"], ...] = ("-", "--", ":")
-"""Joints beyond the seventh repeat the colours with another dash."""
+"""Line styles. Joints beyond the seventh repeat the colours with another style."""
 
 CORNER_COLOUR = "#E66100"
-"""Of corners that are passed in motion."""
+"""Colour of corners that are passed in motion."""
 
 MOST_BARS = 256
-"""More commands than this share bars and colours with their neighbours: neither could be seen apart."""
+"""Most bars and colours. Further commands share them with their neighbours, because they couldn't be
+distinguished.
+"""
 
 
 @frozen
 class Bar:
-    """Consecutive motions in one colour: `first` up to but without `behind`, from `start` to `end` [s].
+    """Consecutive motions in one colour.
 
-    `index` and `name` are those of the first motion's command, `text_colour` is legible on `colour`.
+    Attributes:
+        first: number of the first motion.
+        behind: number after the last motion.
+        start: time of the beginning [s].
+        end: time of the end [s].
+        index: of the first motion's command.
+        name: of the first motion's command.
+        colour: of the bar.
+        text_colour: legible on `colour`.
     """
 
     first: int
@@ -40,12 +50,12 @@ class Bar:
 
 
 def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
-    """The colour and the line style of a joint, counted from 0."""
+    """Return the colour and the line style of a joint, counted from 0."""
     return _JOINTS[joint % len(_JOINTS)], _STYLES[joint // len(_JOINTS) % len(_STYLES)]
 
 
 def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
-    """The motions of a plan in at most `MOST_BARS` bars, coloured from first to last in the order of viridis."""
+    """Return the motions of a plan in at most `MOST_BARS` bars, coloured in the order of viridis."""
     from matplotlib import colormaps
 
     count = len(plan.motions)
@@ -54,7 +64,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     for bar in range(number):
         first, behind = bar * count // number, (bar + 1) * count // number
         origin = plan.origin_of(first)
-        # from the dark end to one that is still seen on white
+        # from the dark end to a colour that is visible on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (bar / max(number - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5
         bars.append(

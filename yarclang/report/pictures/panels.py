@@ -1,4 +1,6 @@
-"""The left side of a motion's picture: shares of the limits over time, one panel a quantity, and what the tool does."""
+"""The left side of a motion's picture: shares of the limits over time, in one panel for each quantity, and
+the tool's speed.
+"""
 
 from __future__ import annotations
 
@@ -23,30 +25,32 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _LEFT, _RIGHT, _TOP, _BOTTOM = 0.045, 0.625, 0.88, 0.055
-"""Where the panels are, as shares of the figure."""
+"""Borders of the panels, as shares of the figure."""
 
 _LIMIT_COLOUR = "#B2182B"
 
 _ZOOMED_BELOW = 40.0
-"""A quantity that stays below this [%] gets most of its panel's height, and the way to the limit the rest."""
+"""Largest value [%] of a quantity below which it gets most of its panel's height, and the range up to the
+limit the rest.
+"""
 
 _NOTHING = 1e-7
-"""Less than this [%] is rounding."""
+"""Values below this are rounding [%]."""
 
 _ZOOMED_HEIGHT = 0.78
-"""The share of the height between the limits that a zoomed quantity gets."""
+"""Share of the height between the limits that a zoomed quantity gets."""
 
 _CORNER_SHADE = 0.16
-"""How much of their colour corners have in a panel."""
+"""Opacity of corners in a panel."""
 
 _MOST_BOUNDARIES = 80
-"""More boundaries between commands would cover what is drawn."""
+"""Most boundaries between commands that are drawn. More would cover the curves."""
 
 
 def draw_panels(
     figure: Figure, plan: MotionPlan, trace: Trace, tool: ToolTrace, bars: tuple[Bar, ...], corners: Passed
 ) -> None:
-    """Draw a ribbon of commands, and below it the panels, all over one axis of time."""
+    """Draw a ribbon of commands, and the panels below it, over one axis of time."""
     robot = plan.robot
     joints = robot.joint_names
     motors = tuple(f"motor {number}" for number in robot.controller.motors)
@@ -100,7 +104,7 @@ def draw_panels(
 
 
 def _head(axes: Axes, title: str, note: str, found: str) -> None:
-    """What stands above a panel: what it is, a remark, and its extreme."""
+    """Write the text above a panel: its title, a remark, and its extreme."""
     axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
     axes.set_title(note, fontsize=8.5, pad=4, color="0.4")
     axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
@@ -109,7 +113,15 @@ def _head(axes: Axes, title: str, note: str, found: str) -> None:
 
 @frozen(eq=False)
 class _Panel:
-    """One quantity: its shares (N, n), a name for each column, a remark, and its height against the others."""
+    """A quantity.
+
+    Attributes:
+        title: of the panel.
+        values: (N, n) shares.
+        names: of the columns.
+        note: a remark.
+        height: relative to the other panels.
+    """
 
     title: str
     values: Array
@@ -119,7 +131,7 @@ class _Panel:
 
 
 def time_unit(duration: float) -> tuple[float, str]:
-    """How many seconds the unit of the time axis has, and its name."""
+    """Return the unit of the time axis in seconds, and its name."""
     if duration < 600.0:
         return 1.0, "s"
     return (60.0, "min") if duration < 7200.0 else (3600.0, "h")
@@ -133,7 +145,7 @@ def _peak_text(peak: Peak, names: tuple[str, ...], factor: float, unit: str) -> 
 
 def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> None:
     """Draw `percent` (N, n) over `times` (N,), with the limits at 100 % either way."""
-    # those that swing most go below, or they would cover the others where the lines are dense
+    # draw the most varying first, because they would cover the others where the lines are dense
     for column in np.argsort(-np.abs(percent).mean(axis=0), kind="stable"):
         colour, style = joint_style(int(column))
         axes.plot(times, percent[:, column], color=colour, linestyle=style, linewidth=width, zorder=3)
@@ -145,10 +157,10 @@ def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> No
 
 
 def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
-    """Choose the scale of a panel, so that the limits and a largest size of `peak` [%] are within it.
+    """Choose the scale of a panel that includes the limits and a largest size of `peak` [%].
 
     Returns:
-        What has to be said about the scale, if it isn't even.
+        A remark on the scale, if it isn't even.
     """
     zoomed = ""
     if can_zoom and _NOTHING < peak < _ZOOMED_BELOW:
@@ -164,9 +176,9 @@ def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
 
 
 def _zoom(axes: Axes, inner: float) -> None:
-    """Give +-`inner` [%] most of the height, and squeeze the way to the limits into shaded strips."""
+    """Give +-`inner` [%] most of the height, and compress the range up to the limits into shaded strips."""
     outer = 100.0 + 0.35 * (100.0 - inner)
-    # one straight piece to beyond the limit, so that its slope is the same on both sides of it
+    # one straight piece beyond the limit, so that its slope is equal on both sides of the limit
     squeezed = _ZOOMED_HEIGHT + (1.0 - _ZOOMED_HEIGHT) * (1000.0 - inner) / (100.0 - inner)
     data = np.array([-1000.0, -inner, inner, 1000.0])
     drawn = np.array([-squeezed, -_ZOOMED_HEIGHT, _ZOOMED_HEIGHT, squeezed])
@@ -182,7 +194,7 @@ def _zoom(axes: Axes, inner: float) -> None:
 
 
 def _round_up(value: float) -> float:
-    """The next of 1, 2, 3, 5 times a power of ten."""
+    """Return the next larger of 1, 2, 3, 5 times a power of ten."""
     if value <= 0.0:
         return 1.0
     power = 10.0 ** math.floor(math.log10(value))
@@ -192,7 +204,7 @@ def _round_up(value: float) -> float:
 
 
 def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> None:
-    """Where commands begin, and where two are carried out together, as long as both can be seen apart."""
+    """Mark the starts of commands, and the overlaps of two, if they can be distinguished."""
     if len(corners) <= _MOST_BOUNDARIES:
         for begin, end in zip(corners.begins / factor, corners.ends / factor, strict=True):
             axes.axvspan(begin, end, color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, zorder=0)
@@ -203,7 +215,7 @@ def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> 
 
 
 def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
-    """The commands as coloured bars, with their indices and names where there is room for them."""
+    """Draw the commands as coloured bars, with their indices and names if there is room for them."""
     axes.set_ylim(0.0, 1.0)
     axes.set_axis_off()
     spans = [(bar.start / factor, (bar.end - bar.start) / factor) for bar in bars]
@@ -226,7 +238,7 @@ def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
             middle = (bar.start + bar.end) / 2.0 / factor
             axes.text(middle, 0.45, inside, ha="center", va="center", fontsize=8, color=bar.text_colour)
             continue
-        # no room inside: above the bar's beginning, unless the label before is still there
+        # no room inside: put the label above the bar's start, unless the previous label reaches there
         label = bar.index or bar.name
         if left >= free and left + width.of(label) <= width.pixel(axes.get_xlim()[1]):
             axes.text(bar.start / factor, 1.12, label, ha="left", va="bottom", fontsize=8, color="0.2")
@@ -234,7 +246,7 @@ def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
 
 
 class _Widths:
-    """Pixels of an axis: of times, and of texts in the labels' size."""
+    """Conversion of times and texts to pixels of an axis."""
 
     def __init__(self, axes: Axes) -> None:
         from matplotlib.font_manager import FontProperties
@@ -245,16 +257,16 @@ class _Widths:
         self._axes = axes
 
     def of(self, text: str) -> float:
-        """The width of a text."""
+        """Return the width of a text in the labels' size."""
         return float(self._renderer.get_text_width_height_descent(text, self._font, ismath=False)[0])
 
     def pixel(self, time: float) -> float:
-        """Where a time is, in the axis's unit."""
+        """Return the position of a time, given in the axis's unit."""
         return float(self._axes.transData.transform((time, 0.0))[0])
 
 
 def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
-    """The joints' colours, the limits' dashes and the corners' shade, in one row above the panels."""
+    """Draw the joints' colours, the limits' dashes and the corners' shade, in one row above the panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -277,7 +289,9 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
 
 
 def legend_row(figure: Figure, handles: Sequence[Artist], left: float, height: float) -> None:
-    """A legend in one row, its left end at a place of the figure (shares of its width and height)."""
+    """Draw a legend in one row, with its left end at a place of the figure (shares of its width and
+    height).
+    """
     figure.legend(
         handles=list(handles),
         loc="center left",

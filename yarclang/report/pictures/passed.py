@@ -1,4 +1,6 @@
-"""The corners that a plan passes in motion: when, where, and how far it may leave the programmed path there."""
+"""Corners that a plan passes in motion: their times, places, and allowed deviations from the programmed
+path.
+"""
 
 from __future__ import annotations
 
@@ -14,17 +16,21 @@ from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.units import MM
 
 _SAME = 1e-9
-"""Frames whose places differ by less [m] are one."""
+"""Distance below which the places of frames count as equal [m]."""
 
 
 @frozen(eq=False)
 class Passed:
-    """The corners, in order of time: c of them.
+    """The c corners, in order of time.
 
-    `motions` (c,) are the numbers of the motions that end in them. `begins`, `middles` and `ends` (c,) [s] are when both motions
-    together begin, when the one gives way to the other, and when only the other is left. `places` (c, 3) are where the
-    drawn frame would be in the corner itself [mm in {B}], and `radii` (c,) [mm] how far it may be from there: 0 where the path
-    may not be left, NaN where the blend isn't of that frame (it is of joints, or of another tool).
+    Attributes:
+        motions: (c,) numbers of the motions that end in them.
+        begins: (c,) times at which both motions begin to overlap [s].
+        middles: (c,) times at which one motion gives way to the other [s].
+        ends: (c,) ends of the overlaps [s].
+        places: (c, 3) places of the drawn frame in the corners themselves [mm in {B}].
+        radii: (c,) allowed distances from there [mm]: 0 if the path may not be left, NaN if the blend isn't
+            of that frame (it is of joints, or of another tool).
     """
 
     motions: NDArray[np.intp]
@@ -39,7 +45,7 @@ class Passed:
 
 
 def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
-    """Where the motions of a plan flow into each other, seen from a frame on the flange."""
+    """Return the corners of a plan, seen from a frame on the flange."""
     flowing = [number for number, motion in enumerate(plan.motions) if motion.flows]
     halves = np.array([plan.motions[n].half for n in flowing])
     middles = plan.ends[flowing] if flowing else np.zeros(0)
@@ -56,11 +62,13 @@ def passed_corners(plan: MotionPlan, frame: DrawnFrame) -> Passed:
 
 
 def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
-    """How far the drawn frame may be from a corner [mm]; NaN where nothing is said about that frame."""
+    """Return the allowed distance of the drawn frame from a corner [mm]; NaN if none is given for that
+    frame.
+    """
     step = plan.program.steps[plan.motions[number].step]
     assert isinstance(step, Motion)
     moving = moving_frame(step)
-    if moving is None:  # a motion to joint positions that flows into one of a frame
+    if moving is None:  # a joint motion that flows into a motion of a frame
         moving = moving_frame(plan.program.steps[plan.motions[number + 1].step])
     blend = step.blend.length if step.blend is not None else None
     if blend is None or moving is None or _joints_only(plan, number):
@@ -70,5 +78,5 @@ def _radius(plan: MotionPlan, number: int, frame: DrawnFrame) -> float:
 
 
 def _joints_only(plan: MotionPlan, number: int) -> bool:
-    """Whether both motions at a corner are of joints: then the blend counts joint by joint."""
+    """Return True if both motions at a corner are joint motions, whose blend applies to each joint."""
     return not any(isinstance(plan.motions[n].path, CartesianPath) for n in (number, number + 1))

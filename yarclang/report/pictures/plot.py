@@ -1,7 +1,8 @@
-"""The motion of a program as a picture: joints against their limits and the tool's speed over time, and its path in space.
+"""The motion of a program as a picture: joints against their limits and the tool's speed over time, and its
+path in space.
 
-Nothing here opens a window: the figure is drawn in memory, so that it works without a screen,
-and equal programs give equal bytes.
+No window is opened: the figure is drawn in memory, so that it works without a screen, and equal programs give
+equal bytes.
 """
 
 from __future__ import annotations
@@ -30,17 +31,17 @@ if TYPE_CHECKING:
 Format = Literal["png", "svg", "pdf"]
 
 SIZE = (1600, 1000)
-"""The width and height of a PNG [pixels]."""
+"""Width and height of a PNG [pixels]."""
 
 _DPI = 100
 
 _DRAWN = 1e-3
-"""Times that differ by less are drawn alike [s]."""
+"""Difference below which times are drawn as equal [s]."""
 
 _LONGEST_NAME = 60
-"""Characters of a program's name in the title."""
+"""Most characters of a program's name in the title."""
 
-# What a metadata dictionary has to unset, so that no date gets into the file.
+# Metadata to unset, so that no date gets into the file.
 _UNDATED: dict[Format, dict[str, None]] = {"png": {}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
 
 
@@ -48,18 +49,18 @@ def draw(plan: MotionPlan, format_: Format) -> bytes:
     """Draw a plan.
 
     Args:
-        plan: what is executed.
+        plan: to draw.
         format_: of the picture. A PNG has `SIZE`.
 
     Returns:
-        The file's bytes, the same for the same plan.
+        The file's bytes, equal for equal plans.
     """
     with picture_style():
         return saved(_figure(plan), format_)
 
 
 def _figure(plan: MotionPlan) -> Figure:
-    """The whole figure, for `SIZE` pixels."""
+    """Draw the whole figure, for `SIZE` pixels."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -86,18 +87,18 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
 
 
 def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:
-    """Return what a picture says of the time of a program.
+    """Return the texts of a picture on the time of a program.
 
     Args:
-        lasting: how long it takes.
-        drawn: how long the axis of time is [s]; longer, where ways of a WHEN are drawn one after the other.
+        lasting: its duration.
+        drawn: length of the time axis [s]. It is longer if branches of a WHEN are drawn one after the other.
     """
     takes = lasting.text(duration_text)
     return (takes, "ways of a WHEN one after the other") if drawn > lasting.most + _DRAWN else (takes,)
 
 
 def duration_text(seconds: float) -> str:
-    """A duration as people say it: 12.345 s, 3 min 05.2 s, 2 h 03 min 05 s."""
+    """Format a duration: 12.345 s, 3 min 05.2 s, 2 h 03 min 05 s."""
     if round(seconds, 3) < 60:
         return f"{seconds:.3f} s"
     if round(seconds, 1) < 3600:
@@ -108,16 +109,16 @@ def duration_text(seconds: float) -> str:
 
 
 def printable(text: str) -> str:
-    """The text with a dot for each character that can't be drawn."""
+    """Return the text with a dot for each character that can't be drawn."""
     return "".join(character if character.isprintable() else "·" for character in text)
 
 
 def saved(figure: Figure, format_: Format) -> bytes:
-    """A picture as the bytes of a file, the same each time."""
+    """Return a picture as the bytes of a file, equal for equal pictures."""
     buffer = io.BytesIO()
     metadata: dict[str, Any] = dict(_UNDATED[format_])
     with warnings.catch_warnings():
-        # a name in a script that the font lacks is drawn as boxes, and nobody is told twice
+        # a name in a script that the font lacks is drawn as boxes, without a warning
         warnings.filterwarnings("ignore", message="Glyph")
         figure.savefig(buffer, format=format_, dpi=_DPI, metadata=metadata)
     return buffer.getvalue()

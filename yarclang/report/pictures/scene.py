@@ -15,22 +15,24 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 _PLACE = (0.645, 0.10, 0.345, 0.78)
-"""Left, bottom, width, height, as shares of the figure."""
+"""Left, bottom, width and height, as shares of the figure."""
 
 _MARGIN = 50.0
-"""What the labels of the axes need around the box [pixels]."""
+"""Space for the labels of the axes around the box [pixels]."""
 
 _SLIMMEST = 0.35
-"""A side of the box is at least this share of the longest, so that a plane path has a room around it."""
+"""Least side of the box as a share of the longest, so that a plane path has space around it."""
 
 _SMALLEST = 10.0
-"""The longest side is at least this [mm]."""
+"""Least length of the longest side [mm]."""
 
 
 def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: Passed) -> None:
-    """Draw the path, each command in its colour, with the way-points, corners passed in motion, and where it starts and ends."""
+    """Draw the path with each command in its colour, the way-points, corners passed in motion, and start and
+    end.
+    """
     axes: Any = figure.add_axes(_square(figure), projection="3d", computed_zorder=False)
-    axes.patch.set_visible(False)  # it covers the panels
+    axes.patch.set_visible(False)  # the background would cover the panels
     low, high = _box(path.points)
     width = 2.2 if len(bars) <= 20 else 1.4 if len(bars) <= 100 else 0.7
     if bars:
@@ -53,7 +55,7 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
         )
     if len(corners):
         _draw_corners(axes, corners)
-    # a ring around a square: both are seen where a program ends at its start
+    # a ring around a square: both are visible if a program ends at its start
     axes.scatter(
         *path.points[0],
         s=130,
@@ -81,14 +83,16 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
 _END = "#D55E00"
 
 _VIEW = (24.0, -52.0)
-"""From where the box is seen: elevation and azimuth [deg]."""
+"""Elevation and azimuth of the view on the box [deg]."""
 
 _MOST_BALLS = 60
-"""More balls would cover the path."""
+"""Most balls that are drawn. More would cover the path."""
 
 
 def _draw_corners(axes: Any, corners: Passed) -> None:
-    """A cross in each corner that is passed in motion, and the outline of the ball within which the path may be left."""
+    """Draw a cross in each corner that is passed in motion, and the outline of the ball within which the path
+    may be left.
+    """
     every = -(-len(corners) // MOST_DOTS)
     label = "corners passed in motion" if every == 1 else f"corners passed (one of {every})"
     axes.scatter(
@@ -109,16 +113,16 @@ def _draw_corners(axes: Any, corners: Passed) -> None:
         [-np.sin(elevation) * np.cos(azimuth), -np.sin(elevation) * np.sin(azimuth), np.cos(elevation)]
     )
     around = np.linspace(0.0, 2.0 * np.pi, 49)[:, None]
-    circle = np.cos(around) * across + np.sin(around) * up  # a ball is seen as a circle that faces the eye
+    circle = np.cos(around) * across + np.sin(around) * up  # a ball appears as a circle that faces the viewer
     label = "BLEND: as far as it may be left"
     for place, radius in zip(corners.places, corners.radii, strict=True):
         if radius > 0.0:
             axes.plot(*(place + radius * circle).T, color=CORNER_COLOUR, linewidth=0.9, zorder=5, label=label)
-            label = "_"  # one for all in the legend
+            label = "_"  # only one entry in the legend
 
 
 def _box(points: Array) -> tuple[Array, Array]:
-    """The least and the largest coordinates (3,) of the box to show [mm]."""
+    """Return the least and the largest coordinates (3,) of the box to show [mm]."""
     low, high = points.min(axis=0), points.max(axis=0)
     longest = max(float((high - low).max()), _SMALLEST)
     half = np.maximum((high - low) / 2.0, _SLIMMEST * longest / 2.0) * 1.08
@@ -127,14 +131,14 @@ def _box(points: Array) -> tuple[Array, Array]:
 
 
 def _draw_floor(axes: Any, path: ToolPath, height: float, width: float) -> None:
-    """The path's shadow on the floor of the box, without which nobody could see its depth."""
+    """Draw the path's shadow on the floor of the box, which shows its depth."""
     floor = path.points.copy()
     floor[:, 2] = height
     axes.plot(*floor.T, color="0.7", linewidth=width, zorder=1, label="shadow")
 
 
 def _dress(axes: Any, path: ToolPath, low: Array, high: Array, corners: Passed) -> None:
-    """Scales, labels, legend and title."""
+    """Draw scales, labels, legend and title."""
     for name, least, most in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{name}lim")(least, most)
         getattr(axes, f"set_{name}label")(f"{name} [mm]", labelpad=10 if name == "z" else 6)
@@ -165,7 +169,7 @@ def _dress(axes: Any, path: ToolPath, low: Array, high: Array, corners: Passed) 
 
 
 def _square(figure: Figure) -> tuple[float, float, float, float]:
-    """The square around `_PLACE`: matplotlib draws space in squares, and cuts off what reaches out of them."""
+    """Return the square around `_PLACE`: matplotlib draws 3D axes in squares, and clips at their borders."""
     left, bottom, width, height = _PLACE
     size = figure.get_size_inches()
     side = max(width * size[0], height * size[1])
@@ -174,16 +178,16 @@ def _square(figure: Figure) -> tuple[float, float, float, float]:
 
 
 def _fill(axes: Any, low: Array, high: Array) -> tuple[float, float]:
-    """Equal scales, and a zoom with which the box from `low` to `high` (3,) fills `_PLACE`.
+    """Set equal scales, and a zoom with which the box from `low` to `high` (3,) fills `_PLACE`.
 
     Returns:
-        Where the box begins and ends from below, as shares of the figure.
+        Bottom and top of the box, as shares of the figure.
     """
     size = axes.figure.get_size_inches() * axes.figure.dpi
     room = np.array(_PLACE[2:]) * size - 2.0 * _MARGIN
     corners = np.stack(np.meshgrid(*zip(low, high, strict=True), [1.0])).reshape(4, -1)
     zoom = 1.0
-    for _ in range(4):  # perspective: the size isn't quite in proportion to the zoom
+    for _ in range(4):  # with perspective, the size isn't exactly proportional to the zoom
         axes.set_box_aspect(high - low, zoom=zoom)
         projected = axes.get_proj() @ corners
         pixels = axes.transData.transform((projected[:2] / projected[3]).T)

@@ -1,4 +1,4 @@
-"""How pictures look, whatever a user's own matplotlibrc says."""
+"""Style of all pictures, independent of a user's own matplotlibrc."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _STYLE: Any = {
 
 @contextmanager
 def picture_style() -> Iterator[None]:
-    """What is drawn meanwhile looks as all our pictures."""
+    """Use the style for everything that is drawn in the context."""
     import matplotlib as mpl
 
     with mpl.rc_context():

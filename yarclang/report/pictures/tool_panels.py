@@ -1,4 +1,4 @@
-"""Two rows below the joints' shares: how fast the tool is, and how near to a singularity the arm comes."""
+"""Two rows below the joints' shares: the tool's speed, and the arm's distance from a singularity."""
 
 from __future__ import annotations
 
@@ -13,31 +13,31 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 HEIGHT = 0.6
-"""Of each of the rows, against that of a joint quantity."""
+"""Height of each row, relative to that of a joint quantity."""
 
 _TOOL_COLOUR = "#3B3B6D"
 _WANTED_COLOUR = "#B2182B"
 
 _LEAST_TOP = 0.1
-"""The scale of the singular value goes at least up to this."""
+"""Least top of the singular value's scale."""
 
 _ZOOMED_BELOW = 0.4
-"""Speeds that are asked for below this share of the largest speed get `_ZOOMED_HEIGHT` of the height."""
+"""Share of the largest speed below which the requested speeds get `_ZOOMED_HEIGHT` of the height."""
 
 _ZOOMED_HEIGHT = 0.75
 
 _TOGETHER = 1e-6
-"""Times that are nearer to each other are one [s]."""
+"""Difference below which times count as equal [s]."""
 
 _STILL = 1e-6
-"""Slower than this [mm/s] is rounding."""
+"""Speeds below this are rounding [mm/s]."""
 
 
 def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: float) -> tuple[str, str]:
-    """Draw the speed of the tool, and what commands ask for; times in units of `factor` [s].
+    """Draw the speed of the tool, and the speeds that commands request; times in units of `factor` [s].
 
     Returns:
-        A remark on what is drawn, and the largest in words.
+        A remark on the drawing, and the largest speed in words.
     """
     top = float(max(trace.speed.max(), trace.wanted[:, 2].max(initial=0.0)))
     _curve(axes, trace.times / factor, trace.speed, width)
@@ -59,7 +59,7 @@ def draw_speed(axes: Axes, trace: ToolTrace, factor: float, unit: str, width: fl
 
 
 def _joined(wanted: Array) -> Array:
-    """Return speeds that are asked for (k, 3) with one row for all that follow each other and are the same."""
+    """Join consecutive rows of equal requested speeds (k, 3)."""
     if len(wanted) < 2:
         return wanted
     same = (wanted[1:, 2] == wanted[:-1, 2]) & (np.abs(wanted[1:, 0] - wanted[:-1, 1]) < _TOGETHER)
@@ -69,10 +69,11 @@ def _joined(wanted: Array) -> Array:
 
 
 def _scale(axes: Axes, wanted: float, top: float) -> str:
-    """Choose the scale of the speeds up to `top`: where those `wanted` are far below, they get most of the height.
+    """Choose the scale of the speeds up to `top`. If `wanted` is far below, the requested speeds get most of
+    the height.
 
     Returns:
-        What has to be said about it.
+        A remark on the scale.
     """
     axes.set_ylim(0.0, max(1.12 * top, _STILL))
     if not wanted:
@@ -84,7 +85,7 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
     slope = (1.0 - _ZOOMED_HEIGHT) / (1.12 * top - inner)
 
     def forward(value: Array) -> Array:
-        # on with the last slope, or what lies beyond couldn't be told apart
+        # continue with the last slope, so that values beyond can be distinguished
         drawn_at: Array = np.where(
             value > data[-1], 1.0 + (value - data[-1]) * slope, np.interp(value, data, drawn)
         )
@@ -105,7 +106,7 @@ def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, wid
     """Draw the smallest singular value; times in units of `factor` [s].
 
     Returns:
-        The least in words.
+        The least value in words.
     """
     _curve(axes, trace.times / factor, trace.singular, width)
     axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)

@@ -1,4 +1,4 @@
-"""How fast a plan moves the tool, and how near to a singularity it comes, in a bounded number of samples."""
+"""The tool's speed during a plan, and its distance from singularities, in a bounded number of samples."""
 
 from __future__ import annotations
 
@@ -15,20 +15,27 @@ from yarclang.robot.kinematics.singularity import smallest_singular_values
 from yarclang.units import MM
 
 _FEWEST = 12
-"""A motion has at least so many samples: its law has one hill, which they don't miss by more than a few percent."""
+"""Least number of samples of a motion. Its speed profile has one peak, which they miss by at most a few
+percent.
+"""
 
 _AT_ONCE = 20_000
-"""So many samples are worked on together, for the sake of memory."""
+"""Samples that are computed at once, to bound the memory."""
 
 
 @frozen(eq=False)
 class ToolTrace:
-    """The motion of `frame` on the flange over time.
+    """Motion of a frame on the flange over time.
 
-    `times` (N,) [s] never fall. `speed` (N,) [mm/s] is that of its origin in {B}, `singular` (N,) the smallest singular value of
-    the weighted Jacobian: 0 at a singularity, 0.1 to 0.5 far from one. A thinned trace has two rows for each short interval: the
-    least and the largest values in it. `wanted` (k, 3) are the speeds that commands ask for: from when [s], to when [s], and
-    how fast [mm/s].
+    A thinned trace has two rows for each short interval: the least and the largest values in it.
+
+    Attributes:
+        frame: on the flange.
+        times: (N,) never decreasing [s].
+        speed: (N,) speed of the frame's origin in {B} [mm/s].
+        singular: (N,) smallest singular value of the weighted Jacobian: 0 at a singularity, 0.1 to 0.5 far
+            from one.
+        wanted: (k, 3) speeds that commands request: start [s], end [s], and speed [mm/s].
     """
 
     frame: str
@@ -52,7 +59,7 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
     number = np.repeat(np.arange(len(counts)), counts + 1)
     along = (np.arange(ends[-1]) - begins[number]) / counts[number]
     times = plan.begins[number] + along * durations[number]
-    # where it stands before the first motion and after the last
+    # at rest before the first motion and after the last
     stands = np.array([0.0, plan.duration])
     times = np.concatenate((stands[:1][times[:1] > 0.0], times, stands[1:][plan.duration > times[-1:]]))
     parts = []
@@ -76,7 +83,7 @@ def tool_trace_of(plan: MotionPlan, frame: DrawnFrame) -> ToolTrace:
 
 
 def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
-    """Speed [mm/s] and smallest singular value (N, 2) at some times (N,) [s]."""
+    """Return speed [mm/s] and smallest singular value (N, 2) at times (N,) [s]."""
     q, v, _ = plan.sample(times)
     chain, tool = plan.robot.chain, frame.flange_from_frame
     jacobians = poses_and_jacobians(chain, q, tool)[1]
@@ -85,7 +92,9 @@ def _followed(plan: MotionPlan, frame: DrawnFrame, times: Array) -> Array:
 
 
 def _wanted(plan: MotionPlan, frame: DrawnFrame, fastest: float) -> Array:
-    """The speeds that commands ask of the frame, and ceilings that are less than twice the `fastest` [mm/s]: (k, 3), from when [s], to when [s], and how fast [mm/s]."""
+    """Return the speeds (k, 3) that commands request of the frame, and ceilings below twice the `fastest`
+    [mm/s]: start [s], end [s], and speed [mm/s].
+    """
     rows = []
     for number, motion in enumerate(plan.motions):
         step = plan.program.steps[motion.step]

@@ -1,4 +1,4 @@
-"""The way of a frame on the flange through space, in a bounded number of points."""
+"""Path of a frame on the flange through space, in a bounded number of points."""
 
 from __future__ import annotations
 
@@ -14,22 +14,27 @@ from yarclang.robot.model import Robot
 from yarclang.units import MM
 
 MOST_POINTS = 20_000
-"""The points of all motions together, besides one start for each."""
+"""Most points of all motions together, besides one start for each."""
 
 _MOST_EACH = 1_000
-"""The points of one motion."""
+"""Most points of one motion."""
 
 MOST_DOTS = 400
-"""Way-points that a picture still shows apart."""
+"""Most way-points that can be distinguished in a picture."""
 
 
 @frozen(eq=False)
 class ToolPath:
-    """The path of the origin of `frame` on the flange, in mm in {B}.
+    """Path of the origin of a frame on the flange, in mm in {B}.
 
-    `points` (N, 3) has the motions one behind the other: motion k is `points[bounds[k] : bounds[k + 1]]`,
-    from its start to its end. `waypoints` (w, 3) are the positions that the commands name, their ends among them:
-    one of `every`, where there are too many to be seen apart.
+    Attributes:
+        frame: on the flange.
+        points: (N, 3) points of all motions. Motion k is `points[bounds[k] : bounds[k + 1]]`, from its start
+            to its end.
+        bounds: ranges of the motions.
+        waypoints: (w, 3) positions that the commands name, including their ends; one of `every`, if there are
+            too many.
+        every: thinning of the way-points.
     """
 
     frame: str
@@ -40,8 +45,8 @@ class ToolPath:
 
 
 def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
-    """Where a frame on the flange goes. The points are dealt out by how far the joints move, so that a short
-    program is drawn finely and a long one stays bounded.
+    """Compute the path of a frame on the flange. The points are distributed by the lengths of the motions in
+    joint space, so that a short program is drawn finely and a long one stays bounded.
     """
     start = plan.program.start[None]
     if not plan.motions:
@@ -50,9 +55,9 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
     curves = [motion.curve for motion in plan.motions]
     ways = np.array([np.abs(np.diff(curve.points, axis=0)).sum() for curve in curves])
     shares = ways / max(float(ways.sum()), 1e-12)
-    # a motion of k parts has k + 1 points: its start stands in it, though it ends the motion before
+    # a motion of k parts has k + 1 points: its start is repeated from the end of the previous motion
     parts = np.clip((shares * (MOST_POINTS - len(curves))).astype(np.intp), 1, _MOST_EACH)
-    # of more motions than points only some have any
+    # if there are more motions than points, only some have any
     parts[np.arange(1 - len(parts), 1) % -(-len(parts) // MOST_POINTS) > 0] = 0
     bounds = np.concatenate(([0], np.cumsum(np.where(parts > 0, parts + 1, 0))))
     number = np.repeat(np.arange(len(parts)), np.diff(bounds))
@@ -71,6 +76,6 @@ def tool_path_of(plan: MotionPlan, frame: DrawnFrame) -> ToolPath:
 
 
 def _places(robot: Robot, q: Array, frame: DrawnFrame) -> Array:
-    """The origin of a frame on the flange in {B} (N, 3) [mm], for joint positions `q` (N, n)."""
+    """Return the origin of a frame on the flange in {B} (N, 3) [mm], for joint positions `q` (N, n)."""
     places: Array = tool_poses(robot.chain, q, frame.flange_from_frame)[:, :3, 3] / MM
     return places

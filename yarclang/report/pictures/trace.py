@@ -1,4 +1,4 @@
-"""The executed motion of a plan as shares of the robot's limits, in a bounded number of samples."""
+"""The motion of a plan as shares of the robot's limits, in a bounded number of samples."""
 
 from __future__ import annotations
 
@@ -16,37 +16,45 @@ from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Robot
 
 MOST_SAMPLES = 20_000
-"""More samples than this are thinned out; a picture has far fewer columns of pixels."""
+"""Most samples that are kept. More are thinned, because a picture has far fewer columns of pixels."""
 
 _PARTS = (2, 16)
-"""The fewest and the most parts into which a segment is cut. Jerk is constant in a segment and
-acceleration linear, so both are exact at its ends; with two parts a peak of the velocity between
-samples exceeds them by at most jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s."""
+"""The fewest and the most parts of a segment. Jerk is constant and acceleration linear in a segment, so that
+both are exact at its ends. With two parts, a peak of the velocity between samples exceeds them by at most
+jerk h^2 / 32: 0.3 % of the limit at 2000 deg/s^3, 50 ms, 60 deg/s.
+"""
 
 _COLUMNS = 4_000
-"""The intervals of a thinned trace, each with its least and largest values: several for a pixel."""
+"""Intervals of a thinned trace, each with its least and largest values: several for each pixel."""
 
 _AT_ONCE = 4_096
 """Segments that are sampled at once."""
 
 _STANDS = 1e-9
-"""Times that are nearer to each other are one [s]."""
+"""Difference below which times count as equal [s]."""
 
 STANDING = 1.0
-"""How long [s] a program without motion is shown."""
+"""Duration that is drawn for a program without motion [s]."""
 
 
 @frozen(eq=False)
 class Trace:
-    """What the joints and the motors do, as shares of their limits: 1.0 is the limit itself.
+    """Motion of joints and motors, as shares of their limits: 1.0 is the limit itself.
 
-    `times` (N,) [s] never fall. At the boundary of two segments a time stands twice, with the jerk
-    before and behind it. The quantities are (N, n), one column a joint or a motor. A thinned
-    trace has two rows for each short interval, at its first and last time: the least and the largest values in it.
+    At the boundary of two segments a time is repeated, with the jerk before and after it. The quantities are
+    (N, n), one column for each joint or motor. A thinned trace has two rows for each short interval, at its
+    first and last time: the least and the largest values in it.
 
-    `position` is -1 at the lower limit and +1 at the upper; of a joint without limits it is the angle over
-    180 deg. The others are signed, over the limit of their size. `motors` is the speed of the motors, `torque` what they give of the joints' efforts, None of a robot
-    whose masses or efforts aren't known.
+    Attributes:
+        times: (N,) never decreasing [s].
+        position: -1 at the lower limit and +1 at the upper; for a joint without limits, the angle over 180
+            deg.
+        velocity: signed, over the limit.
+        acceleration: signed, over the limit.
+        jerk: signed, over the limit.
+        motors: speed of the motors, signed, over the limit.
+        torque: of the joints, signed, over their efforts; None if masses or efforts are unknown.
+        is_thinned: True for a thinned trace.
     """
 
     times: Array
@@ -60,13 +68,19 @@ class Trace:
 
     @property
     def motors_bind(self) -> bool:
-        """Whether some motor gets nearer to its largest speed than any joint to its own."""
+        """True if a motor gets nearer to its largest speed than any joint to its own."""
         return bool(np.abs(self.motors).max() > np.abs(self.velocity).max())
 
 
 @frozen
 class Peak:
-    """The largest share of a quantity: of which joint or motor (counted from 0), and when [s]."""
+    """The largest share of a quantity.
+
+    Attributes:
+        share: of the limit.
+        column: joint or motor, counted from 0.
+        time: [s].
+    """
 
     share: float
     column: int
@@ -74,7 +88,7 @@ class Peak:
 
 
 def peak_of(trace: Trace, values: Array) -> Peak:
-    """The largest size in `values` (N, n), one of the quantities of `trace`."""
+    """Return the largest size in `values` (N, n), one of the quantities of `trace`."""
     row, column = divmod(int(np.argmax(np.abs(values))), values.shape[1])
     return Peak(abs(float(values[row, column])), column, float(trace.times[row]))
 
@@ -82,8 +96,8 @@ def peak_of(trace: Trace, values: Array) -> Peak:
 def trace_of(plan: MotionPlan) -> Trace:
     """Sample all motions of a plan.
 
-    Up to `MOST_SAMPLES` samples are kept as they are; of more, the least and largest values of
-    short intervals are, so that no peak gets lost.
+    Up to `MOST_SAMPLES` samples are kept unchanged. Of more, the least and largest values of short intervals
+    are kept, so that no peak is lost.
     """
     limits = _limits(plan.robot)
     if not plan.motions:
@@ -94,7 +108,7 @@ def trace_of(plan: MotionPlan) -> Trace:
     sampled = each(_all_sampled(limits, plan, parts))
     if segments * (parts + 1) > MOST_SAMPLES:
         intervals = [extremes(times, times, rows, rows, plan.duration) for times, rows in sampled]
-        # several motions may share a column, which is then reduced once more
+        # several motions may share a column, which is then reduced again
         first, last, least, most = (np.concatenate(part) for part in zip(*intervals, strict=True))
         first, last, least, most = extremes(first, last, least, most, plan.duration)
         times = np.column_stack((first, last)).ravel()
@@ -105,7 +119,9 @@ def trace_of(plan: MotionPlan) -> Trace:
 
 
 def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tuple[Array, Array]]:
-    """Yield times (N,) [s] and all shares side by side of motions, some of them at once, and of each stretch in which the robot stands."""
+    """Yield times (N,) [s] and all shares, side by side, of groups of motions and of each stretch in which
+    the robot rests.
+    """
     ends = np.concatenate(([0.0], plan.ends))
     begins = np.concatenate((plan.begins, [plan.duration]))
     stands = begins - ends > _STANDS
@@ -118,7 +134,7 @@ def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tupl
             yield times, _standing(limits, plan, times)
         if first == len(segments):
             return
-        # as many as follow each other without a rest, up to some thousand segments
+        # consecutive motions without a rest between them, up to `_AT_ONCE` segments
         behind = int(np.searchsorted(passed, passed[first] + _AT_ONCE, side="right")) - 1
         behind = min(max(behind, first + 1), len(segments))
         rests = np.flatnonzero(stands[first + 1 : behind])
@@ -128,7 +144,7 @@ def _all_sampled(limits: _Limits, plan: MotionPlan, parts: int) -> Iterator[tupl
 
 
 def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
-    """All shares side by side at times (N,) [s] at which the robot stands."""
+    """Return all shares, side by side, at times (N,) [s] at which the robot rests."""
     still = np.zeros((len(times), plan.robot.size))
     return limits.shares(plan.sample(times)[0], still, still, still)
 
@@ -136,7 +152,9 @@ def _standing(limits: _Limits, plan: MotionPlan, times: Array) -> Array:
 def _sampled(
     limits: _Limits, plan: MotionPlan, motions: NDArray[np.intp], segments: NDArray[np.intp], parts: int
 ) -> tuple[Array, Array]:
-    """Times (N,) [s] in motions of so many segments, and all shares side by side (N, 5 n) or (N, 6 n)."""
+    """Return times (N,) [s] in motions of so many segments, and all shares, side by side (N, 5 n) or (N, 6
+    n).
+    """
     curves = [plan.motions[number].curve for number in motions.tolist()]
     number = np.repeat(motions, segments)
     in_motion = np.arange(len(number)) - np.repeat(np.cumsum(segments) - segments, segments)
@@ -151,8 +169,16 @@ def _sampled(
 
 @frozen(eq=False)
 class _Limits:
-    """What to divide by: the `middle` of each joint's range and `half` its width, the largest velocity, acceleration and
-    jerk (n,) [rad or m, s], and `motors` (n, n), the share of each motor's speed per joint velocity. `robot` is whose masses count, None where they aren't known.
+    """Denominators of the shares.
+
+    Attributes:
+        middle: (n,) middle of each joint's range [rad or m].
+        half: (n,) half the width of each joint's range [rad or m].
+        velocity: (n,) largest velocity [rad/s or m/s].
+        acceleration: (n,) largest acceleration [rad/s² or m/s²].
+        jerk: (n,) largest jerk [rad/s³ or m/s³].
+        motors: (n, n) share of each motor's speed for each joint velocity.
+        robot: for the torques; None if its masses are unknown.
     """
 
     middle: Array
@@ -164,7 +190,9 @@ class _Limits:
     robot: Robot | None
 
     def shares(self, q: Array, v: Array, a: Array, j: Array) -> Array:
-        """Position, velocity, acceleration and jerk (N, n) in SI as shares, with the motors' speeds behind (N, 5 n), and, where they are known, torques (N, 6 n)."""
+        """Return the shares of position, velocity, acceleration and jerk (N, n), given in SI, followed by the
+        motors' speeds (N, 5 n) and, if known, the torques (N, 6 n).
+        """
         dynamics = self.robot.dynamics if self.robot else None
         rows = np.empty((len(q), 5 if dynamics is None else 6, q.shape[1]))
         np.divide(q - self.middle, self.half, out=rows[:, 0])
@@ -178,7 +206,7 @@ class _Limits:
 
 
 def _limits(robot: Robot) -> _Limits:
-    """The limits of a robot; a joint without position limits gets 0 and 180 deg as middle and half."""
+    """Return the limits of a robot. A joint without position limits gets 0 and 180 deg as middle and half."""
     limits, limited = robot.limits, has_limits(robot)
     lower, upper = np.where(limited, limits.lower, -np.pi), np.where(limited, limits.upper, np.pi)
     return _Limits(
@@ -193,7 +221,7 @@ def _limits(robot: Robot) -> _Limits:
 
 
 def has_limits(robot: Robot) -> NDArray[np.bool_]:
-    """Which joints have position limits (n,); continuous ones have none."""
+    """Return a mask (n,) of the joints with position limits; continuous joints have none."""
     limited: NDArray[np.bool_] = np.isfinite(robot.limits.lower) & np.isfinite(robot.limits.upper)
     return limited
 
@@ -204,14 +232,14 @@ def extremes(
     """Join neighbouring intervals that begin in the same of `_COLUMNS` equal parts of `duration` [s].
 
     Args:
-        first: (N,), when each interval begins [s], never falling.
-        last: (N,), when it ends.
-        least: (N, m), the least values in it.
-        most: (N, m), the largest.
+        first: (N,) beginning of each interval [s], never decreasing.
+        last: (N,) end of each interval [s].
+        least: (N, m) least values in it.
+        most: (N, m) largest values in it.
         duration: of the whole plan [s].
 
     Returns:
-        The same four of the joined intervals.
+        The four arrays of the joined intervals.
     """
     column = np.minimum((first * (_COLUMNS / duration)).astype(np.intp), _COLUMNS - 1)
     begin = np.flatnonzero(np.diff(column, prepend=-1))

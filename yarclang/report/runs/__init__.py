@@ -1,1 +1,1 @@
-"""Runs: their logs, what they told, and pictures of them."""
+"""Runs: their logs, reports, and pictures."""

@@ -1,4 +1,4 @@
-"""What a log says in short: read from its head and its tail, whatever lies between."""
+"""Summary of a log, from its beginning and its end only."""
 
 from __future__ import annotations
 
@@ -14,34 +14,34 @@ from yarclang.report.runs.kind import MAGIC
 from yarclang.runtime.log_record import FORMAT, METADATA
 
 ReadAt = Callable[[int, int], bytes]
-"""Returns so many bytes from an offset on; fewer at the end."""
+"""Function that reads a number of bytes at an offset; fewer at the end."""
 
 _HEAD = 1 << 16
 _MOST_INDEX = 1 << 23
-"""Bytes of an index that are read: a log of four hours."""
+"""Most bytes of an index that are read: that of four hours."""
 _MOST_CHUNK, _MOST_UNPACKED = 1 << 21, 1 << 23
-"""Bytes of the chunk with the end: a log is written twice a second."""
+"""Largest last chunk, packed and unpacked [bytes]. A log is written twice a second."""
 _LONGEST = 300
-"""Characters of a text."""
+"""Most characters of a text."""
 _FOOTER = struct.Struct("<BQQQI")
 _CHANNEL, _MESSAGE, _STATISTICS, _CHUNK, _CHUNK_INDEX, _METADATA, _OFFSET = 4, 5, 0x0B, 6, 8, 0x0C, 0x0E
 
 
 @frozen
 class Brief:
-    """A log of a run in short.
+    """Summary of a run's log.
 
     Attributes:
         program: its name, for people.
         robot: its name.
         controller: its address.
-        client: who ordered the first motion; empty: the log doesn't say.
+        client: that ordered the first motion; empty if unknown.
         version: of yarclang that wrote the log.
         started: date and time in UTC, ISO 8601.
-        is_known: False if the log is of a format that this version doesn't read.
-        is_whole: True if it was closed; else it is being written, or was cut off.
-        duration: from the first message to the last [s]; None: not known.
-        well: True if the run came to its end; None: the log doesn't say.
+        is_known: False if this version can't read the log's format.
+        is_whole: True if the log was closed; False if it is being written or was cut off.
+        duration: from the first message to the last [s]; None if unknown.
+        well: True if the run came to its end; None if unknown.
         what: why it didn't end well.
         code: of the finding.
     """
@@ -61,7 +61,7 @@ class Brief:
 
 
 def brief_of(read: ReadAt, size: int) -> Brief | None:
-    """Return what a log says in short; None if it isn't the log of a run.
+    """Return the summary of a log; None if the file isn't the log of a run.
 
     Args:
         read: reads from the file.
@@ -80,7 +80,7 @@ def brief_of(read: ReadAt, size: int) -> Brief | None:
         is_whole = True
         ends = _end(read, start, offsets, size)
     except (struct.error, ValueError, IndexError, KeyError, TypeError, RecursionError, zstandard.ZstdError):
-        pass  # it is cut off, is being written, or was forged
+        pass  # the log is cut off, is being written, or was forged
     text = {key: value[:_LONGEST] for key, value in facts.items()}
     return Brief(
         text.get("program", ""),
@@ -109,10 +109,10 @@ def _facts(head: bytes) -> dict[str, str] | None:
 
 
 def _footer(read: ReadAt, size: int) -> tuple[int, int]:
-    """Return where the summary and its offsets begin.
+    """Return the offsets of the summary and of its offset section.
 
     Raises:
-        ValueError: the file doesn't end as a whole one does.
+        ValueError: the file has no valid footer.
     """
     length = _FOOTER.size + len(MAGIC)
     tail = read(max(0, size - length), length)
@@ -123,7 +123,7 @@ def _footer(read: ReadAt, size: int) -> tuple[int, int]:
 
 
 def _end(read: ReadAt, start: int, offsets: int, size: int) -> dict[str, Any]:
-    """Return how the run has ended, and how long the log is."""
+    """Return the outcome of the run, and the duration of the log."""
     groups: dict[int, bytes] = {}
     for kind, content in _records(read(offsets, min(size - offsets, 4096))):
         if kind == _OFFSET:
@@ -155,7 +155,7 @@ def _end(read: ReadAt, start: int, offsets: int, size: int) -> dict[str, Any]:
 
 
 def _messages(chunk: bytes, channels: set[int]) -> Iterator[bytes]:
-    """Yield the messages of some channels in a chunk."""
+    """Yield the messages of given channels in a chunk."""
     for kind, content in _records(chunk):
         if kind != _CHUNK:
             return
@@ -170,7 +170,7 @@ def _messages(chunk: bytes, channels: set[int]) -> Iterator[bytes]:
 
 
 def _records(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Yield the whole records of some bytes: kind and content."""
+    """Yield the complete records in a string of bytes: kind and content."""
     at = 0
     while at + 9 <= len(data):
         kind, length = struct.unpack_from("<BQ", data, at)
@@ -181,7 +181,7 @@ def _records(data: bytes) -> Iterator[tuple[int, bytes]]:
 
 
 def _text(data: bytes, at: int) -> tuple[str, int]:
-    """Return a text, and where it ends."""
+    """Return a string, and the offset after it."""
     (length,) = struct.unpack_from("<I", data, at)
     ends = at + 4 + length
     if ends > len(data):
@@ -190,7 +190,7 @@ def _text(data: bytes, at: int) -> tuple[str, int]:
 
 
 def _texts(data: bytes, at: int) -> dict[str, str]:
-    """Return names with their texts."""
+    """Return a map of strings."""
     (length,) = struct.unpack_from("<I", data, at)
     at, ends = at + 4, min(len(data), at + 4 + length)
     found: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""The course of a run: its states as spans of time, and what is worth marking on them."""
+"""The course of a run: its states as spans of time, and notable events."""
 
 from __future__ import annotations
 
@@ -16,16 +16,22 @@ from yarclang.runtime.notices import Changed, Remark
 from yarclang.runtime.state import State
 
 TROUBLED = (State.HOLD, State.FAULT, State.DISCONNECTED)
-"""States that nobody planned."""
+"""States that weren't planned."""
 
 _AT_ONCE = 0.1
-"""Things that are nearer to each other are told as one [s]."""
+"""Difference in time below which events become one mark [s]."""
 
 
 @frozen
 class Span:
-    """A state from `start` to `end` [s of the run], and from `begins` to `ends` [s of the program]; None where the program
-    hadn't begun.
+    """A state over time.
+
+    Attributes:
+        state: of the robot.
+        start: [s of the run].
+        end: [s of the run].
+        begins: [s of the program]; None before the program has begun.
+        ends: [s of the program]; None before the program has begun.
     """
 
     state: State
@@ -37,7 +43,13 @@ class Span:
 
 @frozen
 class Mark:
-    """Something worth knowing, at `time` [s of the run] and `at` [s of the program], if it had begun."""
+    """A notable event.
+
+    Attributes:
+        time: [s of the run].
+        at: [s of the program]; None before the program has begun.
+        text: description.
+    """
 
     time: float
     at: float | None
@@ -45,10 +57,10 @@ class Mark:
 
 
 def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
-    """The states, one behind the other."""
+    """Return the states, one after the other."""
     first: list[tuple[State, float]] = []
     for one in run.told:
-        # the same state may be told of again, with another reason
+        # a state may be reported again, with another reason
         if isinstance(one, Changed) and not (first and first[-1][0] is one.state):
             first.append((one.state, one.time))
     times = [time for _, time in first] + [max(run.end, first[-1][1] if first else 0.0)]
@@ -59,7 +71,9 @@ def spans_of(run: RecordedRun, tracking: Tracking) -> tuple[Span, ...]:
 
 
 def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
-    """Remarks, orders, and what led into a state that nobody planned; what comes at once is one mark."""
+    """Return remarks, orders, and the causes of states that weren't planned. Simultaneous events become one
+    mark.
+    """
     found: list[Mark] = []
     for one in run.told:
         if isinstance(one, Remark):
@@ -76,7 +90,7 @@ def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
 
 
 def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
-    """How the run has ended, and whether that is well; None where nobody knows."""
+    """Return the outcome of the run, and if it ended well; None if unknown."""
     outcome: Outcome | None = run.outcome
     if outcome is None:
         last = next((one.state for one in reversed(run.told) if isinstance(one, Changed)), None)
@@ -90,7 +104,9 @@ def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:
 
 
 def _program_time(run: RecordedRun, tracking: Tracking, time: float) -> float | None:
-    """When in the program something happened; None before its first sample and, but for a moment, behind the last."""
+    """Return the program's time of an event; None before its first sample and, beyond a moment, after the
+    last.
+    """
     times = run.times[tracking.rows]
     if not len(times) or not times[0] - 0.5 <= time <= times[-1] + 15.0:
         return None

@@ -1,15 +1,15 @@
-"""Which files are logs of runs."""
+"""Detection of run logs."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 MAGIC = b"\x89MCAP0\r\n"
-"""What every MCAP file begins with."""
+"""First bytes of every MCAP file."""
 
 
 def is_log(path: str) -> bool:
-    """Whether a file is the log of a run: it is called so, or begins so."""
+    """Return True if a file is the log of a run, by its name or its first bytes."""
     file = Path(path)
     if file.suffix.lower() == ".mcap":
         return True
@@ -18,5 +18,5 @@ def is_log(path: str) -> bool:
             return False
         with file.open("rb") as stream:
             return stream.read(len(MAGIC)) == MAGIC
-    except (OSError, ValueError):  # told of when it is read
+    except (OSError, ValueError):  # reported when it is read
         return False

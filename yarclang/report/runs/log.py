@@ -1,4 +1,4 @@
-"""The log of a run, read back: what was to be done, what was told, and where the robot was."""
+"""Reader for the log of a run: the program, the reports, and the robot's positions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from yarclang.runtime.log_record import CERTIFICATE, FORMAT, JOB, METADATA, PROG
 
 @frozen(eq=False)
 class RecordedRun:
-    """A run as its log has it. Times are in s from the log's start, in the controller's pace.
+    """A run from its log. Times are in s from the log's start, in the controller's pace.
 
     Attributes:
         file: that was read.
@@ -31,22 +31,23 @@ class RecordedRun:
         controller: its address.
         version: of yarclang that wrote the log.
         started: date and time in UTC, ISO 8601.
-        pace: seconds of the controller in a second of the clock: 1, but for a simulator.
-        robot: as it was.
+        pace: seconds of the controller in a second of the clock: 1, except for a simulator.
+        robot: as the log describes it.
         commands: of the program, with their times in it.
-        duration: the last time of the program [s]; `lasting` is how long it takes.
-        counts_dwells: True if times of the program count dwells; logs of before don't.
+        duration: the last time of the program [s].
+        lasting: how long the program takes.
+        counts_dwells: True if times of the program include dwells; False in older logs.
         text: for the controller.
-        source: the program, or empty.
-        certificate: as JSON, or empty.
-        told: all that was told, in order.
+        source: the program; may be empty.
+        certificate: as JSON; may be empty.
+        told: all reports, in order.
         times: (N,) of the samples [s].
-        program_times: (N,) how far the program was, to a segment or two [s].
-        passes: (N,) by how many `Pass` of the program a sample is preceded, from 0; -1 on the way to its start.
+        program_times: (N,) the program's time, accurate to one or two segments [s].
+        passes: (N,) number of `Pass` of the program before each sample, from 0; -1 on the way to the start.
         actual: (N, n) joint positions [rad or m].
-        commanded: (N, n), likewise.
+        commanded: (N, n) joint positions [rad or m].
         following: (N, n) following errors of the motors [counts].
-        unread: how many messages are damaged.
+        unread: number of damaged messages.
     """
 
     file: str
@@ -74,21 +75,21 @@ class RecordedRun:
 
     @property
     def outcome(self) -> Outcome | None:
-        """How it has ended; None where the log doesn't say."""
+        """Outcome of the run; None if the log has none."""
         return next((one for one in reversed(self.told) if isinstance(one, Outcome)), None)
 
     @property
     def end(self) -> float:
-        """The time of the last thing that is known [s]."""
+        """Time of the last known event or sample [s]."""
         last = self.told[-1].time if self.told else 0.0
         return max(last, float(self.times[-1])) if len(self.times) else last
 
 
 def read_run(file: str) -> Result[RecordedRun]:
-    """Read the log of a run; of an unfinished one, what is there.
+    """Read the log of a run, even if it is unfinished.
 
     Returns:
-        None, with a finding, where the file can't be read or is no log that this version can read.
+        None, with a finding, if the file can't be read or is no log that this version can read.
     """
     try:
         content = read_whole(Path(file), LARGEST_LOG)
@@ -124,7 +125,7 @@ def _refused(code: str, message: str, help_: str) -> Result[RecordedRun]:
 
 
 def _doubts(file: str, records: Records, run: RecordedRun) -> tuple[Diagnostic, ...]:
-    """What can't be relied on."""
+    """Return findings about unreliable data."""
     if records.trouble:
         message = f"{file} {records.trouble}; it is read up to {run.end:.3f} s"
     elif run.unread:
@@ -167,7 +168,7 @@ def _run(file: str, facts: Mapping[str, str], job: Mapping[str, Any], records: R
 
 
 def _lasting(job: Mapping[str, Any]) -> Lasting:
-    """How long the program takes; logs of before only have the time of its motions."""
+    """Return the program's duration. Older logs only have the time of its motions."""
     if "takes" not in job:
         return known(float(job["duration_s"]))
     said = job["takes"]
@@ -176,12 +177,12 @@ def _lasting(job: Mapping[str, Any]) -> Lasting:
         float(said["duration_s"]),
         int(said["waits_at_least"]),
         int(said["waits"]),
-        bool(said.get("loops", False)),  # logs of before have none
+        bool(said.get("loops", False)),  # older logs have none
     )
 
 
 def _command(one: Mapping[str, Any]) -> JobCommand:
     begins = float(one["begins_s"])
-    # logs of before have no clock: there, the ways of a WHEN are one after the other
+    # older logs have no clock: their branches of a WHEN are one after the other
     clock = float(one.get("clock_s", begins))
     return JobCommand(one["index"], one["name"], one["source_line"], begins, float(one["ends_s"]), clock)

@@ -1,4 +1,4 @@
-"""The messages in the log of a run: what was told, the samples as rows of numbers, and the robot that they are about."""
+"""Messages in the log of a run: reports, samples as rows of numbers, and the robot."""
 
 from __future__ import annotations
 
@@ -23,8 +23,11 @@ _UNITS = {"deg": DEG, "mm": MM}
 
 @frozen(eq=False)
 class RecordedRobot:
-    """What the log says of the robot, as it was then: `lower` and `upper` (n,) [rad or m] are the limits of its joints,
-    infinite where there is none.
+    """The robot as the log describes it.
+
+    Attributes:
+        lower: (n,) lower limits of the joints [rad or m]; infinite if there is none.
+        upper: (n,) upper limits of the joints [rad or m]; infinite if there is none.
     """
 
     name: str
@@ -37,14 +40,19 @@ class RecordedRobot:
 
     @property
     def axis_units(self) -> Array:
-        """The axis unit of each joint in SI (n,)."""
+        """Axis unit of each joint in SI (n,)."""
         return np.array([_UNITS[name] for name in self.axis_unit_names])
 
 
 @frozen
 class Pass:
-    """From `time` on, a job of a `duration` [s] was performed: the program or a part of it (`of_program`), or the way to its
-    start.
+    """Beginning of a job's execution.
+
+    Attributes:
+        time: of the beginning [s].
+        job: its name.
+        duration: of the job [s].
+        of_program: True for the program or a part of it; False for the way to its start.
     """
 
     time: float
@@ -55,7 +63,7 @@ class Pass:
 
 @frozen(eq=False)
 class Outcome:
-    """How the run has ended, as `yarclang.runtime.outcome.Ended` says it."""
+    """Outcome of the run, with the fields of `yarclang.runtime.outcome.Ended`."""
 
     time: float
     well: bool
@@ -72,8 +80,14 @@ Told: TypeAlias = Changed | Progress | Remark | Signal | Pass | Outcome
 
 @dataclass(slots=True)
 class Messages:
-    """What the messages say. `rows` has for each sample its time and program time [s], the actual and the commanded joints
-    [deg or mm], and the following errors [counts]; `passes` has its pass, -1 on the way to the start.
+    """Content of the messages.
+
+    Attributes:
+        told: reports.
+        rows: for each sample its time and program time [s], the actual and the commanded joints [deg or mm],
+            and the following errors [counts].
+        passes: for each sample its pass; -1 on the way to the start.
+        unread: number of invalid messages.
     """
 
     told: list[Told] = field(default_factory=list)
@@ -83,7 +97,7 @@ class Messages:
 
 
 def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, Any]]]) -> Messages:
-    """What topics and contents say; those that say nothing sensible are counted."""
+    """Read topics and contents; invalid messages are counted."""
     found = Messages()
     number, on_the_way = 0, False
     begun = False
@@ -105,10 +119,10 @@ def read_messages(robot: RecordedRobot, messages: Iterable[tuple[str, dict[str, 
 
 
 def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
-    """A row of `Messages.rows`.
+    """Return a row of `Messages.rows`.
 
     Raises:
-        ValueError, KeyError, TypeError: something is missing.
+        ValueError, KeyError, TypeError: a value is missing or invalid.
     """
     keys = [f"{name}_{unit}" for name, unit in zip(robot.joint_names, robot.axis_unit_names, strict=True)]
     actual, commanded = content["actual_joints"], content["commanded_joints"]
@@ -125,7 +139,7 @@ def _row(robot: RecordedRobot, content: Mapping[str, Any]) -> tuple[float, ...]:
 
 
 def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
-    """A message as what it tells; None for one of a topic that isn't known."""
+    """Return a message as a report; None for an unknown topic."""
     time = float(content["time_s"])
     match topic:
         case "state":
@@ -149,7 +163,7 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
                 content["remedy"],
                 content["command"],
                 content["done_s"],
-                # logs of before know neither
+                # older logs have neither
                 content.get("code", ""),
                 Where(**content["where"]) if content.get("where") else None,
             )
@@ -158,10 +172,10 @@ def _told(topic: str, content: Mapping[str, Any]) -> Told | None:
 
 
 def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
-    """A message of inputs and outputs; None for one of a kind that isn't known.
+    """Return a message on inputs and outputs; None for an unknown kind.
 
     Raises:
-        ValueError, KeyError, TypeError: it says nothing sensible.
+        ValueError, KeyError, TypeError: a value is missing or invalid.
     """
     name, variable, value = str(content["name"]), str(content["variable"]), float(content["value"])
     match content["kind"]:
@@ -179,10 +193,10 @@ def _signal(time: float, content: Mapping[str, Any]) -> Signal | None:
 
 
 def read_robot(facts: Mapping[str, str], job: Mapping[str, Any]) -> RecordedRobot:
-    """The robot as metadata and job describe it.
+    """Return the robot from metadata and job.
 
     Raises:
-        ValueError, KeyError, TypeError: they don't.
+        ValueError, KeyError, TypeError: a value is missing or invalid.
     """
     joints = job["joints"]
     units = tuple(joint["unit"] for joint in joints)
@@ -213,6 +227,6 @@ def _restored(told: dict[str, Any]) -> Controller:
 
 
 def read_only(values: Array) -> Array:
-    """The values, which nobody changes any more."""
+    """Return an array after making it read-only."""
     values.setflags(write=False)
     return values

@@ -1,4 +1,6 @@
-"""The panels of a run's picture: joints over the time of the program, errors, and how the program went by the clock."""
+"""Panels of a run's picture: joints over the time of the program, errors, and the program's progress by the
+clock.
+"""
 
 from __future__ import annotations
 
@@ -28,25 +30,25 @@ COLOURS = {
     State.HOLD: ("#E6A700", 0.30),
     State.FAULT: ("#D7301F", 0.25),
 }
-"""How a state is shaded; the others aren't."""
+"""Shades of states; the others have none."""
 
 NOT_RUN = "0.93"
 PLANNED = "0.70"
 LIMIT = "#B2182B"
 
 _COLUMNS = 4_000
-"""Intervals of a line in all; a picture has fewer columns of pixels."""
+"""Intervals of a line in all. A picture has fewer columns of pixels."""
 
 _FEWEST = 50
-"""Intervals of one pass of many."""
+"""Fewest intervals of one pass among many."""
 
 _NARROWEST = 0.003
-"""The width of a shade, as a share of the axis: a hold takes no time of the program."""
+"""Least width of a shade, as a share of the axis, because a hold takes no time of the program."""
 
 
 @frozen(eq=False)
 class Shown:
-    """All that the panels show of a run."""
+    """Data of the panels."""
 
     run: RecordedRun
     planned: Planned
@@ -56,17 +58,17 @@ class Shown:
 
     @property
     def reached(self) -> float:
-        """How far the program came [s]."""
+        """Last time of the program that was reached [s]."""
         return float(self.tracking.times.max()) if len(self.tracking.times) else 0.0
 
     @property
     def unit(self) -> tuple[float, str]:
-        """Seconds in the unit of the program's time, and its name."""
+        """Seconds in the unit of the program's time, and the unit's name."""
         return time_unit(self.planned.duration)
 
 
 def draw_commands(axes: Axes, shown: Shown) -> None:
-    """A ribbon of the program's commands."""
+    """Draw a ribbon of the program's commands."""
     from matplotlib import colormaps
 
     commands = shown.run.commands
@@ -94,7 +96,7 @@ def draw_commands(axes: Axes, shown: Shown) -> None:
 
 
 def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
-    """One joint's planned and actual positions, with the limits if they are near."""
+    """Draw one joint's planned and actual positions, and its limits if they are near."""
     run = shown.run
     unit, factor = run.robot.axis_units[joint], shown.unit[0]
     colour, _ = joint_style(joint)
@@ -123,9 +125,11 @@ def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
 def draw_lines(
     axes: Axes, shown: Shown, values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> None:
-    """One line a column of `values` (M, n) over the program's time; the largest is named above."""
+    """Draw one line for each column of `values` (M, n) over the program's time, and name the largest value
+    above.
+    """
     factor = shown.unit[0]
-    # those that swing most go below, or they would cover the others
+    # draw the most varying first, because they would cover the others
     for column in np.argsort(-np.abs(values).mean(axis=0), kind="stable") if len(values) else ():
         colour, style = joint_style(int(column))
         for when, what in passes_of(shown, values[:, column : column + 1]):
@@ -144,7 +148,7 @@ def draw_lines(
 
 
 def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], times: Array, unit: str) -> str:
-    """The largest size in `values` (M, n) of each unit, whose it is, and at which of the times (M,)."""
+    """Return the largest size in `values` (M, n) for each unit, with its name and its time among (M,)."""
     if not len(values):
         return "no samples"
     return "most: " + "; ".join(
@@ -154,7 +158,7 @@ def most_text(values: Array, names: tuple[str, ...], units: tuple[str, ...], tim
 
 
 def off_path_text(shown: Shown) -> str:
-    """How far what was commanded is from the planned path."""
+    """Return the distance of the commanded positions from the planned path."""
     robot = shown.run.robot
     values = shown.tracking.off_path / robot.axis_units
     if not len(values):
@@ -169,7 +173,7 @@ def off_path_text(shown: Shown) -> str:
 def _largest(
     values: Array, names: tuple[str, ...], units: tuple[str, ...]
 ) -> Iterator[tuple[str, float, str, int]]:
-    """Of the columns of each unit: the unit, the largest size, its column's name, its row."""
+    """Yield for the columns of each unit: the unit, the largest size, its column's name, its row."""
     for unit in dict.fromkeys(units):
         columns = [column for column, one in enumerate(units) if one == unit]
         row, place = divmod(int(np.argmax(np.abs(values[:, columns]))), len(columns))
@@ -177,26 +181,28 @@ def _largest(
 
 
 def _size(size: float) -> str:
-    """Two digits that count, without an exponent, and not beyond the fifth decimal; what is less is rounded up."""
+    """Format a number with two significant digits, without an exponent, to at most five decimals; smaller
+    ones are rounded up.
+    """
     if size < 1e-5:
         return "0.00001" if size > 0.0 else "0"
     return f"{size:.{min(5, max(0, 1 - math.floor(math.log10(size))))}f}"
 
 
 def clock_end(run: RecordedRun) -> float:
-    """Return where the axis of the clock ends [s]."""
+    """Return the end of the clock's axis [s]."""
     return 1.03 * max(run.end, 1e-3)
 
 
 def draw_clock(axes: Axes, shown: Shown) -> None:
-    """How far the program was at each time of the clock, with the states and what happened."""
+    """Draw the program's time over the time of the clock, with states and events."""
     run, tracking = shown.run, shown.tracking
     factor, unit = time_unit(run.end)
     end = clock_end(run)
     for span in shown.spans:
         if is_shaded(span, end):
             colour, alpha = COLOURS[span.state]
-            # the last state stays
+            # the last state lasts until the end
             until = end if span is shown.spans[-1] else max(span.end, span.start + _NARROWEST * end)
             axes.axvspan(span.start / factor, until / factor, color=colour, alpha=alpha, lw=0, zorder=0)
     values = tracking.times[:, None] / shown.unit[0]
@@ -225,13 +231,15 @@ def draw_clock(axes: Axes, shown: Shown) -> None:
 
 
 def is_shaded(span: Span, end: float) -> bool:
-    """Whether a state is seen on an axis that goes to `end` [s]; loading that takes no time isn't worth it."""
+    """Return True if a state is visible on an axis up to `end` [s]. Loading that takes no time isn't
+    shown.
+    """
     is_brief = span.end - span.start < _NARROWEST * end
     return span.state in COLOURS and not (span.state is State.INIT and is_brief)
 
 
 def shade_program(axes: Axes, shown: Shown) -> None:
-    """Shade on an axis of the program's time what wasn't run, and where it was held or failed."""
+    """Shade the parts that weren't run on an axis of the program's time, and mark holds and failures."""
     factor, duration = shown.unit[0], max(shown.planned.duration, 1e-3)
     axes.set_xlim(0.0, duration / factor)
     axes.grid(axis="y", color="0.9", linewidth=0.6)
@@ -257,14 +265,16 @@ def shade_program(axes: Axes, shown: Shown) -> None:
 
 
 def not_run(shown: Shown) -> bool:
-    """Whether a part of the program was never run."""
+    """Return True if a part of the program was never run."""
     return shown.planned.duration - shown.reached > max(
         0.2, 2.0 * float(shown.planned.cubics.h.max(initial=0.0))
     )
 
 
 def passes_of(shown: Shown, values: Array) -> list[tuple[Array, Array]]:
-    """The lines over the program's time, of each pass and without the ways of a WHEN that it left out: times (k,) [s] and `values` (M, m) at them, thinned."""
+    """Return the lines over the program's time for each pass, without branches of a WHEN that it left out:
+    times (k,) [s] and `values` (M, m) at them, thinned.
+    """
     return _by_pass(shown, shown.tracking.times, values)
 
 
@@ -277,7 +287,7 @@ def _by_pass(shown: Shown, times: Array, values: Array) -> list[tuple[Array, Arr
 
 
 def _planned_line(planned: Planned) -> tuple[Array, Array]:
-    """Times [s] and positions (k, n) [rad or m] of the whole plan."""
+    """Return times [s] and positions (k, n) [rad or m] of the whole plan."""
     begins, half = planned.begins, planned.cubics.h / 2.0
     times = np.sort(
         np.concatenate(([0.0, planned.duration or 1.0], begins, begins + half, begins + 2.0 * half))
@@ -286,7 +296,9 @@ def _planned_line(planned: Planned) -> tuple[Array, Array]:
 
 
 def thinned(times: Array, values: Array, columns: int) -> tuple[Array, Array]:
-    """Lines of rising times (k,) and values (k, m): the least and the largest values of intervals, where there are more."""
+    """Thin lines of increasing times (k,) and values (k, m) to the least and largest values of intervals, if
+    there are more points.
+    """
     if len(times) <= 2 * columns:
         return times, values
     column = ((times - times[0]) * (columns / max(float(times[-1] - times[0]), 1e-9))).astype(np.intp)

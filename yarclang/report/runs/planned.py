@@ -1,4 +1,6 @@
-"""The motion that a log's controller text plans: exact cubics, as its strict reader and the certificate have them."""
+"""The planned motion from a log's controller text: exact cubics, as in its strict reader and the
+certificate.
+"""
 
 from __future__ import annotations
 
@@ -21,16 +23,19 @@ from yarclang.runtime.live import MADE_ON_THE_WAY
 
 @frozen(eq=False)
 class Planned:
-    """Where a program is to be at each of its times, which count motions and dwells, with the ways of a WHEN one after the other.
+    """Planned positions over the time of a program, which includes motions and dwells, with the branches of a
+    WHEN one after the other.
 
     Attributes:
-        cubics: its segments, one behind the other [rad or m, s].
-        begins: (N,) when each of them begins [s]. Where the next one begins later than it ends, the robot stands in between.
-        stand: (n,) where it starts [rad or m].
+        cubics: its segments, in order [rad or m, s].
+        begins: (N,) beginning of each segment [s]. If the next one begins later than it ends, the robot rests
+            in between.
+        stand: (n,) its start [rad or m].
         duration: of the whole program [s].
-        dwells: (D, 2) from when to when it stands [s], in order.
-        ways: (W, 3) of each WHEN: when its ways part, when the second one begins, and when that ends [s], those within others after them; of each EXIT: when the loop is left,
-            and twice when it ends.
+        dwells: (D, 2) beginning and end of each dwell [s], in order.
+        ways: (W, 3) for each WHEN: the times at which its branches part, at which the second one begins, and
+            at which that ends [s], nested ones after them; for each EXIT: the time at which the loop is left,
+            and twice that of its end.
         lasting: how long a run takes.
     """
 
@@ -43,7 +48,9 @@ class Planned:
     lasting: Lasting
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]; where it stands, those of the motion before."""
+        """Return positions [rad or m] and velocities, (M, n) each, at times (M,) of the program [s]; at rest,
+        those of the previous motion.
+        """
         if not len(self.begins):
             stand = np.tile(self.stand, (len(times), 1))
             return stand, np.zeros_like(stand)
@@ -51,19 +58,19 @@ class Planned:
         return self.cubics.take(rows).at(np.clip(times - self.begins[rows], 0.0, self.cubics.h[rows]))
 
     def segment_times(self, times: Array) -> Array:
-        """The segment times (M,) [s] at times (M,) of the program [s]."""
+        """Return the segment times (M,) [s] at times (M,) of the program [s]."""
         return self.cubics.h[self._rows(times)] if len(self.begins) else np.zeros(len(times))
 
     def _rows(self, times: Array) -> NDArray[np.int64]:
-        """The segments that times (M,) are in, the first and the last for those before and behind."""
+        """Return the segments at times (M,); the first and the last for times outside."""
         return np.clip(np.searchsorted(self.begins, times, side="right") - 1, 0, len(self.begins) - 1)
 
 
 def planned_motion(run: RecordedRun) -> Result[Planned]:
-    """Rebuild the planned motion of a run.
+    """Reconstruct the planned motion of a run.
 
     Returns:
-        None, with a finding, where the reader doesn't take the text.
+        None, with a finding, if the reader rejects the text.
     """
     if run.text.startswith(f"; {MADE_ON_THE_WAY}"):
         message = (
@@ -88,7 +95,9 @@ def _refused(run: RecordedRun, reason: str) -> Result[Planned]:
 
 
 def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwells: bool) -> Planned:
-    """The segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), from `start` (n,) in axis units."""
+    """Return the segments of all sequences (TUM 289: S, S, S, c1 ... cM, cM, cM), from `start` (n,) in axis
+    units.
+    """
     if not counts_dwells:
         content = replace(content, course=tuple(one for one in content.course if not isinstance(one, Dwelt)))
     schedule = content.schedule
@@ -128,7 +137,10 @@ def _planned(content: ControllerText, start: Array, units: Array, *, counts_dwel
 
 
 def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, float, float]]:
-    """When the ways of each WHEN part, when the second one begins, and when that ends [s]; the reader has seen that each has an end. What follows an EXIT in its loop is a way, too."""
+    """Return for each WHEN the times at which its branches part, at which the second one begins, and at which
+    that ends [s]. The reader has checked that each has an end. The steps after an EXIT in its loop count
+    as a branch, too.
+    """
     open_: list[tuple[int, float, float | None]] = []
     found: dict[int, tuple[float, float, float]] = {}
     loops: list[list[tuple[int, float]]] = []

@@ -1,4 +1,4 @@
-"""A run as a picture: what was planned and what became of it."""
+"""A run as a picture: the plan and the execution."""
 
 from __future__ import annotations
 
@@ -36,27 +36,27 @@ if TYPE_CHECKING:
 _DPI = 100
 
 _LEFT, _MIDDLE, _GAP, _RIGHT = 0.045, 0.565, 0.065, 0.985
-"""Where the panels of the joints begin and end, what is between them and the others, and where those end."""
+"""Left and right borders of the joints' panels, the gap after them, and the right border of the others."""
 
 _TOP, _BOTTOM = 0.865, 0.055
 
 _MOST_MARKS = 6
-"""More of what happened isn't listed."""
+"""Most events that are listed."""
 
 _LONGEST = 95
-"""Characters of a line of that list."""
+"""Most characters of a line in that list."""
 
 
 def draw_run(run: RecordedRun, planned: Planned, format_: Format) -> bytes:
     """Draw a run against its plan.
 
     Args:
-        run: that was logged.
+        run: from its log.
         planned: its plan.
         format_: of the picture. A PNG has `SIZE`.
 
     Returns:
-        The file's bytes, the same for the same log.
+        The file's bytes, equal for equal logs.
     """
     tracking = tracking_of(run, planned)
     shown = Shown(run, planned, tracking, spans_of(run, tracking), marks_of(run, tracking))
@@ -100,7 +100,7 @@ def _draw_title(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_joints(figure: Figure, shown: Shown) -> None:
-    """A panel a joint, over one axis of the program's time."""
+    """Draw one panel for each joint, over one axis of the program's time."""
     count = len(shown.run.robot.joint_names)
     grid = figure.add_gridspec(
         count,
@@ -123,7 +123,7 @@ def _draw_joints(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_errors(figure: Figure, shown: Shown) -> None:
-    """How far the joints and the motors were off, and how it went by the clock."""
+    """Draw the errors of joints and motors, and the progress by the clock."""
     run, tracking = shown.run, shown.tracking
     robot = run.robot
     bottom = _BOTTOM + 0.135
@@ -166,7 +166,7 @@ def _draw_errors(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_marks(figure: Figure, shown: Shown) -> None:
-    """What happened, by its number."""
+    """List the events by their numbers."""
     marks = shown.marks
     listed = marks if len(marks) <= _MOST_MARKS else marks[: _MOST_MARKS - 1]
     lines = [f"{number}  {mark.time:.2f} s  {mark.text}" for number, mark in enumerate(listed, 1)]
@@ -179,7 +179,7 @@ def _draw_marks(figure: Figure, shown: Shown) -> None:
 
 
 def _draw_legend(figure: Figure, shown: Shown) -> None:
-    """Joints, lines and shades, in one row above the panels."""
+    """Draw joints, lines and shades, in one row above the panels."""
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
 
@@ -198,6 +198,6 @@ def _draw_legend(figure: Figure, shown: Shown) -> None:
 
 
 def _cut(text: str, most: int) -> str:
-    """Text that can be drawn, and isn't too long."""
+    """Return a text with only characters that can be drawn, of bounded length."""
     text = printable(text)
     return text if len(text) <= most else text[: most - 1] + "…"

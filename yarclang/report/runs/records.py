@@ -1,4 +1,4 @@
-"""The records of an MCAP file up to where it ends, or stops making sense."""
+"""The records of an MCAP file up to its end, or to the first invalid one."""
 
 from __future__ import annotations
 
@@ -15,17 +15,23 @@ from yarclang.frozen import frozen
 from yarclang.report.runs.kind import MAGIC
 
 _LARGEST_CHUNK = 1 << 26
-"""Bytes that a chunk may have when it is unpacked; those of `yarc run` have 1 MiB and a message."""
+"""Largest unpacked chunk [bytes]. Those of `yarc run` have 1 MiB and a message."""
 _LEAST_LEFT, _PACKED = 1 << 28, 40
-"""Bytes that all chunks may have together, and so many more for each byte of the file: logs are packed to a tenth."""
+"""Largest size of all unpacked chunks together [bytes], and further bytes for each byte of the file: logs are
+compressed to a tenth.
+"""
 
 
 @frozen(eq=False)
 class Records:
-    """What a file has of each kind.
+    """Content of a file.
 
-    `messages` are topic and content, in the order in which they were written; those that aren't JSON objects are left out and counted by `unread`. `trouble` says why there may have been more; it is empty for
-    a whole file.
+    Attributes:
+        metadata: by name.
+        attachments: by name.
+        messages: topic and content, in the order of writing. Messages that aren't JSON objects are left out.
+        unread: number of messages that were left out.
+        trouble: why the file may have contained more; empty for a complete file.
     """
 
     metadata: dict[str, dict[str, str]]
@@ -36,7 +42,7 @@ class Records:
 
 
 def read_records(content: bytes) -> Records | None:
-    """Read what can be read of a file.
+    """Read a file as far as possible.
 
     Returns:
         None for a file that isn't MCAP, nor the beginning of one.
@@ -69,7 +75,7 @@ def read_records(content: bytes) -> Records | None:
 
 
 def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
-    """The records, and what ends them before their end."""
+    """Return the records, and the reason if they stop before the file's end."""
     stream = io.BytesIO(content)
     reader = StreamReader(stream, emit_chunks=True, validate_crcs=True, record_size_limit=None)
     records: list[McapRecord] = []
@@ -84,13 +90,13 @@ def _up_to_trouble(content: bytes) -> tuple[list[McapRecord], str]:
                 return records, "is larger when it is unpacked than any log"
             left -= len(chunk.data)
             records += breakup_chunk(chunk, validate_crc=True)
-    except Exception:  # nobody knows what parsers and decompressors raise on arbitrary bytes
+    except Exception:  # parsers and decompressors may raise any exception on arbitrary bytes
         return records, "is unfinished" if stream.tell() == len(content) else "is damaged"
     return records, ""
 
 
 def _unpacked(chunk: Chunk, most: int) -> Chunk | None:
-    """Unpack a chunk, whatever size it says it has.
+    """Unpack a chunk, regardless of its claimed size.
 
     Returns:
         None if it has more than `most` bytes.

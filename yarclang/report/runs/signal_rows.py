@@ -1,4 +1,6 @@
-"""Inputs and outputs of a run as rows of a picture: when each was on, and when the robot waited for it."""
+"""Inputs and outputs of a run as rows of a picture: the times at which each was on, and at which the robot
+waited for it.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +15,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 MOST_ROWS = 8
-"""Signals that have a row; those told of first."""
+"""Most signals that have a row, in the order of their first reports."""
 OUTPUT, INPUT, WAIT = "#0072B2", "#009E73", "#E69F00"
 _LONGEST = 12
-"""Characters of a name."""
+"""Most characters of a name."""
 _HIGH = 0.62
 """Share of a row's height that is drawn."""
 
@@ -28,8 +30,8 @@ class SignalRow:
     Attributes:
         name: of the signal.
         is_input: False for an output.
-        stretches: from when to when it had which value; before the first it isn't known.
-        waits: from when to when the robot waited for it, and True if it came.
+        stretches: (beginning, end, value); before the first the value is unknown.
+        waits: (beginning, end, True if the signal came).
     """
 
     name: str
@@ -39,7 +41,7 @@ class SignalRow:
 
 
 def signal_rows(run: RecordedRun) -> tuple[SignalRow, ...]:
-    """Return the inputs and outputs that a run told of, in the order in which it did."""
+    """Return the inputs and outputs of a run, in the order of their first reports."""
     changes: dict[tuple[str, bool], list[tuple[float, float]]] = {}
     waits: dict[tuple[str, bool], list[tuple[float, float, bool]]] = {}
     begun: tuple[tuple[str, bool], float] | None = None
@@ -57,7 +59,7 @@ def signal_rows(run: RecordedRun) -> tuple[SignalRow, ...]:
                     begun = None
             case _:
                 pass
-    if begun is not None:  # the run has ended in it
+    if begun is not None:  # the run has ended during the wait
         waits[begun[0]].append((begun[1], run.end, False))
     return tuple(
         SignalRow(name, is_input, _stretches(told, run.end), tuple(waits[name, is_input]))

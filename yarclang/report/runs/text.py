@@ -1,6 +1,6 @@
-"""A run in lines of text: what is told, and the one line that changes while it moves.
+"""A run as lines of text: reports, and one status line that changes during the motion.
 
-Live and recorded runs look the same: a `View` takes what is told and where the robot is, and gives the line.
+Live and recorded runs look alike: a `View` takes reports and positions, and returns the line.
 """
 
 from __future__ import annotations
@@ -22,27 +22,31 @@ from yarclang.runtime.signals import InputChanged, OutputSet, WaitBegan, WaitEnd
 from yarclang.runtime.state import State
 
 PLAIN_EACH = 5.0
-"""Where no line can change, how often another one is written for a command that goes on [s]."""
+"""Time between two status lines for a long command, if no line can change [s]."""
 
 
 class HasJoints(Protocol):
-    """What is to be known of a robot, live or recorded, to write its joint positions."""
+    """Interface of a robot, live or recorded, for formatting its joint positions."""
 
     @property
     def joint_names(self) -> tuple[str, ...]:
-        """In the order of the chain."""
+        """Names in the order of the chain."""
 
     @property
     def axis_units(self) -> Array:
-        """(n,) in SI."""
+        """Axis units (n,) in SI."""
 
 
 @frozen(eq=False)
 class View:
-    """What the line that changes shows: of a job that takes `lasting`, its `state`, the last `progress`, and the actual
-    joint positions `joints` (n,) [rad or m].
+    """State of the status line. Each method returns the view after an event.
 
-    Each method gives the view behind something.
+    Attributes:
+        robot: for joint names and units.
+        lasting: duration of the job.
+        state: of the robot.
+        progress: the last one.
+        joints: (n,) actual positions [rad or m].
     """
 
     robot: HasJoints
@@ -52,7 +56,7 @@ class View:
     joints: Array | None = None
 
     def behind(self, notice: Notice) -> View:
-        """After something was told."""
+        """Return the view after a report."""
         match notice:
             case Changed(state=state):
                 return replace(self, state=state)
@@ -62,16 +66,16 @@ class View:
                 return self
 
     def at(self, joints: Array) -> View:
-        """After the robot was seen at a joint position (n,) [rad or m]: `sample.joints(robot)`."""
+        """Return the view after a joint position (n,) [rad or m]: `sample.joints(robot)`."""
         return replace(self, joints=joints)
 
     def performing(self, lasting: Lasting) -> View:
-        """After another job was begun, which takes `lasting`."""
+        """Return the view after the beginning of another job, which takes `lasting`."""
         return replace(self, lasting=lasting, progress=None)
 
     @property
     def line(self) -> str:
-        """`P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  J1 10.00 J2 -3.50 ...`."""
+        """Return the line: `P0010 MOVEL_RPY_LSPB  12.3 s of 40.0 s, 27.7 s left  J1 10.00 J2 -3.50 ...`."""
         parts = [] if self.state is State.MOVE else [self.state.value]
         if self.progress is not None:
             parts.append(progress_text(self.progress, self.lasting))
@@ -81,7 +85,7 @@ class View:
 
 
 def notice_text(notice: Notice) -> str:
-    """A notice as a line of its own; empty for a sample."""
+    """Return a report as a line of its own; empty for a sample."""
     match notice:
         case Changed(state=state, why=why):
             return printable(f"{state.value}: {why}" if why else state.value)
@@ -96,20 +100,22 @@ def notice_text(notice: Notice) -> str:
 
 
 def progress_text(progress: Progress, lasting: Lasting | None = None) -> str:
-    """The command, how far the program is, how long all of it takes, and how long it still takes at the present override."""
+    """Return the command, the program's time, its duration, and the remaining time at the present
+    override.
+    """
     of = f" of {lasting.text(time_text)}" if lasting is not None else ""
     times = f"{time_text(progress.done)}{of}, {time_text(progress.left)} left"
     return f"{progress.command}  {times}" if progress.command else times
 
 
 def joints_text(robot: HasJoints, joints: Array) -> str:
-    """`J1 10.00 J2 -3.50`: joint positions (n,) [rad or m] in deg and mm."""
-    values = (joints / robot.axis_units).round(2) + 0.0  # no minus before a zero
+    """Format joint positions (n,) [rad or m] in deg and mm: `J1 10.00 J2 -3.50`."""
+    values = (joints / robot.axis_units).round(2) + 0.0  # adding 0.0 removes the sign of zero
     return " ".join(f"{name} {value:.2f}" for name, value in zip(robot.joint_names, values, strict=True))
 
 
 def time_text(seconds: float) -> str:
-    """12.3 s, 3 min 05 s, 2 h 03 min."""
+    """Format a time: 12.3 s, 3 min 05 s, 2 h 03 min."""
     if round(seconds, 1) < 100.0:
         return f"{seconds:.1f} s"
     whole = round(seconds)
@@ -120,12 +126,12 @@ def time_text(seconds: float) -> str:
 
 
 def over(line: str, width: int) -> str:
-    """What to write on a terminal of `width` columns to put a line in the place of the one that changes."""
+    """Return the text that replaces the status line on a terminal of `width` columns."""
     return f"\r\x1b[K{line[: max(width - 1, 0)]}"
 
 
 def head_text(run: RecordedRun) -> str:
-    """Which run this is."""
+    """Return the heading of a run."""
     pace = "" if run.pace == 1.0 else f", {run.pace:g} times as fast as real time"
     started = run.started[:19].replace("T", " ")
     return printable(f"{run.program} on {run.robot.name} at {run.controller}, {started} UTC{pace}")
@@ -138,7 +144,13 @@ def _is_usual(one: Told) -> bool:
 
 @frozen(eq=False)
 class Moment:
-    """A moment of a recorded run, at `time` [s]: the view behind it, and the line that was told in it, or nothing."""
+    """A moment of a recorded run.
+
+    Attributes:
+        time: [s].
+        view: after the moment.
+        line: report of the moment; empty if there is none.
+    """
 
     time: float
     view: View
@@ -146,11 +158,11 @@ class Moment:
 
 
 def moments_of(run: RecordedRun) -> Iterator[Moment]:
-    """A recorded run as it happened."""
+    """Yield the moments of a recorded run."""
     view, between = View(run.robot, run.lasting), False
     told: Iterator[tuple[float, Told | int]] = ((one.time, one) for one in run.told)
     seen: Iterator[tuple[float, Told | int]] = ((float(time), row) for row, time in enumerate(run.times))
-    # of what has one time, what is told comes last: how it ended, above all
+    # at equal times, reports come after samples, above all the outcome
     for time, one in merge(seen, told, key=lambda pair: pair[0]):
         line = ""
         match one:

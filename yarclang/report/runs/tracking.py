@@ -1,11 +1,14 @@
-"""How a run kept to its plan: when in the program each sample was taken, and how far from there the robot was.
+"""Comparison of a run with its plan: the program's time of each sample, and the robot's distance from the
+plan.
 
-Times of a program count its dwells, with the ways of a WHEN one after the other. For the search, the dwells and the ways that weren't taken are cut out: the
-robot followed the curve that is left, from its beginning on. Where the robot stood, only the program times in the log say when.
+Times of a program include its dwells, with the branches of a WHEN one after the other. For the search, dwells
+and branches that weren't taken are cut out: the robot followed the remaining curve from its beginning. While
+the robot rested, only the program times in the log give the time.
 
-A sample's program time comes from how many lines the controller has left: it is good to a segment or two, and a segment of a fast
-motion is degrees long. But what is commanded lies on the planned curve: the time is taken where the curve is nearest to it. Where
-the curve turns back on itself, it is as near twice; there the samples before and behind decide.
+A sample's program time comes from the number of lines that the controller has left. It is accurate to one or
+two segments, and a segment of a fast motion is degrees long. But commanded positions are on the planned
+curve: the time is taken at which the curve is nearest to them. If the curve turns back on itself, there are
+two such times; then the neighbouring samples decide.
 """
 
 from __future__ import annotations
@@ -23,52 +26,56 @@ from yarclang.report.runs.planned import Planned
 from yarclang.robot.model import Array
 
 _LATE = 0.3
-"""How far a sample's program time may be off [s], besides the segments: what was asked before it, and a slow link."""
+"""Largest error of a sample's program time [s], besides the segments: from the requests before it, and a slow
+link.
+"""
 
 _SEGMENTS = 4.0
-"""And how many segments."""
+"""Largest error in segments, in addition."""
 
 _SURE = 0.12
-"""How far a time may be off that the clock has put right [s]."""
+"""Largest error of a time that was corrected by the clock [s]."""
 
 _NEAR = 1e-3
-"""Two places of the curve whose distances from a sample differ by less than this are equally near [deg or mm]."""
+"""Difference below which the distances of two places on the curve count as equal [deg or mm]."""
 
 _SAME = 2e-3
-"""Times that are nearer to each other are one [s]."""
+"""Difference below which times count as equal [s]."""
 
 _DRIFT = 1e-3
-"""How much faster than the host's clock the controller's may be; quartzes are ten times better."""
+"""Largest relative deviation of the controller's clock from the host's. Quartzes are ten times better."""
 
 _BESIDE = 0.02
-"""Nearer than this to where the robot stands, the curve doesn't tell the time [s]."""
+"""Distance in time from a rest within which the curve doesn't determine the time [s]."""
 
 _BESIDE_WAY = 0.12
-"""A program time in the log that is nearer to the end of a way may be outside [s]."""
+"""Distance in time from the end of a branch within which a program time of the log may be outside [s]."""
 
 _WITHIN = 1e-6
-"""How far behind its end a way is left [s]."""
+"""Time after its end at which a branch is left [s]."""
 
 _CANDIDATES = 65
 _MINIMA = 3
 _STEPS = 5
 _ROWS = 2048
-"""Samples at once: enough for whole-array work, few enough for memory."""
+"""Samples that are computed at once, to bound the memory."""
 
 _DOUBT = 1e-4
-"""A time at the end of the window is as bad as this distance [deg or mm]: a few counts decide where nothing moves, and only there."""
+"""Cost of a time at the end of the window, as a distance [deg or mm]: a few counts decide only if nothing
+moves.
+"""
 
 
 @frozen(eq=False)
 class Tracking:
-    """The samples of a run against its plan; only those of the program itself, M of them.
+    """The M samples of a run's program against its plan.
 
     Attributes:
-        rows: (M,) which samples of the run.
-        times: (M,) of the program [s]; they never fall within a pass.
-        off_path: (M, n) what is commanded, less the point of the planned path that is nearest to it [rad or m].
-        error: (M, n) where the robot is, less where the program is at that time [rad or m].
-        breaks: (B,) the samples before which a way of a WHEN was left out, or another pass begins.
+        rows: (M,) indices of the samples in the run.
+        times: (M,) of the program [s], never decreasing within a pass.
+        off_path: (M, n) commanded position minus the nearest point of the planned path [rad or m].
+        error: (M, n) actual position minus the planned position at that time [rad or m].
+        breaks: (B,) samples before which a branch of a WHEN was left out, or another pass begins.
     """
 
     rows: NDArray[np.int64]
@@ -79,7 +86,7 @@ class Tracking:
 
 
 def tracking_of(run: RecordedRun, planned: Planned) -> Tracking:
-    """Find for each sample when in the program it was taken."""
+    """Find the program's time of each sample."""
     rows = np.flatnonzero(run.passes >= 0)
     times, nearest = np.empty(len(rows)), np.empty(len(rows))
     breaks = [np.empty(0, dtype=np.int64)]
@@ -100,7 +107,7 @@ def tracking_of(run: RecordedRun, planned: Planned) -> Tracking:
 
 
 def _parts(passes: NDArray[np.int64]) -> Iterator[slice]:
-    """Each pass."""
+    """Yield the samples of each pass."""
     bounds = [0, *(np.flatnonzero(np.diff(passes)) + 1).tolist(), len(passes)] if len(passes) else []
     return (slice(first, behind) for first, behind in pairwise(bounds))
 
@@ -111,10 +118,10 @@ class _Course:
 
     Attributes:
         planned: the motion.
-        cut: (C, 2) the stretches [s of the program], apart from each other and in order.
-        at_cut: (C,) when they come [s of the course].
-        stands: (D,) when the robot stood [s of the course], each time once.
-        skipped: (W, 2) the ways of a WHEN that were left out [s of the program].
+        cut: (C, 2) disjoint stretches in order [s of the program].
+        at_cut: (C,) times of the stretches [s of the course].
+        stands: (D,) times at which the robot rested [s of the course], each once.
+        skipped: (W, 2) branches of a WHEN that were left out [s of the program].
     """
 
     planned: Planned
@@ -125,25 +132,27 @@ class _Course:
 
     @property
     def duration(self) -> float:
-        """Of what is left [s]."""
+        """Duration of the course [s]."""
         return self.planned.duration - float(np.diff(self.cut, axis=1).sum())
 
     def at(self, times: Array) -> tuple[Array, Array]:
-        """Positions [rad or m] and velocities, (M, n) each, at times (M,) of the course [s]."""
+        """Return positions [rad or m] and velocities, (M, n) each, at times (M,) of the course [s]."""
         return self.planned.at(self.places(times))
 
     def segment_times(self, times: Array) -> Array:
-        """The segment times (M,) [s] at times (M,) of the course [s]."""
+        """Return the segment times (M,) [s] at times (M,) of the course [s]."""
         return self.planned.segment_times(self.places(times))
 
     def places(self, times: Array) -> Array:
-        """Times (M,) of the course as times of the program [s]; where something was cut out, its end."""
+        """Convert times (M,) of the course to times of the program [s]; at a cut, its end."""
         longer = np.concatenate(([0.0], np.cumsum(np.diff(self.cut, axis=1))))
         found: Array = times + longer[np.searchsorted(self.at_cut, times, side="right")]
         return found
 
     def times(self, places: Array) -> Array:
-        """Times (M,) of the program as times of the course [s]; those in what was cut out are those of its begin."""
+        """Convert times (M,) of the program to times of the course [s]; those in a cut become that of its
+        beginning.
+        """
         if not len(self.cut):
             return places
         at = np.searchsorted(self.cut[:, 0], places, side="right")
@@ -152,11 +161,11 @@ class _Course:
         return np.where(at > 0, behind, places)
 
     def with_dwells(self, times: Array, told: Array) -> Array:
-        """Times (M,) of the course as times of the program [s].
+        """Convert times (M,) of the course to times of the program [s].
 
         Args:
-            times: never falling.
-            told: (M,) the program times in the log [s], which count where the robot stood.
+            times: never decreasing.
+            told: (M,) the program times in the log [s], which are used while the robot rested.
         """
         found = self.places(times)
         for stand in self.stands.tolist():
@@ -170,14 +179,16 @@ class _Course:
 
 
 def _course(planned: Planned, told: Array) -> _Course:
-    """What a pass with program times `told` (M,) [s] can have followed: without dwells, and without ways in which it never was."""
+    """Return the course that a pass with program times `told` (M,) [s] can have followed: without dwells, and
+    without branches in which it never was.
+    """
     ways = np.concatenate((planned.ways[:, :2], planned.ways[:, 1:]))
     when = np.sort(told)
-    # what was told at its ends may be of what comes before or after it
+    # times near its ends may belong to the motion before or after it
     margin = np.minimum(_BESIDE_WAY, 0.4 * (ways[:, 1] - ways[:, 0]))
     first, behind = np.searchsorted(when, ways[:, 0] + margin), np.searchsorted(when, ways[:, 1] - margin)
     skipped = ways[(ways[:, 1] > ways[:, 0]) & (behind <= first)]
-    # behind its end, the other way's begin is another place
+    # just after its end, the other branch's beginning is another place
     skipped = skipped + np.array([0.0, _WITHIN])
     cut: list[tuple[float, float]] = []
     for begin, end in sorted((*skipped.tolist(), *planned.dwells.tolist())):
@@ -193,7 +204,9 @@ def _course(planned: Planned, told: Array) -> _Course:
 
 
 def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) -> tuple[Array, Array]:
-    """Times of the course [s] of the samples of one pass: those that never fall, and those where the curve is nearest."""
+    """Return times of the course [s] for the samples of one pass: never decreasing ones, and those at which
+    the curve is nearest.
+    """
     clock, points = run.times[rows] * (1.0 + _DRIFT), run.commanded[rows]
     units, told = run.robot.axis_units, planned.times(run.program_times[rows])
     window = _SEGMENTS * planned.segment_times(told) + _LATE
@@ -201,7 +214,7 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
     near = _nearest(planned, units, points, about, window)
     if near.alone.any():
         sure, when = _never_falling(near.times[near.alone], near.weights[near.alone]), clock[near.alone]
-        # from one to the next in a straight line; before the first and behind the last as it was told
+        # linear between them; before the first and after the last as in the log
         inside = np.clip(clock, when[0], when[-1])
         about = np.interp(inside, when, sure) + about - np.interp(inside, clock, about)
     near = _nearest(planned, units, points, about, np.full(len(rows), _SURE))
@@ -209,7 +222,7 @@ def _times_of_pass(run: RecordedRun, planned: _Course, rows: NDArray[np.int64]) 
 
 
 def _never_falling(values: Array, weights: Array) -> Array:
-    """The nearest values that never fall; those with much weight are moved least."""
+    """Return the nearest values that never decrease; those with much weight are moved least."""
     from scipy.optimize import isotonic_regression
 
     result: Array = isotonic_regression(values, weights=weights).x
@@ -218,8 +231,12 @@ def _never_falling(values: Array, weights: Array) -> Array:
 
 @frozen(eq=False)
 class _Nearest:
-    """When a curve is nearest to points: `times` (M,) [s]; `weights` (M,), how much each of them says, the square of the speed there;
-    `alone` (M,), whether the curve isn't as near at another time.
+    """Times at which a curve is nearest to points.
+
+    Attributes:
+        times: (M,) [s].
+        weights: (M,) reliability of each: the square of the speed there.
+        alone: (M,) True if the curve isn't as near at another time.
     """
 
     times: Array
@@ -228,14 +245,14 @@ class _Nearest:
 
 
 def _nearest(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
-    """When the planned curve is nearest to points.
+    """Find the times at which the planned curve is nearest to points.
 
     Args:
         planned: the curve.
-        units: (n,) in which distances are measured.
+        units: (n,) units of the distances.
         points: (M, n) [rad or m].
-        about: (M,) the times that are looked around [s].
-        window: (M,) how far to look [s].
+        about: (M,) times around which to search [s].
+        window: (M,) half width of the search [s].
     """
     parts = [slice(first, first + _ROWS) for first in range(0, len(points), _ROWS)]
     found = [_nearest_few(planned, units, points[part], about[part], window[part]) for part in parts]
@@ -247,7 +264,7 @@ def _nearest(planned: _Course, units: Array, points: Array, about: Array, window
 
 
 def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, window: Array) -> _Nearest:
-    """`_nearest` for as many as fit into memory."""
+    """Find the nearest times as in `_nearest`, for as many points as fit into memory."""
     doubt, places = ((_DOUBT / window) ** 2)[:, None], (points / units)[:, None]
     about = about[:, None]
 
@@ -265,7 +282,7 @@ def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, wi
     is_least = (costs[:, 1:-1] <= costs[:, :-2]) & (costs[:, 1:-1] <= costs[:, 2:])
     some = np.argpartition(np.where(is_least, costs[:, 1:-1], np.inf), _MINIMA, axis=1)[:, :_MINIMA]
     best = np.take_along_axis(tried, some, axis=1)
-    # Gauss and Newton, not beyond the neighbours
+    # Gauss-Newton steps, not beyond the neighbouring samples
     step = window[:, None] * (shares[1] - shares[0])
     low, high = np.maximum(best - step, 0.0), np.minimum(best + step, planned.duration)
     for _ in range(_STEPS):
@@ -276,7 +293,7 @@ def _nearest_few(planned: _Course, units: Array, points: Array, about: Array, wi
     final = np.where(np.take_along_axis(is_least, some, axis=1), cost(best, x), np.inf)
     which = np.argmin(final, axis=1)[:, None]
     times = np.take_along_axis(best, which, axis=1)
-    # squares add up: another place is as near if its distance is the same but for some counts
+    # costs are squares: another place is as near if its distance differs by a few counts only
     rivals = final < np.take_along_axis(final, which, axis=1) + _NEAR**2
     rivals &= (np.abs(best - times) > _SAME) & (np.abs(best - about) < 2.0 * _SURE)
     weights = np.take_along_axis((v**2).sum(axis=2) + doubt, which, axis=1)

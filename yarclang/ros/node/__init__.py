@@ -1,1 +1,3 @@
-"""The ROS nodes: a FollowJointTrajectory action on a robot that `yarc serve` owns. Python 3.8 and later, the standard library and `yarclang.client` only."""
+"""The ROS nodes: a FollowJointTrajectory action for a robot that `yarc serve` owns. Requires Python 3.8, and
+only the standard library and `yarclang.client`.
+"""

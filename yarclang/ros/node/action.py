@@ -1,6 +1,8 @@
-"""The rules of FollowJointTrajectory as a state machine: goals, positions and the time go in, what is to be done comes out. No I/O, no threads, no clock.
+"""The rules of FollowJointTrajectory as a state machine: its inputs are goals, positions and times, its
+outputs actions. No I/O, no threads, no clock.
 
-One goal is under way, and at most one waits until the robot rests: a new goal preempts what is under way. Each accepted goal ends exactly once.
+One goal is active, and at most one more waits until the robot rests: a new goal preempts the active one. Each
+accepted goal ends exactly once.
 """
 
 from __future__ import annotations
@@ -52,26 +54,30 @@ __all__ = [
 SUCCEEDED, ABORTED, CANCELED = "succeeded", "aborted", "canceled"
 
 GOAL_TOLERANCE = {"deg": 0.01, "mm": 0.001}
-"""How far a joint may be from the last point at the end [rad], [m], if the goal doesn't say it."""
+"""Default distance of a joint from the last point at the end [rad], [m]."""
 
 SETTLING = 2.0
-"""How long after the end of the program the joints may take to be there [s], if the goal doesn't say it."""
+"""Default time for the joints to arrive after the end of the program [s]."""
 
 STEP = 0.05
-"""The program's time is heard in steps of its segments, so long at most before two were heard [s]."""
+"""Largest step of the program's time before two reports were received [s]: the time is reported in steps of
+its segments.
+"""
 
 BEHIND, AHEAD = 1.5, 2.5
-"""How many steps the joints may be behind or ahead of the time that was heard with them: both are read from the controller one after the other."""
+"""Steps by which the joints may be behind or ahead of the reported time, because the controller is asked for
+both one after the other.
+"""
 
 
 @dataclass(frozen=True)
 class Feedback:
-    """How a goal goes on, 50 times a second while it moves.
+    """Progress of a goal, 50 times a second while it moves.
 
     Attributes:
         joint_names: in the order of the goal.
-        desired: what the goal asks for at the program's time: a slower pace or a hold delays it.
-        actual: what the controller has.
+        desired: planned state at the program's time, which a slower override or a hold delays.
+        actual: state from the controller.
         error: desired - actual.
     """
 
@@ -86,8 +92,8 @@ class Ready:
     """A goal that was planned and proved.
 
     Attributes:
-        track: its path, with joints in the robot's order; None: the robot stands at its end already.
-        lead: how long the way to its first point takes [s].
+        track: its path, with joints in the robot's order; None if the robot is at its end already.
+        lead: duration of the way to its first point [s].
         course: (time of the program [s], positions [rad or m]) of that way.
     """
 
@@ -96,19 +102,21 @@ class Ready:
     course: tuple[tuple[float, Values], ...] = ()
 
 
-# what is to be done
+# actions
 
 
 @dataclass(frozen=True)
 class Accepted:
-    """Tell the client that its goal is planned from now on, or as soon as the robot rests."""
+    """Report to the client that its goal is being planned, or will be as soon as the robot rests."""
 
     goal_id: str
 
 
 @dataclass(frozen=True)
 class Plan:
-    """Plan and prove a goal from where the robot rests; `TrajectoryAction.planned` is to be called with its number."""
+    """Plan and prove a goal from the robot's position at rest, then call `TrajectoryAction.planned` with its
+    number.
+    """
 
     number: int
     goal_id: str
@@ -117,19 +125,19 @@ class Plan:
 
 @dataclass(frozen=True)
 class Move:
-    """Carry out the goal of this number, which was planned; `TrajectoryAction.ended` is to be called."""
+    """Run the planned goal of this number, then call `TrajectoryAction.ended`."""
 
     number: int
 
 
 @dataclass(frozen=True)
 class Stop:
-    """Hold the robot on its path at once, and end what it carries out."""
+    """Hold the robot on its path at once, and end the running program."""
 
 
 @dataclass(frozen=True)
 class Give:
-    """Give feedback of a goal."""
+    """Publish feedback of a goal."""
 
     goal_id: str
     feedback: Feedback
@@ -149,30 +157,39 @@ Action = Union[Accepted, Plan, Move, Stop, Give, End]
 
 @dataclass
 class _UnderWay:
-    """A goal from its acceptance to its end."""
+    """A goal from its acceptance to its end.
+
+    Attributes:
+        number: of the goal.
+        goal_id: of its client.
+        goal: as it was received.
+        begins: planned start by the caller's clock [s].
+        phase: planning, ready, moving or settling.
+        ready: the planned goal; None before planning has finished.
+        due: time of its next timeout [s]; None without one.
+        ending: outcome and result for when the robot rests, whatever happens to the motion; None to decide
+            then.
+        done: program time that was reached [s].
+        step: smallest step of that time so far [s].
+        late: delay of its start against its stamp [s].
+    """
 
     number: int
     goal_id: str
     goal: Goal
     begins: float
-    """When it is to begin, by the caller's clock [s]."""
     phase: str = "planning"
-    """planning, ready, moving, settling."""
     ready: Ready | None = None
     due: float | None = None
     ending: tuple[str, Result] | None = None
-    """How it ends when the robot rests, whatever becomes of the motion."""
     done: float = 0.0
-    """How far the program is [s]."""
     step: float = STEP
-    """The smallest by which that has grown [s]."""
     late: float = 0.0
-    """How much later than its stamp it began [s]."""
 
 
 @dataclass(frozen=True)
 class _Tolerances:
-    """In the robot's order; infinite: none."""
+    """Tolerances in the robot's order; infinite for none."""
 
     path: Values
     goal: Values
@@ -180,11 +197,11 @@ class _Tolerances:
 
 @dataclass
 class TrajectoryAction:
-    """The action on one robot.
+    """The action of one robot.
 
     Args:
         joints: of the robot.
-        hold_on_cancel: True if a cancelled goal is held on its path; False if one that moves goes on to its end.
+        hold_on_cancel: True to hold a cancelled goal on its path; False to finish a goal that moves.
 
     Attributes:
         joints: of the robot; may be replaced while the action is idle.
@@ -198,7 +215,7 @@ class TrajectoryAction:
 
     @property
     def is_idle(self) -> bool:
-        """True if no goal is under way."""
+        """True if no goal is active."""
         return self._current is None
 
     @property
@@ -208,26 +225,26 @@ class TrajectoryAction:
 
     @property
     def due(self) -> float | None:
-        """When `passed` is to be called next [s]; None: nothing is waited for."""
+        """Time at which `passed` has to be called next [s]; None if nothing is pending."""
         return None if self._current is None else self._current.due
 
     def plans(self, number: int) -> bool:
-        """Return True if the goal of a number is being planned, and hasn't ended meanwhile."""
+        """Return True if the goal of a number is being planned and hasn't ended meanwhile."""
         current = self._current
         return current is not None and current.number == number and current.phase == "planning"
 
     # clients
 
     def goal(self, goal_id: str, goal: Goal, now: float) -> tuple[Result | None, list[Action]]:
-        """Take a goal.
+        """Handle a new goal.
 
         Args:
-            goal_id: by which the client knows it.
-            goal: as it arrived.
-            now: the time [s], of any clock that never goes back.
+            goal_id: of the client.
+            goal: as it was received.
+            now: the time of any monotonic clock [s].
 
         Returns:
-            Why it is rejected, or None if it is accepted; and what is to be done.
+            Why the goal is rejected, or None if it is accepted; and the resulting actions.
         """
         fault = fault_of(goal, self.joints)
         if fault is None and goal_id in (one.goal_id for one in (self._current, self._next) if one):
@@ -247,7 +264,7 @@ class TrajectoryAction:
         return None, actions + self._stop(preempted)
 
     def cancel(self, goal_id: str | None = None) -> list[Action]:
-        """Cancel a goal, or all (None). One that moves ends when the robot rests."""
+        """Cancel a goal, or all (None). A goal that moves ends when the robot rests."""
         canceled = CANCELED, Result(SUCCESSFUL, "canceled")
         actions: list[Action] = []
         if self._next is not None and goal_id in (None, self._next.goal_id):
@@ -259,10 +276,12 @@ class TrajectoryAction:
             return actions + self._end(canceled)
         return actions + (self._stop(canceled) if self.hold_on_cancel else [])
 
-    # what has become of an order
+    # results of orders
 
     def planned(self, number: int, made: Ready | Result, now: float) -> list[Action]:
-        """Take note that a goal was planned, or can't be (a `Result`). One that has ended meanwhile isn't carried out."""
+        """Handle the end of planning: the planned goal, or a `Result` if it failed. A goal that has ended
+        meanwhile isn't run.
+        """
         current = self._current
         if current is None or not self.plans(number):
             return []
@@ -275,11 +294,11 @@ class TrajectoryAction:
         return self._begin(current, now)
 
     def ended(self, number: int, failed: Result | None, now: float) -> list[Action]:
-        """Take note that what `Move` has begun is over, and the robot rests.
+        """Handle the end of a motion that `Move` has begun, with the robot at rest.
 
         Args:
             number: of the goal.
-            failed: why the robot isn't at its end; None: it is.
+            failed: why the robot isn't at the goal's end; None if it is.
             now: the time [s].
         """
         current = self._current
@@ -291,12 +310,12 @@ class TrajectoryAction:
         return self._settle(current, now)
 
     def lost(self, reason: str) -> list[Action]:
-        """Take note that nobody can be asked about the robot any more, or that all is to end: all goals are aborted."""
+        """Abort all goals, because the coordinator is lost or the node ends."""
         aborted = ABORTED, Result(INVALID_GOAL, reason)
         return self._end_next(aborted) + (self._end(aborted) if self._current is not None else [])
 
     def stopped(self, reason: str) -> list[Action]:
-        """Take note that somebody has ordered a stop: what doesn't move yet doesn't begin."""
+        """Handle a stop that somebody has ordered: a goal that doesn't move yet doesn't begin."""
         aborted = ABORTED, Result(INVALID_GOAL, reason)
         actions = self._end_next(aborted)
         current = self._current
@@ -305,18 +324,18 @@ class TrajectoryAction:
         return actions
 
     def leave(self, reason: str) -> list[Action]:
-        """End all goals; one that moves is held on its path first."""
+        """End all goals. A goal that moves is first held on its path."""
         aborted = ABORTED, Result(INVALID_GOAL, reason)
         return self.stopped(reason) + (self._stop(aborted) if self.moves else self._end_settling(aborted))
 
-    # what is heard
+    # reports and time
 
     def position(self, actual: Moment, done: float | None, now: float) -> list[Action]:
-        """Take where the joints are.
+        """Handle a report of the joints.
 
         Args:
             actual: in the robot's order.
-            done: how far the program of the goal that moves is [s]; None: its motion isn't heard of yet, or has ended.
+            done: program time of the moving goal [s]; None if its motion isn't reported yet, or has ended.
             now: the time [s].
         """
         current = self._current
@@ -332,7 +351,7 @@ class TrajectoryAction:
         return self._watched(current, current.ready, actual)
 
     def passed(self, now: float) -> list[Action]:
-        """Take note that time has passed: a goal is to begin, or hasn't come to its end in time."""
+        """Handle the passage of time: a goal has to begin, or hasn't reached its end in time."""
         current = self._current
         if current is None or current.due is None or now < current.due:
             return []
@@ -374,7 +393,9 @@ class TrajectoryAction:
         return SETTLING if given == 0.0 else math.inf if given < 0.0 else given
 
     def _stop(self, ending: tuple[str, Result]) -> list[Action]:
-        """Hold the goal that moves; it ends so when the robot rests, unless it was to end otherwise before."""
+        """Hold the goal that moves. It ends as given when the robot rests, unless another ending was set
+        before.
+        """
         current = self._current
         assert current is not None
         if current.ending is not None:
@@ -397,7 +418,7 @@ class TrajectoryAction:
     # tolerances
 
     def _watched(self, current: _UnderWay, ready: Ready, actual: Moment) -> list[Action]:
-        """Return the feedback of a goal that moves, and a stop where its path tolerance is broken."""
+        """Return the feedback of a goal that moves, and a stop if it violates its path tolerance."""
         assert ready.track is not None
         time = current.done - ready.lead
         if time < 0.0:
@@ -422,7 +443,7 @@ class TrajectoryAction:
         return actions
 
     def _near(self, current: _UnderWay, actual: Moment, now: float) -> list[Action]:
-        """End a goal if the joints are at its last point, or haven't come there in time."""
+        """End a goal if the joints are at its last point, or haven't arrived in time."""
         ready = current.ready
         assert ready is not None
         last = self._last(current)
@@ -487,7 +508,7 @@ def _minus(first: Values, second: Values) -> Values:
 
 
 def _between(course: Sequence[tuple[float, Values]], time: float) -> Values:
-    """Return the positions of a course at a time, straight between its samples."""
+    """Return the positions of a course at a time, interpolated linearly between its samples."""
     before = course[0]
     for after in course:
         if after[0] >= time:

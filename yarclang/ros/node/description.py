@@ -21,11 +21,12 @@ def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
     """Return the answer of the order `model`.
 
     Args:
-        robot: as for `yarclang.client.Robot`: the path of a socket, the name of a process or of its robot; None or empty: the only one that there is.
+        robot: as for `yarclang.client.Robot`: the path of a socket, or the name of a process or of its robot;
+            None or empty for the only one.
         patience: longest wait until it is served [s].
 
     Raises:
-        ValueError: it isn't served, doesn't answer, or can't be described; what to do is said.
+        ValueError: the robot isn't served, doesn't answer, or can't be described; the text names the remedy.
     """
     ends = time.monotonic() + patience
     told = False
@@ -45,7 +46,7 @@ def described(robot: str | None, patience: float = PATIENCE) -> Dict[str, Any]:
 
 
 def main() -> int:
-    """Write the URDF of the robot that the command line names, and return the exit status."""
+    """Write the URDF of the robot on the command line to standard output, and return the exit status."""
     if {"-h", "--help"} & set(sys.argv[1:]) or len(sys.argv) > 2:
         sys.stdout.write(__doc__ or "")
         return 0 if len(sys.argv) == 2 else 2

@@ -1,7 +1,9 @@
-"""Connects the action to a robot that `yarc serve` owns: orders, events, and a new connection when it is served anew. The threads are here.
+"""Connection of the action to a robot that `yarc serve` owns: orders, events, and reconnection after the
+robot is served again. The threads are here.
 
-There are three connections. One orders goals, and is the robot's owner while there are any; one hears events; one asks each second how the motors are, so that a process that hangs is noticed.
-Stops go the way of the goals: so they never overtake the start that they are to end.
+There are three connections. One gives orders for goals, and owns the robot while there are any. One receives
+events. One asks for the motors' state each second, so that a process that hangs is noticed. Stops use the
+connection of the goals, so that they never overtake the start that they are to end.
 """
 
 from __future__ import annotations
@@ -39,28 +41,30 @@ from yarclang.ros.node.trajectory import Goal, Joint, Moment, Values, fault_of, 
 __all__ = ["Driver", "Feedback", "Goal", "JointState", "Result", "Shell", "Status"]
 
 _AGAIN = 0.5
-"""How often a lost connection is tried to be made again [s]."""
+"""Time between two attempts to reconnect [s]."""
 
 _EACH = 1.0
-"""How often the motors are asked for, and a status is given at least [s]."""
+"""Time between two requests for the motors' state, and longest time between two status messages [s]."""
 
 _HANGS = 10.0
-"""A process that doesn't answer within this time hangs, or its computer does [s]."""
+"""Time without an answer after which a process, or its computer, counts as hanging [s]."""
 
 _PREPARES = 60.0
-"""What needs the controller, but no motion, takes so long at most [s]."""
+"""Longest duration of an order that needs the controller but no motion [s]."""
 
 _RESTS = 5.0
-"""How long `close` waits for the robot to rest [s]."""
+"""Longest wait of `close` for the robot to rest [s]."""
 
 _MOST_WAITING = 256
-"""Calls that wait for a shell which blocks; positions beyond are left out."""
+"""Most calls that wait for a shell that blocks. Further positions are left out."""
 
 _STANDS = {"deg": 0.002, "mm": 0.0005}
-"""A joint that is slower stands [rad/s, m/s]: a position that flickers between two counts isn't a motion."""
+"""Speed below which a joint counts as at rest [rad/s, m/s], so that a position that flickers between two
+counts isn't a motion.
+"""
 
 _COURSE, _LEAD_COURSE = 200, 2000
-"""Samples of the planned course, and of one with a way to the first point, which feedback follows."""
+"""Samples of the planned course for feedback, and of one with a way to the first point."""
 
 _UNKNOWN, _NO, _YES = -1, 0, 1
 _MANUAL, _AUTOMATIC = 1, 2
@@ -72,7 +76,7 @@ _LOG = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class JointState:
-    """Where the joints are, in the order of the robot's joints.
+    """State of the joints, in the robot's order.
 
     Attributes:
         names: of the joints.
@@ -87,16 +91,16 @@ class JointState:
 
 @dataclass(frozen=True)
 class Status:
-    """The fields of industrial_msgs/RobotStatus, with its values: -1 unknown, 0 no, 1 yes.
+    """Fields of industrial_msgs/RobotStatus, with its values: -1 unknown, 0 no, 1 yes.
 
     Attributes:
-        mode: 1 manual (somebody else owns the robot), 2 automatic, -1 unknown.
-        e_stopped: always -1: nothing says it.
+        mode: 1 manual (another client owns the robot), 2 automatic, -1 unknown.
+        e_stopped: always -1, because it is unknown.
         drives_powered: 1 if all loops are closed.
         motion_possible: 1 if a goal may move the robot now.
-        in_motion: 1 while a program is carried out or joints move.
-        in_error: 1 at a fault, without a controller, or after a goal that failed.
-        error_code: number of the finding (1612 of Y1612); 0: none.
+        in_motion: 1 while a program is run or joints move.
+        in_error: 1 in a fault, without a controller, or after a goal that failed.
+        error_code: number of the finding (1612 of Y1612); 0 for none.
         why: the reason, in words.
     """
 
@@ -111,28 +115,32 @@ class Status:
 
 
 class Shell(Protocol):
-    """What the ROS side does. Called from one thread of the driver, in order; it must not block."""
+    """Interface of the ROS side. One thread of the driver calls it, in order; it must not block."""
 
     def accepted(self, goal_id: str) -> None:
-        """Take note that a goal is planned from now on, or as soon as the robot rests."""
+        """Handle that a goal is being planned, or will be as soon as the robot rests."""
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
-        """Publish how a goal goes on."""
+        """Publish the progress of a goal."""
 
     def ended(self, goal_id: str, outcome: str, result: Result) -> None:
-        """End a goal: `outcome` is "succeeded", "aborted" or "canceled". Exactly once a goal that was accepted."""
+        """End a goal: `outcome` is "succeeded", "aborted" or "canceled". Called exactly once for each
+        accepted goal.
+        """
 
     def joint_state(self, state: JointState) -> None:
-        """Publish where the joints are, 50 times a second."""
+        """Publish the joints' state, 50 times a second."""
 
     def status(self, status: Status) -> None:
-        """Publish how the robot is: at each change, and once a second."""
+        """Publish the robot's status: at each change, and once a second."""
 
     def changed(self) -> None:
-        """Take note that the robot, its cell or its plan have changed: ask `model`, `scene` and `ghost` again, from another thread."""
+        """Handle a change of the robot, its cell or its plan: call `model`, `scene` and `ghost` again, from
+        another thread.
+        """
 
     def say(self, level: str, text: str) -> None:
-        """Tell people: `level` is "info", "warn" or "error"."""
+        """Print a line for people: `level` is "info", "warn" or "error"."""
 
 
 class _Link:
@@ -140,12 +148,12 @@ class _Link:
 
     Args:
         which: as for `Driver`.
-        name: likewise.
+        name: as for `Driver`.
 
     Raises:
-        Gone: nobody serves the robot.
-        Refused: it was denied.
-        TimeoutError: it doesn't answer.
+        Gone: the robot isn't served.
+        Refused: the connection was denied.
+        TimeoutError: the process doesn't answer.
     """
 
     def __init__(self, which: str | int | None, name: str) -> None:
@@ -166,18 +174,22 @@ class _Link:
 
     @property
     def robot(self) -> str:
-        """The robot's name, as others may look for the process."""
+        """Name of the robot, for finding its process."""
         return _robot_of(self.path)
 
     def close(self) -> None:
-        """Go away; whoever waits for an answer gets `Gone`."""
+        """Disconnect. Pending calls raise `Gone`."""
         for one in (self.orders, self.events, self.health):
             one.close()
 
 
 @dataclass
 class _Seen:
-    """How the robot is, as it was heard of last."""
+    """Last known state of the robot.
+
+    Attributes:
+        heard: time of `moment` by the coordinator's clock [s].
+    """
 
     state: str = "disconnected"
     why: str = ""
@@ -188,17 +200,17 @@ class _Seen:
     moves: int = _UNKNOWN
     moment: Moment | None = None
     heard: float = 0.0
-    """When the joints were there, by the coordinator's clock [s]."""
 
 
 class Driver:
-    """A FollowJointTrajectory action on a robot that `yarc serve` owns.
+    """A FollowJointTrajectory action for a robot that `yarc serve` owns.
 
     Args:
-        which: as for `yarclang.client.Robot`: path of the socket, name of the process or of the robot; None: the only one that there is.
+        which: as for `yarclang.client.Robot`: path of the socket, or name of the process or of the robot;
+            None for the only one.
         shell: the ROS side.
-        name: under which others know the driver.
-        hold_on_cancel: True if a cancelled goal is held on its path at once; else one that moves goes on to its end.
+        name: of the driver for other clients.
+        hold_on_cancel: True to hold a cancelled goal on its path at once; False to finish a goal that moves.
 
     Attributes:
         joint_names: of the robot, in its order; empty before `start`.
@@ -233,15 +245,15 @@ class Driver:
         self._is_told_out = False
         self._threads: list[threading.Thread] = []
 
-    # what shells call
+    # called by shells
 
     def start(self) -> None:
-        """Connect, and serve goals from now on.
+        """Connect, and begin to serve goals.
 
         Raises:
-            yarclang.client.Gone: nobody serves the robot.
-            yarclang.client.Refused: it was denied.
-            TimeoutError: it doesn't answer.
+            yarclang.client.Gone: the robot isn't served.
+            yarclang.client.Refused: the connection was denied.
+            TimeoutError: the process doesn't answer.
         """
         try:
             link = _Link(self._which, self._name)
@@ -252,7 +264,7 @@ class Driver:
             self._begin(work)
 
     def check(self, goal: Goal) -> Result | None:
-        """Return why `goal` would reject a goal as things are, and nothing else; None: it would be accepted."""
+        """Return why `goal` would reject a goal now, without other effects; None if it would be accepted."""
         with self._lock:
             if self._link is None or self._closing:
                 return Result(INVALID_GOAL, f"no robot is there: {self._lost}")
@@ -260,7 +272,9 @@ class Driver:
         return fault_of(goal, joints)
 
     def goal(self, goal_id: str, goal: Goal) -> Result | None:
-        """Take a goal, at once, from any thread. Return None if it is accepted (planning follows), else why it is rejected."""
+        """Take a goal, without waiting, from any thread. Return None if it is accepted (planning follows),
+        otherwise why it is rejected.
+        """
         with self._lock:
             if self._link is None or self._closing:
                 return Result(INVALID_GOAL, f"no robot is there: {self._lost}")
@@ -269,20 +283,22 @@ class Driver:
             return rejected
 
     def cancel(self, goal_id: str | None = None) -> None:
-        """Cancel a goal, or whatever goes on (None). It ends "canceled" when the robot rests."""
+        """Cancel a goal, or any (None). It ends as "canceled" when the robot rests."""
         with self._lock:
             self._do(self._action.cancel(goal_id))
 
     def hold(self) -> tuple[bool, str]:
-        """Hold the robot on its path, ready to go on. Return True if that was taken, and what was answered."""
+        """Hold the robot on its path, ready to resume. Return True if the order was accepted, and the
+        answer.
+        """
         return self._ordered("hold")
 
     def resume(self) -> tuple[bool, str]:
-        """Go on after a hold; returns as `hold`."""
+        """Resume after a hold; returns as `hold`."""
         return self._ordered("resume")
 
     def stop(self) -> tuple[bool, str]:
-        """Come to rest on the path and end what is under way; returns as `hold`."""
+        """Come to rest on the path and end the running program; returns as `hold`."""
         with self._lock:
             self._do(self._action.stopped("a stop was ordered"))
             if self._action.moves:
@@ -290,7 +306,9 @@ class Driver:
         return self._ordered("stop")
 
     def override(self, percent: float) -> tuple[bool, str]:
-        """Change the pace, 1 to 100 %; returns as `hold`. While nobody owns the robot, the pace is for the next goal."""
+        """Set the override, 1 to 100 %; returns as `hold`. While the robot has no owner, it applies to the
+        next goal.
+        """
         if not 1.0 <= percent <= 100.0:
             return False, f"{percent:g} % is no pace: it goes from 1 to 100 %"
         with self._lock:
@@ -303,9 +321,9 @@ class Driver:
         """Return the answer of the order `model`.
 
         Raises:
-            yarclang.client.Gone: nobody serves the robot.
-            yarclang.client.Refused: it was denied.
-            TimeoutError: it doesn't answer.
+            yarclang.client.Gone: the robot isn't served.
+            yarclang.client.Refused: the order was denied.
+            TimeoutError: the process doesn't answer.
         """
         return self._asked("model")
 
@@ -314,12 +332,14 @@ class Driver:
         return self._asked("scene")
 
     def ghost(self) -> list[tuple[float, Values]]:
-        """Return (time [s], positions [rad or m] in the order of `joint_names`) of the plan under way, thinned; empty if there is none."""
+        """Return (time [s], positions [rad or m] in the order of `joint_names`) of the running plan, thinned;
+        empty without a plan.
+        """
         with self._lock:
             return list(self._ghost)
 
     def close(self) -> None:
-        """Go away. If a goal of ours moves, the robot comes to rest on its path first."""
+        """Disconnect. If a goal of this driver moves, the robot first comes to rest on its path."""
         with self._lock:
             if self._closing:
                 return
@@ -334,7 +354,9 @@ class Driver:
                 thread.join(_RESTS)
 
     def _ordered(self, order: str, **fields: Any) -> tuple[bool, str]:
-        """Order what anybody may, by a connection of its own: it waits for nothing."""
+        """Give an order that every client may give, on a connection of its own, so that it waits for
+        nothing.
+        """
         try:
             with Robot(self._path(), name=None) as robot:
                 state = robot.ask(order, **fields)["state"]
@@ -384,7 +406,7 @@ class Driver:
         self._tell_status()
 
     def _send_own(self, plan: Plan) -> None:
-        """Own the robot from now on: a stop that somebody orders while the goal is planned is for its motion as well."""
+        """Own the robot from now on, so that a stop during planning also ends the motion of the goal."""
         if self._link is None:
             return
         try:
@@ -430,7 +452,7 @@ class Driver:
         self._call(partial(self._shell.say, level, text))
 
     def _tell(self) -> None:
-        """Call the shell, until the driver is closed and all was told."""
+        """Call the shell until the driver is closed and all calls were made."""
         while True:
             with self._lock:
                 self._news.wait_for(lambda: self._outbox or self._is_told_out)
@@ -467,7 +489,7 @@ class Driver:
         self._begin(self._hear, link)
 
     def _lose(self, link: _Link | None, reason: str) -> None:
-        """Give a connection up, and abort what was under way by it."""
+        """Close a connection, and abort the goals that used it."""
         with self._lock:
             if link is None or self._link is not link:
                 return
@@ -486,7 +508,7 @@ class Driver:
         link.close()
 
     def _supervise(self) -> None:
-        """Ask each second how it is, and connect again where nobody answers."""
+        """Ask for the state each second, and reconnect if there is no answer."""
         while True:
             with self._lock:
                 link = self._link
@@ -504,7 +526,7 @@ class Driver:
 
     @contextlib.contextmanager
     def _losing(self, link: _Link) -> Iterator[None]:
-        """Give a connection up whose other side is gone, hangs, or says what isn't understood."""
+        """Close a connection if its process has ended, hangs, or sends an unknown answer."""
         try:
             yield
         except (Gone, TimeoutError) as error:
@@ -554,7 +576,7 @@ class Driver:
     # time
 
     def _keep_time(self) -> None:
-        """Tell the action when what it waits for is due."""
+        """Call the action when its next timeout is due."""
         with self._lock:
             while not self._closing:
                 due = self._action.due
@@ -610,12 +632,12 @@ class Driver:
     def _prepared(
         self, link: _Link, plan: Plan
     ) -> tuple[Ready | Result, int | None, list[tuple[float, Values]]]:
-        """Return what came of planning a goal, the number of its program, and its course.
+        """Return the result of planning a goal, the number of its program, and its course.
 
         Raises:
-            Refused: somebody else owns the robot, or is moving it.
+            Refused: another client owns the robot, or is moving it.
             Gone: the process has ended.
-            TimeoutError: it doesn't answer.
+            TimeoutError: the process doesn't answer.
         """
         robot = link.orders
         with self._lock:
@@ -674,7 +696,7 @@ class Driver:
                 link.orders.answer(stop, _PREPARES)
 
     def _send_release(self, link: _Link) -> int:
-        """Leave the robot to others. Sent under the lock: the next goal's `own` comes after it."""
+        """Release the robot. Sent under the lock, so that the next goal's `own` comes after it."""
         self._owns = False
         return link.orders.order("release")
 
@@ -687,7 +709,7 @@ class Driver:
     # events
 
     def _hear(self, link: _Link) -> None:
-        """Take events until the process ends."""
+        """Handle events until the process ends."""
         with self._losing(link):
             for event in link.events.events(positions=True):
                 with self._lock:
@@ -740,7 +762,7 @@ class Driver:
         self._do(self._action.position(seen.moment, done, time.monotonic()))
         self._tell_status()
 
-    # how it is
+    # status
 
     def _tell_status(self, *, again: bool = False) -> None:
         status = self._status()
@@ -780,7 +802,7 @@ class Driver:
 
 
 def _robot_of(path: str) -> str:
-    """Return the name of the robot by the path of a socket."""
+    """Return the name of the robot from the path of a socket."""
     return re.sub(r"-\d+\.sock$", "", os.path.basename(path))  # noqa: PTH119
 
 
@@ -800,7 +822,7 @@ def _why(ended: dict[str, Any]) -> str:
 
 
 def _refused(findings: Sequence[dict[str, Any]]) -> Result:
-    """Return the first error of a program as the reason for which a goal is aborted."""
+    """Return the first error of a program as the result of an aborted goal."""
     for one in findings:
         if one["severity"] == "error":
             return Result(INVALID_GOAL, _worded(one["code"], one["message"], one["help"] or ""))
@@ -812,7 +834,7 @@ def _worded(code: str, what: str, help_: str) -> str:
 
 
 def _places(joints: Sequence[Joint], course: dict[str, Any]) -> list[tuple[float, Values]]:
-    """Return a course of the coordinator in rad and m."""
+    """Convert a course of the coordinator to rad and m."""
     return [
         (at, tuple(value / one.scale for value, one in zip(row, joints)))
         for at, row in zip(course["times"], course["joints"])

@@ -1,7 +1,9 @@
-"""ROS 1's messages of FollowJointTrajectory and ROS-Industrial, where the packages control_msgs and industrial_msgs aren't installed.
+"""ROS 1's messages of FollowJointTrajectory and ROS-Industrial, for systems without control_msgs and
+industrial_msgs.
 
-ROS 1 knows a type by its name and the md5 sum of its fields. Both come out right from field names and types alone, so that these classes talk to nodes that were built with the packages.
-Debian has ROS 1 without them; Noetic's own repository has both, and then they are used.
+ROS 1 identifies a type by its name and the md5 sum of its fields. Both follow from field names and types
+alone, so that these classes can talk to nodes that were built with the packages. Debian has ROS 1 without the
+packages; Noetic's own repository has both, and then they are used.
 
 Written for Python 3.8 and later.
 """
@@ -14,7 +16,7 @@ from typing import Any, Dict, NamedTuple
 
 _ACTION = "control_msgs/FollowJointTrajectoryAction"
 _RULE = "\n" + "=" * 80 + "\n"
-"""What stands between the texts of messages that depend on each other, as genpy wants it."""
+"""Separator between the texts of messages that depend on each other, in the format of genpy."""
 
 _TEXTS = {
     "std_msgs/Header": "uint32 seq\ntime stamp\nstring frame_id",
@@ -46,11 +48,11 @@ _TEXTS = {
     "industrial_msgs/GetRobotInfoRequest": "",
     "industrial_msgs/GetRobotInfoResponse": "industrial_msgs/DeviceInfo controller\nindustrial_msgs/DeviceInfo[] robots\nindustrial_msgs/ServiceReturnCode code",
 }
-"""Field names and types of each message, and its constants: all that the md5 sums depend on."""
+"""Field names, types and constants of each message, which determine the md5 sums."""
 
 
 class Interfaces(NamedTuple):
-    """Classes of messages and services. Each has genpy's `_type` and `_md5sum`, and no type that a checker knows."""
+    """Classes of messages and services. Each has genpy's `_type` and `_md5sum`, and no static type."""
 
     action: Any
     """control_msgs/FollowJointTrajectoryAction."""
@@ -73,7 +75,7 @@ class Interfaces(NamedTuple):
 
 
 def interfaces() -> Interfaces:
-    """Return the classes: those of the installed packages, or our own of the same names and md5 sums."""
+    """Return the classes of the installed packages, or our own with the same names and md5 sums."""
     found = [
         _installed("control_msgs.msg"),
         _installed("industrial_msgs.msg"),
@@ -102,7 +104,7 @@ def _installed(module: str) -> Any:
 
 
 class _Made:
-    """The classes made from `_TEXTS`, each an attribute by its name without the package's."""
+    """The classes made from `_TEXTS`, each an attribute named without its package."""
 
     def __init__(self) -> None:
         dynamic = importlib.import_module("genpy.dynamic")
@@ -120,7 +122,7 @@ class _Made:
 
 
 def _md5_texts() -> Dict[str, str]:
-    """Return what the md5 sum of each message is taken of, by the message's name."""
+    """Return the text for the md5 sum of each message, by the message's name."""
     genmsg = importlib.import_module("genmsg")
     loader, tools = importlib.import_module("genmsg.msg_loader"), importlib.import_module("genmsg.gentools")
     context = genmsg.MsgContext.create_default()
@@ -131,7 +133,7 @@ def _md5_texts() -> Dict[str, str]:
 
 
 def _service(name: str, classes: Dict[str, Any], sums: Dict[str, str]) -> Any:
-    """Return the class of a service. Its md5 sum is that of the request's text and the response's, one after the other."""
+    """Return the class of a service. Its md5 sum is that of the request's text followed by the response's."""
     text = sums[f"{name}Request"] + sums[f"{name}Response"]
     content = {
         "_type": name,

@@ -1,4 +1,6 @@
-"""Where the links of a URDF are, and what they look like: forward kinematics without any library, for what the nodes draw."""
+"""Poses and shapes of the links of a URDF: forward kinematics without any library, for the drawings of the
+nodes.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,13 @@ _TURNS, _SLIDES = ("revolute", "continuous"), ("prismatic",)
 
 @dataclass(frozen=True)
 class Shape:
-    """A shape around the origin of its pose [m]: a `box` has its edges as `size`, a `sphere` and a `cylinder` along z their extents, a `mesh` the factors of its file."""
+    """A shape around the origin of its pose.
+
+    Attributes:
+        type: `box`, `sphere`, `cylinder` (along z) or `mesh`.
+        size: edges of a box, extents of a sphere or a cylinder [m]; scale factors of a mesh.
+        mesh: file of a mesh.
+    """
 
     type: str
     size: Vector
@@ -30,7 +38,14 @@ class Shape:
 
 @dataclass(frozen=True)
 class Body:
-    """A shape of a link, at `link_from_shape`; `colour` is None if the URDF doesn't say it."""
+    """A shape of a link.
+
+    Attributes:
+        link: name of the link.
+        shape: the shape.
+        link_from_shape: its pose.
+        colour: None if the URDF gives none.
+    """
 
     link: str
     shape: Shape
@@ -52,15 +67,15 @@ class Kinematics:
     """The links of a URDF.
 
     Args:
-        urdf: its text, as the order `model` tells it.
-        base: the link from which poses are counted.
+        urdf: its text, from the order `model`.
+        base: the link that poses are relative to.
 
     Attributes:
-        base: likewise.
-        bodies: what the links look like: their visual shapes, of links without any the collision shapes.
+        base: the same link.
+        bodies: visual shapes of the links, or the collision shapes of links without visual ones.
 
     Raises:
-        ValueError: the text is no URDF whose links and joints make one tree, or has no such link.
+        ValueError: the text is no URDF whose links and joints form one tree, or has no such link.
     """
 
     def __init__(self, urdf: str, base: str) -> None:
@@ -82,7 +97,7 @@ class Kinematics:
         """Return base_from_link of each link.
 
         Args:
-            positions: of joints by name [rad or m]; a joint without one stands at zero.
+            positions: of joints by name [rad or m]; other joints are at zero.
         """
         found: Dict[str, Pose] = {}
         children = {joint.child for joint in self._joints}
@@ -126,7 +141,9 @@ def placed(xyz: Vector, rpy: Vector = (0.0, 0.0, 0.0)) -> Pose:
 
 
 def quaternion(pose: Pose) -> Tuple[float, float, float, float]:
-    """Return the rotation of a pose as a unit quaternion x y z w (Shepperd's method: the largest component first)."""
+    """Return the rotation of a pose as a unit quaternion x y z w (Shepperd's method: the largest component
+    first).
+    """
     (a, b, c, _), (d, e, f, _), (g, h, i, _) = pose[:3]
     squares = (1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i, 1.0 + a + e + i)
     rows = (
@@ -142,7 +159,7 @@ def quaternion(pose: Pose) -> Tuple[float, float, float, float]:
 
 
 def _in_turn(links: list[str], joints: list[_Joint]) -> Tuple[_Joint, ...]:
-    """Return the joints with parents before children."""
+    """Return the joints, parents before children."""
     below: Dict[str, list[_Joint]] = {}
     for joint in joints:
         below.setdefault(joint.parent, []).append(joint)
@@ -170,7 +187,7 @@ def _joint(one: ET.Element) -> _Joint:
 
 
 def _moved(joint: _Joint, value: float) -> Pose:
-    """The pose that a joint's position makes: a turn by Rodrigues' formula, or a way."""
+    """Return the pose of a joint's position: a rotation by Rodrigues' formula, or a translation."""
     x, y, z = joint.axis
     if joint.kind in _SLIDES:
         return placed((x * value, y * value, z * value))
@@ -192,7 +209,7 @@ def _bodies(link: ET.Element, colours: Mapping[str, Colour | None]) -> Tuple[Bod
 
 
 def _body(link: str, one: ET.Element, colours: Mapping[str, Colour | None]) -> Body | None:
-    """A <visual> or <collision>; None if its shape isn't one of version 1.0."""
+    """Return the body of a <visual> or <collision>; None if its shape isn't one of version 1.0."""
     geometry, material = one.find("geometry"), one.find("material")
     shape = None if geometry is None else _shape(geometry)
     if shape is None:

@@ -1,11 +1,13 @@
-"""What RViz draws of a robot's surroundings and of its plan, as values that each shell turns into visualization_msgs/Marker.
+"""Markers for RViz of a robot's surroundings and of its plan, as values that each shell turns into
+visualization_msgs/Marker.
 
     kinematics = Kinematics(model["urdf"], model["base"])
     for marker in scene_markers(driver.scene()):
         array.markers.append(fill(Marker(), marker, Point))
 
-Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own (`~scene` and `~ghost`, visualization_msgs/MarkerArray in the node's name space, latched): the first
-marker deletes what was drawn there before.
+Each of `scene_markers` and `ghost_markers` is the whole of a topic of its own (`~scene` and `~ghost`,
+visualization_msgs/MarkerArray in the node's name space, latched): the first marker deletes what was drawn
+there before.
 """
 
 from __future__ import annotations
@@ -30,12 +32,12 @@ from yarclang.ros.node.kinematics import (
 ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, TEXT, MESH = 0, 1, 2, 3, 4, 9, 10
 """Types of visualization_msgs/Marker: the same numbers in ROS 1 and ROS 2."""
 ADD, DELETE_ALL = 0, 3
-"""Its actions."""
+"""Actions of visualization_msgs/Marker."""
 
 MOST_POINTS = 500
-"""Points of the tool's path that are drawn."""
+"""Most points of the tool's drawn path."""
 MOST_NAMES = 200
-"""More names than this would cover the picture."""
+"""Most names that are drawn. More would cover the picture."""
 
 BODY: Colour = (150 / 255, 160 / 255, 150 / 255, 1.0)
 CARRIED: Colour = (92 / 255, 110 / 255, 140 / 255, 1.0)
@@ -51,22 +53,27 @@ ZONES: Mapping[str, Colour] = {
 }
 _RULES = {"allowed": "stay inside", "forbidden": "stay outside", "slow": "slow", "posture": "posture"}
 _UNSURE = 0.45
-"""Opacity of a part that may be elsewhere."""
+"""Opacity of a part whose position is uncertain."""
 _PLANE, _THIN = 2.4, 0.002
-"""Edges and thickness of the piece of a half space's border that is drawn [m]."""
+"""Edge and thickness of the drawn piece of a half space's border [m]."""
 _LETTERS = 0.06
-"""Height of names [m]."""
+"""Height of the drawn names [m]."""
 _WIDTH = 0.008
-"""Of the tool's path [m]."""
+"""Width of the tool's path [m]."""
 _SEEN = 1e-4
-"""Poses that differ by less [m, or rad] are one."""
+"""Difference below which poses are drawn as equal [m, or rad]."""
 _SHAFT: Vector = (0.25, 0.015, 0.03)
-"""Length and widths of the arrow that points to where a half space allows the tool [m]."""
+"""Length and widths of the arrow that points to the allowed side of a half space [m]."""
 
 
 @dataclass(frozen=True)
 class Marker:
-    """A marker, with the fields of visualization_msgs/Marker: `scale` in m (factors of a mesh), `pose` is frame_from_marker."""
+    """A marker, with the fields of visualization_msgs/Marker.
+
+    Attributes:
+        pose: frame_from_marker.
+        scale: [m]; factors of a mesh.
+    """
 
     namespace: str = ""
     id: int = 0
@@ -82,11 +89,12 @@ class Marker:
 
 
 def fill(message: Any, marker: Marker, point: Callable[..., Any]) -> Any:
-    """Write a marker into a message of ROS 1 or ROS 2, and return it; its header's stamp stays zero, which is the newest transform.
+    """Write a marker into a message of ROS 1 or ROS 2, and return it. The header's stamp stays zero, which
+    means the newest transform.
 
     Args:
         message: a new visualization_msgs/Marker.
-        marker: what to write.
+        marker: to write.
         point: the class geometry_msgs/Point.
     """
     message.header.frame_id = marker.frame_id
@@ -99,13 +107,13 @@ def fill(message: Any, marker: Marker, point: Callable[..., Any]) -> Any:
     message.color.r, message.color.g, message.color.b, message.color.a = marker.colour
     message.points = [point(x=x, y=y, z=z) for x, y, z in marker.points]
     message.text, message.mesh_resource = marker.text, marker.mesh
-    # what the robot carries goes with it
+    # carried bodies move with the robot
     message.frame_locked = True
     return message
 
 
 def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
-    """Return what is around a robot: bodies and parts, zones to be seen through, and their names.
+    """Return the markers of a robot's surroundings: bodies and parts, transparent zones, and their names.
 
     Args:
         scene: the answer of the order `scene`.
@@ -122,13 +130,14 @@ def scene_markers(scene: Mapping[str, Any]) -> Tuple[Marker, ...]:
 def ghost_markers(
     kinematics: Kinematics, tool: str, joints: Sequence[str], course: Sequence[Sequence[float]]
 ) -> Tuple[Marker, ...]:
-    """Return the plan under way: the path of a link's origin as a line, and the links that stand elsewhere at the end of it, to be seen through.
+    """Return the markers of the running plan: the path of a link's origin as a line, and, transparent, the
+    links whose pose at the end differs.
 
     Args:
         kinematics: of the robot.
         tool: the link whose path is drawn.
         joints: names, in the order of positions.
-        course: joint positions [rad or m] through the plan; empty: nothing is drawn.
+        course: joint positions [rad or m] of the plan; empty to draw nothing.
 
     Raises:
         ValueError: there is no such link, or a row has another length than `joints`.
@@ -145,7 +154,7 @@ def ghost_markers(
         if tool not in poses:
             raise ValueError(f"the robot's description has no link {tool!r}")
         points.append(origin_of(poses[tool]))
-    # RViz draws no line of one point
+    # RViz draws no line with only one point
     points = points * 2 if len(points) == 1 else points
     width = (_WIDTH, 0.0, 0.0)
     made.append(Marker("path", 1, LINE_STRIP, kinematics.base, IDENTITY, width, PATH, tuple(points)))
@@ -159,12 +168,12 @@ def ghost_markers(
 
 
 def _differ(one: Pose, other: Pose) -> bool:
-    """Return True if a link is seen to be elsewhere: what isn't would be drawn within itself."""
+    """Return True if the poses of a link differ visibly. Equal ones would be drawn inside each other."""
     return any(abs(a - b) > _SEEN for pair in zip(one, other) for a, b in zip(*pair))
 
 
 def thinned(rows: Sequence[Any], most: int) -> Tuple[Any, ...]:
-    """Return at most so many of the rows, evenly, with the first and the last."""
+    """Return at most `most` rows, evenly chosen, including the first and the last."""
     if len(rows) <= most:
         return tuple(rows)
     return tuple(rows[round(at * (len(rows) - 1) / (most - 1))] for at in range(most))
@@ -205,7 +214,9 @@ def _item(item: Mapping[str, Any], with_name: bool) -> Iterator[Marker]:
 
 
 def _corner(pose: Pose) -> Pose:
-    """Return a place on a plane away from the robot, which often stands where the plane's origin is: its upper corner."""
+    """Return a place on a plane away from the robot, which often stands at the plane's origin: its upper
+    corner.
+    """
     half = 0.45 * _PLANE
     corners = [times(pose, placed((x, y, 0.0))) for x in (-half, half) for y in (-half, half)]
     return max(corners, key=lambda one: (round(one[2][3], 6), one[0][3] + one[1][3]))
@@ -227,7 +238,9 @@ def _text(item: Mapping[str, Any]) -> str:
 
 
 def _told(shape: Mapping[str, Any]) -> Iterable[Tuple[Shape, Pose]]:
-    """Yield a shape of the scene as shapes that RViz has, with their places: a capsule is a cylinder with two spheres."""
+    """Yield a shape of the scene as shapes of RViz, with their poses: a capsule is a cylinder with two
+    spheres.
+    """
     kind = shape["type"]
     if kind == "mesh":
         x, y, z = shape["scale"]
@@ -246,14 +259,16 @@ def _told(shape: Mapping[str, Any]) -> Iterable[Tuple[Shape, Pose]]:
 
 
 def _shape(namespace: str, frame: str, shape: Shape, pose: Pose, colour: Colour) -> Iterator[Marker]:
-    """Yield the marker of a shape; none of one without extent, which RViz complains of."""
+    """Yield the marker of a shape; none for a shape without extent, for which RViz logs errors."""
     if all(shape.size):
         kind = {"box": CUBE, "sphere": SPHERE, "cylinder": CYLINDER, "mesh": MESH}[shape.type]
         yield Marker(namespace, 0, kind, frame, pose, shape.size, colour, mesh=shape.mesh)
 
 
 def _height(shape: Shape, pose: Pose) -> float:
-    """How far a shape reaches above the origin of its pose [m]; 0 of a mesh, whose extent isn't known here."""
+    """Return the height of a shape above the origin of its pose [m]; 0 for a mesh, whose extent is unknown
+    here.
+    """
     if shape.type == "mesh":
         return 0.0
     return 0.5 * math.fsum(abs(part) * edge for part, edge in zip(pose[2], shape.size))

@@ -1,7 +1,8 @@
-"""The ROS 1 master: its registrations of this node, made again when a master is started anew.
+"""The ROS 1 master: its registrations of this node, repeated after a master is restarted.
 
-rospy registers once. A master that was ended and started again knows nothing of the node: topics that are connected go on, but nobody new finds them. So the master is asked
-now and then if it knows this node, and is told all of it again if it doesn't.
+rospy registers only once. A master that was restarted doesn't know the node: connected topics continue, but
+new subscribers don't find them. Therefore the master is asked regularly if it knows this node, and gets all
+registrations again if it doesn't.
 
 Written for Python 3.8 and later.
 """
@@ -13,19 +14,19 @@ import xmlrpc.client
 from typing import Any, List, NamedTuple, Tuple
 
 PATIENCE = 2.0
-"""A master that takes longer to answer hangs [s]."""
+"""Time after which a master that doesn't answer counts as hanging [s]."""
 
 LOST = (OSError, http.client.HTTPException, xmlrpc.client.Error)
-"""What a call raises if there is no master, or something else at its address."""
+"""Exceptions of a call if there is no master, or another program at its address."""
 
 
 class Registered(NamedTuple):
-    """What a node has told its master.
+    """Registrations of a node at its master.
 
     Attributes:
         published: topics with their types.
         subscribed: topics with their types.
-        services: services with the addresses under which they are called.
+        services: services with their addresses.
     """
 
     published: List[Tuple[str, str]]
@@ -34,7 +35,7 @@ class Registered(NamedTuple):
 
 
 class Master:
-    """The master, as one node sees it. Each call raises one of `LOST` if it isn't there.
+    """The master, as one node uses it. Each call raises one of `LOST` if the master can't be reached.
 
     Args:
         address: its URI.
@@ -46,18 +47,22 @@ class Master:
         self._node = node
 
     def answers(self) -> bool:
-        """Return True if a master is there."""
+        """Return True if the master answers."""
         try:
             return bool(_call(self.address, "getPid", self._node)[0] == 1)
         except LOST:
             return False
 
     def knows_node(self) -> bool:
-        """Return True if a node of this name is registered: this one, or one that has taken its place, which must not be turned out again."""
+        """Return True if a node of this name is registered: this one, or one that has replaced it and must
+        not be evicted.
+        """
         return bool(_call(self.address, "lookupNode", self._node, self._node)[0] == 1)
 
     def register(self, node_address: str, registered: Registered) -> None:
-        """Tell the master all that a node has, and the node who publishes what it subscribes to."""
+        """Register everything of a node at the master, and pass the publishers of subscribed topics to the
+        node.
+        """
         for topic, kind in registered.published:
             _call(self.address, "registerPublisher", self._node, topic, kind, node_address)
         for service, place in registered.services:
@@ -68,7 +73,7 @@ class Master:
 
 
 def _call(address: str, name: str, *values: Any) -> Any:
-    """Call a method; return (code, message, value)."""
+    """Call a method of the master; return (code, message, value)."""
     with xmlrpc.client.ServerProxy(address, transport=_Patient()) as server:
         answer = getattr(server, name)(*values)
     if not isinstance(answer, list) or len(answer) != 3:

@@ -1,4 +1,5 @@
-"""ROS 1's messages from and to the values of the driver. Knows field names, and gets the classes: no ROS is imported here.
+"""Conversion between ROS 1's messages and the values of the driver. Uses field names, and gets the classes as
+arguments: no ROS is imported here.
 
 Written for Python 3.8 and later.
 """
@@ -17,7 +18,7 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
     Args:
         goal: control_msgs/FollowJointTrajectoryGoal.
-        now: ROS time, against which the header's stamp is read.
+        now: ROS time, from which the header's stamp is subtracted.
     """
     trajectory = goal.trajectory
     return Goal(
@@ -31,7 +32,9 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def path_of(trajectory: Any, now: Any) -> Goal:
-    """Return the goal of a trajectory_msgs/JointTrajectory alone, with the default tolerances; `now` as for `goal_of`."""
+    """Return the goal of a trajectory_msgs/JointTrajectory alone, with the default tolerances; `now` as for
+    `goal_of`.
+    """
     return Goal(tuple(trajectory.joint_names), _points_of(trajectory), _starts_in(trajectory, now))
 
 
@@ -51,7 +54,9 @@ def feedback_message(kind: Any, feedback: Feedback, stamp: Any) -> Any:
 
 
 def standing_message(kind: Any, state: JointState, stamp: Any) -> Any:
-    """Return where the joints are as feedback (class `kind` as for `feedback_message`) while nothing is desired: `desired` and `error` are empty."""
+    """Return the joints' state as feedback (class `kind` as for `feedback_message`) while there is no goal:
+    `desired` and `error` are empty.
+    """
     message = kind(joint_names=list(state.names))
     message.header.stamp = stamp
     _fill(message.actual, Moment(state.positions, state.velocities))
@@ -59,14 +64,14 @@ def standing_message(kind: Any, state: JointState, stamp: Any) -> Any:
 
 
 def joint_state_message(kind: Any, state: JointState, stamp: Any) -> Any:
-    """Return where the joints are as a message of the class `kind` (sensor_msgs/JointState)."""
+    """Return the joints' state as a message of the class `kind` (sensor_msgs/JointState)."""
     message = kind(name=list(state.names), position=list(state.positions), velocity=list(state.velocities))
     message.header.stamp = stamp
     return message
 
 
 def status_message(kind: Any, status: Status, stamp: Any) -> Any:
-    """Return how the robot is as a message of the class `kind` (industrial_msgs/RobotStatus)."""
+    """Return the robot's status as a message of the class `kind` (industrial_msgs/RobotStatus)."""
     message = kind(error_code=status.error_code)
     message.header.stamp = stamp
     for name in ("mode", "e_stopped", "drives_powered", "motion_possible", "in_motion", "in_error"):
@@ -87,7 +92,7 @@ def _points_of(trajectory: Any) -> Tuple[Point, ...]:
 
 
 def _starts_in(trajectory: Any, now: Any) -> float:
-    """Return the time until the stamp [s]: 0 without one, below 0 for one that is over."""
+    """Return the time until the stamp [s]: 0 without a stamp, negative for a past one."""
     stamp = trajectory.header.stamp
     return 0.0 if stamp.is_zero() else float((stamp - now).to_sec())
 

@@ -5,13 +5,15 @@
 
 Private parameters, as `_robot:=industrial6` on the command line or in a launch file:
 
-    ~robot            which robot: its name, the name or number of the process that owns it, or the path of its socket; needed if there are several
+    ~robot            which robot: its name, the name or number of the process that owns it, or the path of
+                      its socket; needed if there are several
     ~action           name of the action: joint_trajectory_action
-    ~hold_on_cancel   hold a cancelled goal at once (true), or let it go on to its end
-    ~override         pace at the start [%]
-    ~set_description  replace a robot_description that is another one: false
+    ~hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
+    ~override         override at the start [%]
+    ~set_description  replace a different robot_description (default: false)
 
-docs/ros.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs rospy, actionlib and ROS's usual messages, and nothing else.
+docs/ros.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+rospy, actionlib and ROS's usual messages, and nothing else.
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ _NO_MASTER = "there is no ROS master at {address}: start roscore, or set ROS_MAS
 
 
 def main() -> int:
-    """Run the node until it is ended; return the status of the process."""
+    """Run the node until it is ended; return the exit status."""
     if {"-h", "--help"} & set(sys.argv[1:]):
         sys.stdout.write(__doc__ or "")
         return 0
@@ -50,7 +52,7 @@ def main() -> int:
     try:
         _wait_for(Master(rosgraph.get_master_uri(), NAME), over)
         rospy.init_node(NAME, disable_signals=True)
-    except KeyboardInterrupt:  # nothing has begun
+    except KeyboardInterrupt:  # before the node has started
         return 0
     for one in (signal.SIGINT, signal.SIGTERM):
         signal.signal(one, _ender(over))
@@ -69,7 +71,7 @@ def main() -> int:
 
 
 def _wait_for(master: Master, over: threading.Event) -> None:
-    """Wait until there is a master: rospy would wait, too, but doesn't say for whom."""
+    """Wait until there is a master. rospy would also wait, but without a message."""
     told = False
     while not master.answers():
         if not told:

@@ -1,7 +1,9 @@
-"""rospy's side of the driver: action, topics, services and parameters of the ROS 1 node.
+"""The rospy side of the driver: action, topics, services and parameters of the ROS 1 node.
 
-Whatever the driver tells goes through a queue and is published by one thread: so that the driver never waits for ROS, and actionlib's lock, which is held while a goal arrives, never for the driver.
-What is said to people has a thread of its own, since rospy asks the master something for each line: with a master that hangs, positions and results go on.
+Messages of the driver go through a queue and are published by one thread. Therefore the driver never waits
+for ROS, and actionlib's lock, which is held while a goal arrives, never waits for the driver. Lines for
+people have a thread of their own, because rospy calls the master for each line: with a master that hangs,
+positions and results continue.
 
 Written for Python 3.8 and later.
 """
@@ -48,24 +50,24 @@ from yarclang.ros.node.messages import (
 from yarclang.ros.node.trajectory import Goal
 
 ACTION = "joint_trajectory_action"
-"""The action of ROS-Industrial's drivers: the same as in what `yarc export --moveit` writes."""
+"""The action of ROS-Industrial's drivers, which is also in the files of `yarc export --moveit`."""
 
 _BACKLOG = 500
-"""Positions and feedback that ROS doesn't take are dropped beyond so many messages; ends of goals never are."""
+"""Most messages that wait for ROS. Further positions and feedback are dropped; ends of goals never are."""
 
 _ASKED_EACH = 1.0
-"""How often the master is asked if it still knows this node [s]."""
+"""Time between two requests to the master for this node's registration [s]."""
 
 _LAST_WORDS = 0.3
-"""What was published last needs so long to reach its subscribers before the node closes its connections [s]."""
+"""Time for the last messages to reach their subscribers before the node closes its connections [s]."""
 
 _UNREGISTERS = 2.0
-"""Longest wait until rospy has left the master [s]: it knows no limit itself."""
+"""Longest wait until rospy has unregistered from the master [s], because rospy has no time limit."""
 
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
 _FAILED = (Gone, Refused, TimeoutError)
-"""What an order to the robot raises if it isn't carried out."""
+"""Exceptions of an order to the robot that isn't carried out."""
 
 
 @dataclass(frozen=True)
@@ -73,11 +75,11 @@ class Settings:
     """The node's private parameters; see `yarclang.ros.node.ros1`.
 
     Attributes:
-        robot: which robot; None: the only one that there is.
+        robot: which robot; None for the only one.
         action: name of the action.
-        hold_on_cancel: True if a cancelled goal is held at once.
-        override: pace at the start [%]; None: as it is.
-        set_description: True to replace a robot_description that is another one.
+        hold_on_cancel: True to hold a cancelled goal at once.
+        override: override at the start [%]; None to leave it.
+        set_description: True to replace a different robot_description.
     """
 
     robot: str | None
@@ -88,10 +90,10 @@ class Settings:
 
 
 def settings() -> Settings:
-    """Return the settings by the parameter server.
+    """Return the settings from the parameter server.
 
     Raises:
-        ValueError: a parameter has a value of another kind.
+        ValueError: a parameter has a value of the wrong type.
     """
     robot = rospy.get_param("~robot", "")
     return Settings(
@@ -155,10 +157,10 @@ class Node:
     # life
 
     def connect(self, ended: threading.Event) -> bool:
-        """Connect to the robot, as soon as somebody serves it. Return False if the node was ended before.
+        """Connect to the robot as soon as it is served. Return False if the node was ended before.
 
         Raises:
-            yarclang.client.Refused: it was denied; another try would be, too.
+            yarclang.client.Refused: the connection was denied, and would be again.
         """
         told = ""
         self.status(_UNHEARD)
@@ -183,7 +185,7 @@ class Node:
         return False
 
     def offer(self) -> None:
-        """Take goals, paths and orders from now on, after `connect`."""
+        """Begin to take goals, paths and orders, after `connect`."""
         driver = self._connected()
         if self._settings.override is not None:
             self._override(self._settings.override)
@@ -206,7 +208,9 @@ class Node:
         )
 
     def close(self) -> bool:
-        """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended. Return False if rospy still waits for a master that hangs."""
+        """End the node: the robot comes to rest on its path if a goal of this node moves it, and all goals
+        are ended. Return False if rospy still waits for a master that hangs.
+        """
         self._closing.set()
         self._changed.set()
         if self._driver is not None:
@@ -223,14 +227,14 @@ class Node:
         self._talking.join(_LAST_WORDS)
         return not (self._talking.is_alive() or shutting.is_alive())
 
-    # what the driver tells
+    # called by the driver
 
     def accepted(self, goal_id: str) -> None:
-        """Take note that planning begins."""
+        """Mark a goal as accepted when planning begins."""
         self._work.put(lambda: self._begin(goal_id))
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
-        """Publish how a goal goes on, as feedback of the action and on feedback_states."""
+        """Publish the progress of a goal, as feedback of the action and on feedback_states."""
         stamp = rospy.Time.now()
         self._stream(lambda: self._feed(goal_id, feedback_message(self._kinds.feedback, feedback, stamp)))
 
@@ -239,24 +243,24 @@ class Node:
         self._work.put(lambda: self._end(goal_id, outcome, result))
 
     def joint_state(self, state: JointState) -> None:
-        """Publish where the joints are, on joint_states, and between goals on feedback_states."""
+        """Publish the joints' state, on joint_states, and between goals on feedback_states."""
         stamp = rospy.Time.now()
         self._stream(lambda: self._stand(state, stamp))
 
     def status(self, status: Status) -> None:
-        """Publish how the robot is, on robot_status."""
+        """Publish the robot's status, on robot_status."""
         self._work.put(lambda: self._tell(status))
 
     def changed(self) -> None:
-        """Take note that robot, cell or plan have changed."""
+        """Handle a change of the robot, its cell or its plan."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
-        """Tell people, on the terminal and on rosout."""
+        """Print a line for people, on the terminal and on rosout."""
         log = {"info": rospy.loginfo, "warn": rospy.logwarn}.get(level, rospy.logerr)
 
         def tell() -> None:
-            # rospy asks the master for each line, which then shuts a node down that has taken the place of this one
+            # rospy calls the master for each line, which would shut down a node that has replaced this one
             if rospy.is_shutdown():
                 sys.stderr.write(f"{text}\n")
             else:
@@ -308,7 +312,7 @@ class Node:
         return self._driver
 
     def _goal(self, handle: Any) -> None:
-        """Take a goal of the action, or reject it. actionlib holds its lock meanwhile."""
+        """Accept or reject a goal of the action. actionlib holds its lock meanwhile."""
         goal_id = handle.get_goal_id().id
         self._handles[goal_id] = handle
         refused = self._connected().goal(goal_id, goal_of(handle.get_goal(), rospy.Time.now()))
@@ -323,7 +327,9 @@ class Node:
         self._connected().cancel(handle.get_goal_id().id)
 
     def _path(self, trajectory: Any) -> None:
-        """Take a path of joint_path_command: one without points is a stop, as for the drivers of ROS-Industrial."""
+        """Take a path of joint_path_command. A path without points is a stop, as for the drivers of
+        ROS-Industrial.
+        """
         if trajectory.points:
             self._take(path_of(trajectory, rospy.Time.now()))
         else:
@@ -338,7 +344,7 @@ class Node:
         return refused is None
 
     def _blame(self, code: int) -> None:
-        """Show a refused path in robot_status until the next goal: there is no other answer to a topic."""
+        """Show a refused path in robot_status until the next goal, because a topic has no answer."""
         self._refused = code
         self._tell(self._status)
 
@@ -379,10 +385,12 @@ class Node:
         answer.code.val = answer.code.SUCCESS if done else answer.code.FAILURE
         return answer
 
-    # the master, parameters, and what RViz draws
+    # the master, parameters, and drawings of RViz
 
     def _attend(self) -> None:
-        """Ask the master, and after changes the driver, in a thread of its own: either may take its time."""
+        """Call the master regularly, and the driver after changes, in a thread of its own, because either may
+        be slow.
+        """
         while not self._closing.is_set():
             has_changed = self._changed.wait(_ASKED_EACH)
             self._changed.clear()
@@ -401,7 +409,7 @@ class Node:
                 self._tell_once("master", text)
 
     def _follow(self) -> None:
-        """Describe and draw the robot, its surroundings and its plan anew."""
+        """Publish description and drawings of the robot, its surroundings and its plan again."""
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         for what, work in works.items():
             try:
@@ -413,13 +421,13 @@ class Node:
                 return
 
     def _tell_once(self, what: str, text: str) -> None:
-        """Warn of something when it begins, not again and again."""
+        """Warn of a problem only when it begins."""
         if text and self._told.get(what) != text:
             self.say("warn", text)
         self._told[what] = text
 
     def _describe(self) -> None:
-        """Set robot_description and controller_joint_names, as far as nobody else has."""
+        """Set robot_description and controller_joint_names, unless another node has."""
         driver = self._connected()
         model = driver.model()
         urdf = str(model["urdf"])
@@ -448,20 +456,20 @@ class Node:
         self._draw(self._ghost, ghost_markers(self._kinematics, tool, driver.joint_names, course))
 
     def _draw(self, publisher: Any, markers: Sequence[Marker]) -> None:
-        """Publish markers, unless these are drawn already."""
+        """Publish markers, unless they are unchanged."""
         if self._drawn.get(publisher) != markers:
             publisher.publish(MarkerArray(markers=[fill(MarkerMessage(), one, Point) for one in markers]))
             self._drawn[publisher] = markers
 
 
 def said(error: Exception) -> str:
-    """Return what an order was refused with, and what to do about it."""
+    """Return the reason of a refused order, and the remedy."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
 
 
 def _worker(work: queue.SimpleQueue[Callable[[], None] | None]) -> threading.Thread:
-    """Return a thread that carries out what comes through a queue, until None comes."""
+    """Return a thread that runs the functions of a queue until None comes."""
 
     def carry_out() -> None:
         for one in iter(work.get, None):
@@ -479,7 +487,7 @@ def _registered() -> Registered:
 
 
 def _trigger(order: Callable[[], Tuple[bool, str]]) -> Callable[[Any], Any]:
-    """Return a service's handler: an order, and what was answered."""
+    """Return a service's handler, which gives an order and returns the answer."""
 
     def handle(_request: Any) -> Any:
         done, text = order()

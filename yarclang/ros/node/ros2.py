@@ -6,12 +6,14 @@
 
 Parameters:
 
-    robot            which robot: its name, the name or number of the process that owns it, or the path of its socket; needed if there are several
+    robot            which robot: its name, the name or number of the process that owns it, or the path of its
+                     socket; needed if there are several
     action           name of the action: joint_trajectory_controller/follow_joint_trajectory
-    hold_on_cancel   hold a cancelled goal at once (true), or let it go on to its end
-    override         pace at the start [%]; 0: as it is
+    hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
+    override         override at the start [%]; 0 to leave it
 
-docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs rclpy, control_msgs and ROS's usual messages, and nothing else.
+docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+rclpy, control_msgs and ROS's usual messages, and nothing else.
 """
 
 from __future__ import annotations
@@ -28,20 +30,21 @@ from yarclang.client import Refused
 NAME = "yarc_driver"
 
 END_TIME = 2.0
-"""Longest wait for what the executor has still to do when the node ends [s]."""
+"""Longest wait for the executor's remaining work when the node ends [s]."""
 
 _HEARD_WITHIN = 0.1
-"""A signal that reaches another thread is seen when the main thread looks [s]."""
+"""Time between two checks of the main thread for a signal that another thread has received [s]."""
 
 
 def main(arguments: List[str] | None = None) -> int:
     """Run the node until SIGINT or SIGTERM.
 
     Args:
-        arguments: the program's name, then ROS's (`--ros-args`); None: those of the process.
+        arguments: the program's name, then ROS's (`--ros-args`); None for those of the process.
 
     Returns:
-        The exit status: 0; 1 if the robot or a parameter is refused, or the node has failed; 2 if a package is missing.
+        The exit status: 0; 1 if the robot or a parameter is refused, or the node has failed; 2 if a package
+            is missing.
     """
     given = sys.argv if arguments is None else arguments
     if {"-h", "--help"} & set(given[1:]):
@@ -63,7 +66,7 @@ def main(arguments: List[str] | None = None) -> int:
         # rclpy's own handlers would end the context before the robot rests
         rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
         node = rclpy.create_node(NAME)
-    except Exception as error:  # rcl's exceptions for arguments that it can't read have no common class
+    except Exception as error:  # rcl's exceptions for invalid arguments have no common class
         sys.stderr.write(f"yarc_ros2: ROS refuses the arguments: {error}\n")
         return 1
     executor = SingleThreadedExecutor()
@@ -101,14 +104,15 @@ def _served(shell: Any, executor: Any, over: threading.Event, log: Any) -> int:
     finally:
         shell.close(END_TIME)
         executor.shutdown(timeout_sec=END_TIME)
-        # a thread that is still inside rclpy when Python ends would abort the process
+        # a thread that is inside rclpy when Python ends would abort the process
         spinning.join(END_TIME)
     return int(failed.is_set())
 
 
 def _ender(over: threading.Event) -> Any:
     def end(_number: int, _frame: Any) -> None:
-        # launch and a terminal may both send a signal, and one that comes during `set` would wait for its lock for ever: the end has its time limits, so that others don't count
+        # Ignore further signals: launch and a terminal may both send one, and one that comes during `set`
+        # would wait for its lock for ever. The end of the node has time limits of its own.
         for one in (signal.SIGINT, signal.SIGTERM):
             signal.signal(one, signal.SIG_IGN)
         over.set()
@@ -117,11 +121,11 @@ def _ender(over: threading.Event) -> Any:
 
 
 def what_is_missing(error: ImportError, distribution: str | None) -> str:
-    """Return a line that says which package can't be imported, and how to get it.
+    """Return a line that names the package that can't be imported, and how to get it.
 
     Args:
-        error: what Python says.
-        distribution: of ROS, as `jazzy`; None: no setup.bash of a distribution was sourced.
+        error: of the import.
+        distribution: of ROS, as `jazzy`; None if no setup.bash of a distribution was sourced.
     """
     package = (error.name or "rclpy").partition(".")[0]
     if distribution is None:

@@ -1,6 +1,8 @@
-"""ROS 2's messages from and to the values of the driver. Knows field names, and gets the classes: no ROS is imported here.
+"""Conversion between ROS 2's messages and the values of the driver. Uses field names, and gets the classes as
+arguments: no ROS is imported here.
 
-Fields that only some distributions have are read if they are there, and never set. Written for Python 3.8 and later.
+Fields that only some distributions have are read if they exist, and never set. Written for Python 3.8 and
+later.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from yarclang.ros.node.driver import JointState, Status
 from yarclang.ros.node.trajectory import Goal, Moment, Point, Result, Tolerance
 
 LONGEST = float(2**31 - 1)
-"""Longest time that builtin_interfaces/Duration can say [s]; longer ones become this."""
+"""Longest time of builtin_interfaces/Duration [s]. Longer ones are set to it."""
 
 OK, WARN, ERROR = b"\x00", b"\x01", b"\x02"
 """Levels of diagnostic_msgs/DiagnosticStatus."""
@@ -28,7 +30,7 @@ def seconds_of(time: Any) -> float:
 
 
 def fill_duration(message: Any, seconds: float) -> None:
-    """Write a time [s] into a builtin_interfaces/Duration, to the nearest nanosecond; no number becomes 0."""
+    """Write a time [s] into a builtin_interfaces/Duration, to the nearest nanosecond. NaN becomes 0."""
     within = 0.0 if math.isnan(seconds) else max(-LONGEST, min(LONGEST, seconds))
     message.sec, message.nanosec = divmod(round(within * 1e9), 1_000_000_000)
 
@@ -38,7 +40,7 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
     Args:
         goal: control_msgs/action/FollowJointTrajectory.Goal.
-        now: builtin_interfaces/Time, against which the header's stamp is read.
+        now: builtin_interfaces/Time, from which the header's stamp is subtracted.
     """
     trajectory = goal.trajectory
     return Goal(
@@ -52,7 +54,9 @@ def goal_of(goal: Any, now: Any) -> Goal:
 
 
 def multi_dof_joints(goal: Any) -> Tuple[str, ...]:
-    """Return the names of the planar and floating joints of a goal, which no robot here has; older distributions have no field for them."""
+    """Return the names of the planar and floating joints of a goal, which no robot here has. Older
+    distributions have no field for them.
+    """
     trajectory = getattr(goal, "multi_dof_trajectory", None)
     return () if trajectory is None else tuple(trajectory.joint_names)
 
@@ -73,21 +77,21 @@ def feedback_message(kind: Any, feedback: Feedback, stamp: Any) -> Any:
 
 
 def joint_state_message(kind: Any, state: JointState, stamp: Any) -> Any:
-    """Return where the joints are as a message of the class `kind` (sensor_msgs/msg/JointState)."""
+    """Return the joints' state as a message of the class `kind` (sensor_msgs/msg/JointState)."""
     message = kind(name=list(state.names), position=list(state.positions), velocity=list(state.velocities))
     message.header.stamp = stamp
     return message
 
 
 def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: Status, stamp: Any) -> Any:
-    """Return how the robot is as one entry of diagnostics.
+    """Return the robot's status as one entry of diagnostics.
 
     Args:
         array: the class diagnostic_msgs/msg/DiagnosticArray.
         entry: the class diagnostic_msgs/msg/DiagnosticStatus.
         pair: the class diagnostic_msgs/msg/KeyValue.
         name: of the robot.
-        status: how it is.
+        status: of the robot.
         stamp: builtin_interfaces/Time.
     """
     values = [pair(key=key, value=value) for key, value in shown(status).items()]
@@ -107,14 +111,16 @@ def diagnostics_message(array: Any, entry: Any, pair: Any, name: str, status: St
 
 
 def level_of(status: Status) -> bytes:
-    """Return the level of diagnostics: an error, a warning while a goal can't be taken, else OK."""
+    """Return the level of diagnostics: an error, a warning while goals can't be taken, otherwise OK."""
     if status.in_error == 1:
         return ERROR
     return OK if status.motion_possible == 1 or status.in_motion == 1 else WARN
 
 
 def shown(status: Status) -> Dict[str, str]:
-    """Return the fields of the status in words; the keys are the field names of ROS 1's industrial_msgs/RobotStatus."""
+    """Return the fields of the status in words. The keys are the field names of ROS 1's
+    industrial_msgs/RobotStatus.
+    """
     words = {"mode": _MODES.get(status.mode, "unknown")}
     for name in ("e_stopped", "drives_powered", "motion_possible", "in_motion", "in_error"):
         words[name] = _SAID.get(getattr(status, name), "unknown")
@@ -131,7 +137,7 @@ def _point_of(point: Any) -> Point:
 
 
 def _starts_in(stamp: Any, now: Any) -> float:
-    """Return the time until the stamp [s]: 0 without one, below 0 for one that is over."""
+    """Return the time until the stamp [s]: 0 without a stamp, negative for a past one."""
     if stamp.sec == 0 and stamp.nanosec == 0:
         return 0.0
     return float(stamp.sec - now.sec) + 1e-9 * float(stamp.nanosec - now.nanosec)

@@ -1,7 +1,7 @@
-"""rclpy's side of the driver: action, topics, services and parameters of the ROS 2 node.
+"""The rclpy side of the driver: action, topics, services and parameters of the ROS 2 node.
 
-One executor with one thread takes all that comes, and none of its callbacks waits: a goal's coroutine waits for a future that the driver's thread sets; an order to
-`yarc serve`, and what is asked for after a change, have threads of their own.
+One executor with one thread runs all callbacks, and none of them waits: a goal's coroutine awaits a future
+that the driver's thread sets; orders to `yarc serve`, and requests after changes, have threads of their own.
 
 Written for Python 3.8 and later, and for Humble, Jazzy and Kilted.
 """
@@ -36,28 +36,35 @@ from yarclang.ros.node.markers import Marker, fill, ghost_markers, scene_markers
 from yarclang.ros.node.trajectory import INVALID_JOINTS, Goal
 
 ACTION = "joint_trajectory_controller/follow_joint_trajectory"
-"""The action of ros2_control's trajectory controller: the same as in what `yarc export --moveit` writes."""
+"""The action of ros2_control's trajectory controller, which is also in the files of `yarc export
+--moveit`.
+"""
 
 _KEPT = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
-"""Of what is published only when it changes: who comes later gets it, too."""
+"""Quality of service of topics that are published only at changes: late subscribers get the last message."""
 
 _LAST_WORDS = 0.2
-"""What was sent last needs so long to reach its receivers before the node is destroyed [s]."""
+"""Time for the last messages to reach their receivers before the node is destroyed [s]."""
 
 _UNHEARD = Status(-1, -1, -1, 0, -1, 1, 0, "no robot is connected")
 
 _FAILED = (Gone, Refused, TimeoutError)
-"""What an order to the robot raises if it isn't carried out."""
+"""Exceptions of an order to the robot that isn't carried out."""
 
 _TRIED_EACH = 1.0
-"""How often a robot that nobody serves is looked for [s]."""
+"""Time between two attempts to find a robot that isn't served [s]."""
 
 _Answer = Tuple[bool, str]
 
 
 @dataclass
 class _UnderWay:
-    """A goal that was accepted: rclpy's handle, and the future of (outcome, result)."""
+    """An accepted goal.
+
+    Attributes:
+        handle: of rclpy.
+        ending: future of (outcome, result).
+    """
 
     handle: Any
     ending: Any
@@ -67,11 +74,11 @@ class Node:
     """The node: a `Shell` of the driver.
 
     Args:
-        node: rclpy's.
-        executor: carries its callbacks out, in one thread.
+        node: of rclpy.
+        executor: runs its callbacks, in one thread.
 
     Raises:
-        ValueError: a parameter has a value of another kind.
+        ValueError: a parameter has a value of the wrong type.
     """
 
     def __init__(self, node: Any, executor: Any) -> None:
@@ -97,7 +104,9 @@ class Node:
         return self._node.declare_parameter(name, default, ParameterDescriptor(dynamic_typing=True)).value
 
     def _optional(self, made: Callable[[Any], Any], package: str, what: str) -> Any:
-        """Return what needs a package of messages; None, and a warning, if it isn't installed."""
+        """Return an object that needs a package of messages; None, with a warning, if the package isn't
+        installed.
+        """
         try:
             return made(self._node)
         except ImportError:
@@ -107,10 +116,10 @@ class Node:
     # life
 
     def connect(self, over: threading.Event) -> bool:
-        """Connect to the robot, as soon as somebody serves it. Return False if `over` was set before.
+        """Connect to the robot as soon as it is served. Return False if `over` was set before.
 
         Raises:
-            yarclang.client.Refused: it was denied; another try would be, too.
+            yarclang.client.Refused: the connection was denied, and would be again.
         """
         told = ""
         self.status(_UNHEARD)
@@ -131,10 +140,10 @@ class Node:
         return False
 
     def offer(self) -> None:
-        """Take goals and orders from now on, after `connect`.
+        """Begin to take goals and orders, after `connect`.
 
         Raises:
-            ValueError: the action can't have the name that was asked for.
+            ValueError: the name of the action is invalid.
         """
         driver, node, apart = self._connected(), self._node, ReentrantCallbackGroup()
         if self._pace:
@@ -166,7 +175,8 @@ class Node:
         self.say("info", f"goals are taken on {self._action}, for joints {names}")
 
     def close(self, patience: float) -> None:
-        """End: the robot comes to rest on its path if a goal of ours moves it, and all goals are ended.
+        """End the node: the robot comes to rest on its path if a goal of this node moves it, and all goals
+        are ended.
 
         Args:
             patience: longest wait until the results are sent [s].
@@ -188,43 +198,43 @@ class Node:
         assert self._driver is not None
         return self._driver
 
-    # what the driver tells
+    # called by the driver
 
     def accepted(self, goal_id: str) -> None:
-        """Log that a goal is planned from now on, or as soon as the robot rests."""
+        """Log that a goal is being planned, or will be as soon as the robot rests."""
         self._log.info(f"goal {goal_id} is accepted")
 
     def feedback(self, goal_id: str, feedback: Feedback) -> None:
-        """Publish how a goal goes on."""
+        """Publish the progress of a goal."""
         goal = self._goals.get(goal_id)
         if goal is not None and not self._closed.is_set():
             kind = FollowJointTrajectory.Feedback
             goal.handle.publish_feedback(messages.feedback_message(kind, feedback, self._now()))
 
     def ended(self, goal_id: str, outcome: str, result: Result) -> None:
-        """End a goal; of two ends the first counts."""
+        """End a goal. Only the first of two ends counts."""
         goal = self._goals.get(goal_id)
         if goal is not None and not goal.ending.done():
             goal.ending.set_result((outcome, result))
-            self._executor.wake()  # a coroutine that waits is looked at only when something wakes the executor
+            self._executor.wake()  # waiting coroutines are resumed only when the executor is woken
 
     def joint_state(self, state: JointState) -> None:
-        """Publish where the joints are."""
+        """Publish the joints' state."""
         if not self._closed.is_set():
             self._joint_states.publish(messages.joint_state_message(JointStateMessage, state, self._now()))
 
     def status(self, status: Status) -> None:
-        """Publish how the robot is."""
+        """Publish the robot's status."""
         if self._diagnostics is not None and not self._closed.is_set():
             self._diagnostics.publish(self._name or "robot", status, self._now())
 
     def changed(self) -> None:
-        """Take note that robot, cell or plan have changed."""
+        """Handle a change of the robot, its cell or its plan."""
         self._changed.set()
 
     def say(self, level: str, text: str) -> None:
-        """Tell people, on the terminal and on rosout."""
-        # each level has a line of its own: a logger's call is known by its place, and its level must not change
+        """Print a line for people, on the terminal and on rosout."""
+        # one call for each level: a logger identifies a call by its line, whose level must not change
         if level == "error":
             self._log.error(text)
         elif level == "warn":
@@ -238,7 +248,7 @@ class Node:
     # the action
 
     def _judge(self, request: Any) -> Any:
-        """Accept or reject a goal by its form. Only `_begin` knows its id, so that only there the driver gets it."""
+        """Accept or reject a goal by its form. The driver gets it in `_begin`, where its id is known."""
         others = messages.multi_dof_joints(request)
         if others:
             why: Result | None = Result(
@@ -273,7 +283,7 @@ class Node:
         goal_id = _id_of(handle)
         outcome, result = await self._goals[goal_id].ending
         if outcome == CANCELED and not handle.is_cancel_requested:
-            # what no client has cancelled can't end so in ROS 2; and an error_code of 0 would read as success
+            # in ROS 2 only cancelled goals can end as canceled, and an error_code of 0 would mean success
             outcome = ABORTED
             result = replace(result, error_code=result.error_code or INVALID_GOAL)
         if outcome == SUCCEEDED:
@@ -294,7 +304,7 @@ class Node:
         return response
 
     def _override(self, message: Any) -> None:
-        """Change the pace. A topic has no answer: a refusal is a line of the log."""
+        """Set the override. A topic has no answer, so that a refusal is logged."""
         percent = float(message.data)
 
         def order() -> _Answer:
@@ -306,7 +316,7 @@ class Node:
         self._apart(order)
 
     def _apart(self, order: Callable[[], _Answer]) -> Any:
-        """Carry an order out in a thread; return rclpy's future of its answer."""
+        """Give an order in a thread; return rclpy's future of its answer."""
         future = Future(executor=self._executor)
 
         def carried_out() -> None:
@@ -320,10 +330,10 @@ class Node:
         self._orders.submit(carried_out)
         return future
 
-    # what is drawn
+    # drawings
 
     def _attend(self) -> None:
-        """Ask the driver after changes, in a thread of its own: it may take its time."""
+        """Call the driver after changes, in a thread of its own, because it may be slow."""
         told: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         while self._changed.wait() and not self._closing.is_set():
@@ -332,7 +342,7 @@ class Node:
                 try:
                     work()
                     told.pop(topic, None)
-                except Gone:  # the driver tells that, and of a robot that is served again
+                except Gone:  # the driver reports it, and also when the robot is served again
                     break
                 except (Refused, TimeoutError, ValueError) as error:
                     if told.get(topic) != said(error):
@@ -364,7 +374,9 @@ class Node:
 
 
 class _Diagnostics:
-    """Publisher of diagnostics: ROS 2 has no release of industrial_msgs, whose RobotStatus tells this in ROS 1."""
+    """Publisher of diagnostics, because ROS 2 has no release of industrial_msgs, whose RobotStatus ROS 1
+    uses.
+    """
 
     def __init__(self, node: Any) -> None:
         from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -377,13 +389,15 @@ class _Diagnostics:
 
 
 def said(error: Exception) -> str:
-    """Return what an order was refused with, and what to do about it."""
+    """Return the reason of a refused order, and the remedy."""
     to_do = getattr(error, "help", "")
     return f"{error} ({to_do})" if to_do else str(error)
 
 
 class _Markers:
-    """Publisher of what RViz draws: the scene, and the plan under way. What is drawn already isn't drawn again."""
+    """Publisher of the drawings for RViz: the scene and the running plan. Unchanged drawings aren't published
+    again.
+    """
 
     def __init__(self, node: Any) -> None:
         from geometry_msgs.msg import Point
@@ -413,7 +427,7 @@ def _id_of(handle: Any) -> str:
 
 
 def _text(name: str, value: Any) -> str:
-    """Return a name; a number is the one of a process."""
+    """Return a name as text. A number is that of a process."""
     if isinstance(value, bool) or not isinstance(value, (str, int)):
         raise ValueError(f"the parameter {name} is {value!r}: it must be a text")
     return str(value)

@@ -1,6 +1,6 @@
-"""A goal of FollowJointTrajectory: its parts, what it must be like, its program, and the path that it asks for. No I/O, no clock.
+"""Goals of FollowJointTrajectory: their parts, checks, programs, and paths. No I/O, no clock.
 
-Inside a `Track` the joints are in the robot's order; a `Goal` has them in its own.
+In a `Track` the joints are in the robot's order; a `Goal` has its own order.
 """
 
 from __future__ import annotations
@@ -21,34 +21,36 @@ PATH_TOLERANCE_VIOLATED = -4
 GOAL_TOLERANCE_VIOLATED = -5
 
 MOST_POINTS = 20_000
-"""Way-points of one goal."""
+"""Most way-points of one goal."""
 
 MOST_TEXT = (1 << 22) - 4096
-"""Longest text of a program [bytes], as JSON: the coordinator reads lines up to 4 MiB."""
+"""Longest text of a program [bytes], as JSON. The coordinator reads lines of up to 4 MiB."""
 
 MOST_VALUE = 1e6
-"""No position, velocity, acceleration or time of any robot is larger [rad, m, s]."""
+"""Largest position, velocity, acceleration or time that is accepted [rad, m, s]."""
 
 LEAST_STEP = 1e-6
-"""Between the times of two points [s]: the program's text has nanoseconds."""
+"""Least time between two points [s]. The program's text has nanoseconds."""
 
 LATE = 1.0
-"""A goal whose stamp is farther in the past [s] is refused."""
+"""Age of a goal's stamp above which the goal is refused [s]."""
 
 START_WITHIN = 0.01
-"""A first way-point at time 0 that is so near to where the robot stands is the start itself [rad or m], as MoveIt's own check of a start has it."""
+"""Distance from the robot within which a first way-point at time 0 counts as the start itself [rad or m], as
+in MoveIt's check.
+"""
 
 _SAME = 1e-6
-"""A way-point that is so near to where the robot stands [rad or m] needs no motion."""
+"""Distance from the robot within which a way-point needs no motion [rad or m]."""
 
 _RESTS = 1e-6
-"""Velocities up to this [rad/s or m/s] are none."""
+"""Velocities up to this count as zero [rad/s or m/s]."""
 
 _PER_UNIT = {"deg": 180.0 / math.pi, "mm": 1000.0}
 """Units of the language per rad or m."""
 
 _NEXT = ";\n"
-"""Each way-point has a line of its own: lines have a largest length."""
+"""Separator of way-points. Each has a line of its own, because lines have a largest length."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +58,8 @@ class Joint:
     """A joint of the robot.
 
     Attributes:
-        name: as robot.toml and the URDF have it.
-        unit: "deg" or "mm": the unit in which the coordinator has its positions.
+        name: from robot.toml and the URDF.
+        unit: "deg" or "mm": unit of its positions at the coordinator.
     """
 
     name: str
@@ -76,8 +78,8 @@ class Point:
     Attributes:
         positions: [rad or m].
         time_from_start: [s].
-        velocities: [rad/s or m/s]; empty: none are given.
-        accelerations: [rad/s² or m/s²]; empty: none are given.
+        velocities: [rad/s or m/s]; empty if none are given.
+        accelerations: [rad/s² or m/s²]; empty if none are given.
     """
 
     positions: Values
@@ -88,7 +90,8 @@ class Point:
 
 @dataclass(frozen=True)
 class Tolerance:
-    """A tolerance of one joint, as control_msgs/JointTolerance: 0 is the default, -1 (any value below 0) none.
+    """A tolerance of one joint, as in control_msgs/JointTolerance: 0 means the default, a negative value
+    none.
 
     Attributes:
         name: of the joint.
@@ -105,15 +108,17 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Goal:
-    """A goal as it arrives.
+    """A goal as it is received.
 
     Attributes:
         joint_names: all joints of the robot, in any order.
         points: the way-points.
-        starts_in: time from now until the goal is to begin, by the stamp of its header [s]; 0: at once (also for a header without a stamp).
-        path_tolerance: how far joints may be from the path on the way.
-        goal_tolerance: how far joints may be from the last point at the end.
-        goal_time_tolerance: how long after the end of its program the joints may take to be there [s]; 0: the default; below 0: any time.
+        starts_in: time until the goal begins, by the stamp of its header [s]; 0 to begin at once (also
+            without a stamp).
+        path_tolerance: of the joints along the path.
+        goal_tolerance: of the joints at the last point.
+        goal_time_tolerance: time for the joints to arrive after the end of the program [s]; 0 for the
+            default, negative for any time.
     """
 
     joint_names: tuple[str, ...]
@@ -126,7 +131,7 @@ class Goal:
 
 @dataclass(frozen=True)
 class Result:
-    """What a goal ends with.
+    """Result of a goal.
 
     Attributes:
         error_code: one of the constants of control_msgs/FollowJointTrajectoryResult.
@@ -139,13 +144,13 @@ class Result:
 
 @dataclass(frozen=True)
 class Moment:
-    """The joints at one time.
+    """State of the joints at one time.
 
     Attributes:
         positions: [rad or m].
         velocities: [rad/s or m/s].
-        accelerations: [rad/s² or m/s²]; empty: not known.
-        time: since the goal's start, in time of the trajectory [s]; below 0 on the way to its first point.
+        accelerations: [rad/s² or m/s²]; empty if unknown.
+        time: of the trajectory, since the goal's start [s]; negative on the way to its first point.
     """
 
     positions: Values
@@ -154,14 +159,14 @@ class Moment:
     time: float = 0.0
 
 
-# what a goal must be like
+# checks
 
 
 def fault_of(goal: Goal, joints: Sequence[Joint]) -> Result | None:
-    """Return why a goal is rejected; None if it can be planned. Limits are judged by the planner.
+    """Return why a goal is rejected; None if it can be planned. The planner checks the limits.
 
     Args:
-        goal: as it arrived.
+        goal: as it was received.
         joints: of the robot.
     """
     wrong = _wrong_names(goal.joint_names, [one.name for one in joints])
@@ -266,13 +271,14 @@ def _wrong_tolerances(goal: Goal) -> str | None:
 
 @dataclass(frozen=True)
 class Track:
-    """A path in time, with joints in the robot's order.
+    """A path over time, with joints in the robot's order.
 
     Attributes:
-        times: (k,) [s], growing, from 0.
+        times: (k,) [s], increasing, from 0.
         positions: (k, n) [rad or m].
         velocities: (k, n) [rad/s or m/s].
-        accelerations: (k, n) [rad/s² or m/s²]; empty: the path between two points is the cubic polynomial, else the quintic.
+        accelerations: (k, n) [rad/s² or m/s²]; if empty, the path between two points is a cubic polynomial,
+            otherwise a quintic one.
     """
 
     times: Values
@@ -286,7 +292,7 @@ class Track:
         return self.times[-1]
 
     def at(self, time: float) -> Moment:
-        """Return the joints at a time [s]; before the start and after the end the robot rests."""
+        """Return the joints at a time [s]. Before the start and after the end the robot rests."""
         last = len(self.times) - 1
         if time <= 0.0 or time >= self.times[last]:
             end = 0 if time <= 0.0 else last
@@ -306,7 +312,9 @@ class Track:
         )
 
     def nearest(self, positions: Values, first: float, last: float) -> Moment:
-        """Return the joints at the time between `first` and `last` [s] at which the path is nearest to positions (n,) [rad or m]."""
+        """Return the joints at the time between `first` and `last` [s] at which the path is nearest to
+        positions (n,) [rad or m].
+        """
         first, last = max(0.0, first), min(self.duration, last)
         best = self.at(first)
         if last <= first:
@@ -327,7 +335,7 @@ class Track:
         if not self.accelerations:
             return (q0, v0, (3.0 * rise - 2.0 * v0 - v1) / width, (v0 + v1 - 2.0 * rise) / width**2)
         a0, a1 = self.accelerations[piece][joint], self.accelerations[piece + 1][joint]
-        # what is left for the powers 3 to 5 after position, velocity and acceleration of the first point
+        # remainder for the powers 3 to 5 after position, velocity and acceleration of the first point
         off = (rise - v0 - a0 * width / 2.0) / width**2
         slower = (v1 - v0 - a0 * width) / width**2
         bend = (a1 - a0) / width
@@ -338,11 +346,11 @@ class Track:
 
 
 _ROUNDS, _TRIED = 4, 6
-"""Of the search for the nearest time: a width of 100 ms ends at 0.6 ms."""
+"""Rounds of the search for the nearest time, and samples of each: they reduce a width of 100 ms to 0.6 ms."""
 
 
 def _values(coefficients: Values, since: float) -> tuple[float, float, float]:
-    """Return a polynomial and its first two derivatives."""
+    """Return the value of a polynomial and its first two derivatives."""
     value = slope = bend = 0.0
     for one in reversed(coefficients):
         bend = bend * since + 2.0 * slope
@@ -352,12 +360,13 @@ def _values(coefficients: Values, since: float) -> tuple[float, float, float]:
 
 
 def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
-    """Return the path of a goal that was checked, as MOVEJ_TIMED defines it.
+    """Return the path of a checked goal, as MOVEJ_TIMED defines it.
 
     Args:
-        goal: in any order of its joints.
+        goal: with its joints in any order.
         joints: of the robot.
-        stands: (n,) where the motion begins, in the robot's order [rad or m]; a first point at time 0 is left for it.
+        stands: (n,) start of the motion, in the robot's order [rad or m]. It replaces a first point at time
+            0.
     """
     points = in_robots_order(goal, joints)
     if points[0].time_from_start == 0.0:
@@ -391,7 +400,9 @@ def in_robots_order(goal: Goal, joints: Sequence[Joint]) -> tuple[Point, ...]:
 
 
 def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]:
-    """Return the velocities (k, n) of the cubic spline with continuous acceleration that begins and ends at rest: the tridiagonal system, joint by joint."""
+    """Return the velocities (k, n) of the cubic spline with continuous acceleration that begins and ends at
+    rest, from a tridiagonal system for each joint.
+    """
     count, size = len(times), len(positions[0])
     if count <= 2:
         return ((0.0,) * size,) * count
@@ -401,7 +412,9 @@ def _clamped(times: Values, positions: tuple[Values, ...]) -> tuple[Values, ...]
 
 
 def _solved(inverse: list[float], q: list[float]) -> list[float]:
-    """Solve 1/h_i-1 v_i-1 + 2 (1/h_i-1 + 1/h_i) v_i + 1/h_i v_i+1 = 3 (rise_i-1/h_i-1 + rise_i/h_i) for the inner v; the outer ones are 0."""
+    """Solve 1/h_i-1 v_i-1 + 2 (1/h_i-1 + 1/h_i) v_i + 1/h_i v_i+1 = 3 (rise_i-1/h_i-1 + rise_i/h_i) for the
+    inner v. The outer ones are 0.
+    """
     last = len(q) - 1
     pull = [3.0 * (q[at + 1] - q[at]) * inverse[at] ** 2 for at in range(last)]
     upper, right = [0.0] * last, [0.0] * last
@@ -423,9 +436,9 @@ class Planned:
     """A goal as a program.
 
     Attributes:
-        text: of the program; empty: the robot stands at its end, and there is nothing to do.
-        track: the path, from where the robot is at time 0 of the goal.
-        has_lead: True if the program's first command leads to the goal's first point.
+        text: of the program; empty if the robot is at its end and there is nothing to do.
+        track: the path, from the robot's position at time 0 of the goal.
+        has_lead: True if the program's first command moves to the goal's first point.
     """
 
     text: str
@@ -434,15 +447,16 @@ class Planned:
 
 
 def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
-    """Return the program of a goal that was checked.
+    """Return the program of a checked goal.
 
-    A first point at time 0 is the start if the robot stands there within `START_WITHIN`; else a MOVEJ with half of all limits leads there first. A first point
-    later than that is reached at its time, from where the robot stands.
+    A first point at time 0 is the start if the robot is within `START_WITHIN` of it. Otherwise a MOVEJ with
+    half of all limits moves there first. A later first point is reached at its time, from the robot's
+    position.
 
     Args:
-        goal: in any order of its joints.
+        goal: with its joints in any order.
         joints: of the robot.
-        stands: (n,) where the robot is commanded to stand, in the robot's order [rad or m].
+        stands: (n,) commanded position of the robot, in the robot's order [rad or m].
     """
     points = in_robots_order(goal, joints)
     first = points[0]
@@ -467,7 +481,7 @@ def program_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Planned:
 
 def too_long(planned: Planned) -> str | None:
     """Return why the program of a goal can't be sent; None if it can."""
-    length = len(planned.text) + planned.text.count("\n")  # JSON writes a line's end as two characters
+    length = len(planned.text) + planned.text.count("\n")  # JSON writes a line break as two characters
     if length <= MOST_TEXT:
         return None
     return (

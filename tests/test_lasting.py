@@ -290,7 +290,7 @@ def shown(loaded, compiled):
     """The lines of `yarc run` and of the prompt about a program, as it is carried out along one of its ways."""
     described = program_described(1, loaded)
     said: list[str] = []
-    screen = SimpleNamespace(live=False, say=said.append)
+    screen = SimpleNamespace(live=False, say=lambda text, below="": said.append(text))
     names = compiled.plan.robot.joint_names
     display = Display(screen, SimpleNamespace(override=100.0), Axes(names), described)
     display.take(StateChanged(time_s=0.0, state=State.MOVE, why=""))

@@ -113,7 +113,7 @@ def test_what_readme_serves(tmp_path, word, more):
         said += served.communicate()[0]
     assert _ADDRESS.search(said), said
     assert "error" not in said
-    assert served.returncode == 0, said
+    assert served.returncode in (0, -signal.SIGINT), said  # timeout ends itself as its command was ended
 
 
 def slug(heading: str) -> str:

@@ -145,11 +145,12 @@ def talk(opened, *lines, patience=3.0):
 def test_callers_that_speak_something_else_are_sent_away(opened):
     token = json.dumps({"token": opened.token}).encode() + b"\n"
     fill = b'{"order": "fill", "values": {"SEEN": 1, "X": 1}}\n'
-    assert talk(opened, b"GET / HTTP/1.1\r\n", b"\r\n")[0]["ok"] is False
+    # what is closed with bytes unread may be reset before its answer is read
+    assert not any(one["ok"] for one in talk(opened, b"GET / HTTP/1.1\r\n", b"\r\n"))
     assert talk(opened, b'{"order": "status"}\n')[0]["ok"] is False
     assert talk(opened, b"\xff\xfe\n")[0]["ok"] is False
-    assert talk(opened, b"[" * 100_000 + b"\n")[0]["ok"] is False
-    assert talk(opened, b'{"token": 3}\n', fill)[0]["ok"] is False
+    assert not any(one["ok"] for one in talk(opened, b"[" * 100_000 + b"\n"))
+    assert not any(one["ok"] for one in talk(opened, b'{"token": 3}\n', fill))
     (nothing,) = talk(opened, token[:-1]) or [None]
     assert nothing is None  # half a line
     said = talk(opened, token, fill)

@@ -457,7 +457,8 @@ class Stream:
         rests = all(motor.at_rest for motor in motors)
         if operation.state is not State.MOVE or not rests or self._dwells_on():
             self._stands = None
-            yield Wait(operation.now + _LOOK)
+            wait = operation.now + _LOOK
+            yield Wait(min(wait, max(self._due.lines, operation.now)) if self._looks else wait)
             return False
         if self._stands is None:
             self._stands = operation.now, 0

@@ -47,7 +47,7 @@ def at_its_end(world, job):
 
 @exercises(held=0.6)
 @settings(max_examples=20)
-@given(st.floats(0.0, 6.0), st.floats(1.0, 3.0), st.floats(0.0, 0.002), st.integers(0, 2**32))
+@given(st.floats(0.0, 6.0), st.floats(0.3, 3.0), st.floats(0.0, 0.002), st.integers(0, 2**32))
 def test_a_curtain_at_any_instant(tally, after, opened, delay, seed):
     world, job, plan = made(record=True, delay=delay, seed=seed)
     since, edge = world.now, []

@@ -192,6 +192,9 @@ class Holding:
     def go_on(self) -> Script[None]:
         """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R."""
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
+        # An order that came while an input holds the motion stays refused, even if the input changes meanwhile.
+        if self._job.watches and self._stays_held((yield from self._rotary.ask())):
+            return
         motors = yield from come_to_rest(operation, self._job.robot)
         raise_trouble(self._job.robot, motors)
         if told := (yield from supervision.compare(all_=True)):
@@ -205,9 +208,7 @@ class Holding:
         if told := supervision.stands_still(flow):
             yield from self._stay_held(told)
             return
-        if told := supervision.held_by(flow):
-            self.refilling = False
-            operation.remark(f"it stays held: {told}", warning=True)
+        if self._stays_held(flow):
             return
         if flow.armed == HELD and not self.refilling:
             operation.remark("the guard PLC has held the motion as well", warning=True)
@@ -224,6 +225,14 @@ class Holding:
         self.refilling = False
         self._told.clear()
         operation.go(Event.RESUME)
+
+    def _stays_held(self, flow: Flow) -> bool:
+        """Return True, and report it, if a watched input holds the motion."""
+        told = self._supervision.held_by(flow)
+        if told:
+            self.refilling = False
+            self.operation.remark(f"it stays held: {told}", warning=True)
+        return bool(told)
 
     def _stay_held(self, told: str) -> Script[None]:
         """Stay held because a change isn't undone, and report it again."""

@@ -97,7 +97,7 @@ def test_what_readme_serves(tmp_path, word, more):
     (tmp_path / "run").mkdir(mode=0o700)
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
     with subprocess.Popen(
-        ["bash", "-c", f"yarc check --fix first.yarc && exec timeout 120 {command} {more}"],
+        ["bash", "-c", f"yarc check --fix first.yarc && exec {command} {more}"],
         cwd=tmp_path,
         env={**os.environ, "PATH": path, "XDG_RUNTIME_DIR": str(tmp_path / "run")},
         stdin=subprocess.DEVNULL,
@@ -110,10 +110,10 @@ def test_what_readme_serves(tmp_path, word, more):
         while not _ADDRESS.search(said) and (line := served.stdout.readline()):
             said += line
         os.killpg(served.pid, signal.SIGINT)
-        said += served.communicate()[0]
+        said += served.communicate(timeout=60.0)[0]
     assert _ADDRESS.search(said), said
     assert "error" not in said
-    assert served.returncode in (0, -signal.SIGINT), said  # timeout ends itself as its command was ended
+    assert served.returncode == 0, said
 
 
 def slug(heading: str) -> str:

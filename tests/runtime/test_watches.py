@@ -230,3 +230,14 @@ def test_the_way_to_the_start_is_watched_too(industrial6):
     made = approach(industrial6, far, plan.program.start, None, plan.program.watches)
     assert "; watch M11=0 CURTAIN\n" in made.value.text
     assert job_of_compiled(made.value, "approach").watches == job.watches
+
+
+@pytest.mark.parametrize("value", ["0.5", "2", "-1"])
+def test_an_input_that_is_no_bit_holds(value):
+    world, job, _ = made()
+    world.do(lambda: world.say(f"M11={value}"), 1.0)
+    world.order(Resume(), 2.0)
+    world.do(lambda: world.say("M11=1"), 3.0)
+    world.order(Resume(), 4.0)
+    assert run(world, job).well
+    assert f"CURTAIN (M11) is {value}: held on the path" in world.words

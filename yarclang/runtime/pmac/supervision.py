@@ -373,8 +373,14 @@ class Supervision:
     def held_by(self, flow: Flow) -> str:
         """Return the input whose state forbids motion, according to an answer; empty if there is none."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
-        held = [one for one in self._watches if read[one.variable] == one.value]
-        return ", ".join(f"{one.name} ({one.variable}) is {state_text(one.value)}" for one in held)
+        # Only the other state allows motion: a variable that is no bit holds, too.
+        held = [
+            one
+            for one in self._watches
+            if read[one.variable] == one.value
+            or (one.value in (0.0, 1.0) and read[one.variable] != 1.0 - one.value)
+        ]
+        return ", ".join(f"{one.name} ({one.variable}) is {state_text(read[one.variable])}" for one in held)
 
     def found(self, flow: Flow) -> bool:
         """Return True if the input that ends this motion has the value that is searched for."""

@@ -8,6 +8,7 @@ of the blend.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from collections.abc import Iterator
 from itertools import pairwise
 
@@ -95,11 +96,12 @@ def _searched_with_others(text: ControllerText) -> Iterator[Fault]:
     The input ends all lines that are streamed together.
     """
     ends = {entry.step: (entry.first or 0, entry.last or 0) for entry in text.entries}
-    legs = list(_legs(text))
+    legs = [leg for leg in _legs(text) if leg]
+    begins = [leg[0] for leg in legs]
     for one in text.searches:
         first, last = ends[one.step]
-        # The lines that move or set something, in those legs that contain lines of this motion.
-        streamed = [leg for leg in legs if any(first <= line <= last for line in leg)]
+        # Legs are in the order of their lines, so those of a motion are neighbors.
+        streamed = legs[bisect_right(begins, first) - 1 : bisect_right(begins, last)]
         if len(streamed) != 1 or not all(first <= line <= last for line in streamed[0]):
             yield one.step, f"a motion that {one.name} ends is streamed together with others"
 

@@ -326,7 +326,7 @@ def _read_searches(
         if found is None:
             lines.refuse(f"is no line of the map of searches: {shown(lines.peek())}")
         step, depth = int(found[1]), found[6]
-        if step not in moves or any(one.step >= step for one in searches):
+        if step not in moves or (searches and searches[-1].step >= step):
             lines.refuse(
                 f"ends a command that doesn't move, or that stands out of order: {shown(lines.peek())}"
             )

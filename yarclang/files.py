@@ -10,6 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import BinaryIO
 
+from yarclang.consulted import content_of
+
 LARGEST_MESH = 1_000_000_000
 """Largest size of a mesh [bytes]."""
 
@@ -41,6 +43,10 @@ def read_whole(path: Path, most: int) -> bytes:
         OSError: the file can't be read, is larger, or is a pipe or device, which may have no end. Files that
             this process was given open, as by a shell's `<(...)`, are allowed. `strerror` has the reason.
     """
+    return content_of(path, lambda: _read(path, most))
+
+
+def _read(path: Path, most: int) -> bytes:
     try:
         found = path.stat()
     except ValueError as error:  # a NUL in the name

@@ -14,7 +14,8 @@ from yarclang.assist.snippets import plain_text
 from yarclang.assist.symbols import Symbol
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import FRAMES, OTHERS, entry_text
-from yarclang.pipeline.modules import library_folder, modules_in
+from yarclang.consulted import modules_in
+from yarclang.pipeline.modules import library_folder
 from yarclang.semantics.names.scope import BASE, JointPosition, Library, Named
 from yarclang.source import Span
 from yarclang.syntax.lines import code_of

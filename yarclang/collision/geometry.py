@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.consulted import on_disk
 from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
@@ -299,7 +300,8 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
         raise UnreadableError(fault)
     try:
         tree = coal.NODE_TYPE.BV_AABB if plain else coal.NODE_TYPE.BV_OBBRSS
-        model = coal.MeshLoader(tree).load(str(shape.path), scale)
+        with on_disk(shape.path, content) as place:
+            model = coal.MeshLoader(tree).load(str(place), scale)
     except Exception as error:  # assimp and boost throw several kinds, which all mean the same
         raise UnreadableError("can't be read: it isn't one, or is damaged") from error
     if model.num_tris == 0:

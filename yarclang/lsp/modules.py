@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from yarclang.assist.sketch import Sketch, sketch_of
+from yarclang.consulted import modules_in
 from yarclang.lsp.documents import PROGRAM, Document
-from yarclang.pipeline.modules import loader, modules_in
+from yarclang.pipeline.modules import loader
 from yarclang.pipeline.sources import read_source
 
 if TYPE_CHECKING:

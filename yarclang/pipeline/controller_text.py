@@ -16,6 +16,7 @@ from yarclang.certify.certificate import Certificate
 from yarclang.certify.certifying import certify, certify_text
 from yarclang.certify.read.header import header_of
 from yarclang.certify.read.text import Unreadable
+from yarclang.consulted import is_file
 from yarclang.diagnostics import Diagnostic, Result, has_errors
 from yarclang.emitted.header import Header
 from yarclang.emitted.seal import is_sealed
@@ -295,7 +296,7 @@ def _program_of(
 ) -> Result[MotionPlan] | Result[str]:
     """Return the plan of the text's program, or why there is none to prove against."""
     for place, must in _candidates(text, header, folder, named):
-        if not place.is_file():
+        if not is_file(place):
             if named is not None:
                 message = f"{named}, the program, isn't there"
                 return Result(None, (Diagnostic("Y0107", message, help="check the path"),))

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
+from yarclang.consulted import modules_in
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.pipeline.sources import NO_TEXTS, read_source
 from yarclang.robot.library import stdlib_folder
@@ -29,13 +30,10 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
     def library() -> list[Path]:
         return modules_in(library_folder())
 
-    @cache
-    def places() -> list[Path]:
-        unsaved = [path for path in texts if path.parent == folder.absolute() and path.suffix == SUFFIX]
-        return [*unsaved, *modules_in(folder), *library()]
+    unsaved = [path for path in texts if path.parent == folder.absolute() and path.suffix == SUFFIX]
 
     def load(name: str) -> Result[Module]:
-        for path in places():
+        for path in (*unsaved, *modules_in(folder, name), *library()):
             if path.stem.upper() == name:
                 text, found = texts.get(path.absolute()), tuple[Diagnostic, ...]()
                 if text is None:
@@ -45,7 +43,7 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
                     return Result(None, found)
                 return parse(replace(text, module=name, is_installed=path in library()))
         known = sorted({path.stem.upper() for path in library()})
-        subject = unknown(name, [path.stem.upper() for path in places()])
+        subject = unknown(name, [path.stem.upper() for path in (*unsaved, *modules_in(folder), *library())])
         listed = ", ".join(known) or "none"
         help_ = (
             subject.question or f"a module is a file beside the program; the standard library has {listed}"
@@ -58,11 +56,3 @@ def loader(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> Callabl
 def library_folder() -> Path:
     """Return the folder of the standard library's modules."""
     return stdlib_folder() / "modules"
-
-
-def modules_in(folder: Path) -> list[Path]:
-    """Return the files of a folder that may be modules; none if the folder can't be read."""
-    try:
-        return sorted(path for path in folder.iterdir() if path.suffix == SUFFIX and path.is_file())
-    except OSError:
-        return []

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from yarclang.certify.read.header import header_of
 from yarclang.certify.read.text import Unreadable
+from yarclang.consulted import is_file
 from yarclang.emitted.header import Header
 from yarclang.emitted.purposes import Listed
 from yarclang.frozen import frozen
@@ -73,7 +74,7 @@ def origins_of_text(
     if source is None and (not name or "/" in name or name == "<stdin>"):
         return Origins(None, "the text doesn't say which file its program is")
     tried = [folder / name, Path(name)] if source is None else [Path(source)]
-    places = [place for place in tried if place.is_file()]
+    places = [place for place in tried if is_file(place)]
     if not places:
         return Origins(None, f"{tried[0]}, the program, isn't there")
     for place in places:

@@ -8,6 +8,7 @@ from dataclasses import field
 from pathlib import Path
 from typing import Any
 
+from yarclang.consulted import nearest_folder
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.pipeline.sources import NO_TEXTS, read_source
@@ -52,11 +53,12 @@ def find_project(folder: Path, texts: Mapping[Path, SourceFile] = NO_TEXTS) -> R
     """
     folder = folder.resolve()
     open_ = {path.resolve(): text for path, text in texts.items() if path.name == FILE_NAME}
+    saved = nearest_folder(folder, FILE_NAME)
     for candidate in (folder, *folder.parents):
         path = candidate / FILE_NAME
         if path in open_:
             return read_project(open_[path], candidate)
-        if path.is_file():
+        if candidate == saved:
             return _read(path)
     return Result(Project(folder))
 

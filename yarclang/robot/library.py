@@ -6,6 +6,7 @@ import difflib
 from pathlib import Path
 from typing import Any
 
+from yarclang.consulted import is_file, is_folder
 from yarclang.frozen import frozen
 from yarclang.named import by_name
 
@@ -55,9 +56,9 @@ def find_robot(name_or_path: str) -> tuple[Path | None, str]:
         return robots / wanted / DESCRIPTION, ""
     try:
         path = Path(name_or_path)
-        if path.is_dir():
+        if is_folder(path):
             return path / DESCRIPTION, ""
-        if path.is_file() or path.suffix.lower() == ".toml" or len(path.parts) > 1:
+        if is_file(path) or path.suffix.lower() == ".toml" or len(path.parts) > 1:
             return path, ""
     except (OSError, ValueError):
         pass

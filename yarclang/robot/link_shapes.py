@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
+from yarclang.consulted import digest
+from yarclang.files import LARGEST_MESH, read_whole
 from yarclang.robot.model import Array, LinkShape
 from yarclang.robot.urdf import Joint, Urdf
 from yarclang.robot.urdf_shapes import mesh_path
@@ -89,7 +90,7 @@ def shape_of(urdf: Urdf, shape: Element, folder: Path) -> Shape:
             return Capsule(size("radius"), size("length"))
     path = _given(mesh_path(shape.attributes["filename"], folder))
     x, y, z = _given(urdf.numbers(shape, "scale", 3, (1.0, 1.0, 1.0)))
-    return Mesh(path.absolute(), 1.0, hashlib.sha256(path.read_bytes()).hexdigest(), (x, y, z))
+    return Mesh(path.absolute(), 1.0, digest(read_whole(path, LARGEST_MESH)), (x, y, z))
 
 
 def _given(value: T | None) -> T:

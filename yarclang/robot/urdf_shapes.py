@@ -10,6 +10,7 @@ import hashlib
 from pathlib import Path
 from urllib.parse import unquote, urlparse
 
+from yarclang.consulted import is_file
 from yarclang.files import LARGEST_MESH, read_whole
 from yarclang.robot.urdf import Urdf, turned
 from yarclang.robot.urdf_xml import Element
@@ -62,7 +63,7 @@ def check_shapes(urdf: Urdf, folder: Path) -> dict[str, list[str]]:
 
 def mesh_path(filename: str, folder: Path) -> Path | None:
     """Return the file that a mesh name refers to, or None if there is none."""
-    return next((path for path in mesh_places(filename, folder) if path.is_file()), None)
+    return next((path for path in mesh_places(filename, folder) if is_file(path)), None)
 
 
 def mesh_places(filename: str, folder: Path) -> list[Path]:

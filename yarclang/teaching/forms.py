@@ -10,9 +10,10 @@ from dataclasses import dataclass, replace
 
 from yarclang.commands.registry import actions, commands
 from yarclang.commands.spec import ActionSpec, CommandSpec, Values
+from yarclang.consulted import modules_in
 from yarclang.decisions import Register
 from yarclang.hir import Output
-from yarclang.pipeline.modules import library_folder, modules_in
+from yarclang.pipeline.modules import library_folder
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+from yarclang.consulted import is_folder
 from yarclang.diagnostics import Diagnostic
 from yarclang.files import read_whole
 from yarclang.source import SourceFile, Span
@@ -22,7 +23,7 @@ def read_text(path: Path, remedy: str) -> SourceFile | Diagnostic:
     """
     name = (path.name or str(path))[:80]
     try:
-        if path.is_dir():
+        if is_folder(path):
             return Diagnostic("Y1302", f"{name} is a folder, not a file.", help=remedy)
         content = read_whole(path, _LARGEST_FILE)
     except OSError as error:

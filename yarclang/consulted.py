@@ -154,6 +154,7 @@ def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
     question = question_of(CONTENT, path)
     if bundle is not None:
         answer = _bundled(bundle, question)
+        _note(record, question, answer)
         if answer.startswith(_NO):
             number, _, reason = answer.removeprefix(_NO).partition(" ")
             raise OSError(int(number), reason, str(path))
@@ -232,9 +233,7 @@ def _asked(kind: str, path: Path, answer: Callable[[], str]) -> str:
     if (bundle is None and record is None) or _is_ours(path):
         return answer()
     question = question_of(kind, path)
-    if bundle is not None:
-        return _bundled(bundle, question)
-    given = answer()
+    given = answer() if bundle is None else _bundled(bundle, question)
     _note(record, question, given)
     return given
 

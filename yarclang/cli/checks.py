@@ -1,28 +1,23 @@
-"""Checks and fixes of files, one after the other or in several processes."""
+"""Checks and fixes of files."""
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import click
-
 from yarclang.cli.door import failure_of
+from yarclang.cli.fleet import Fleet, ended
 from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
+from yarclang.findings import YARCLANG
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
     from yarclang.pipeline.inputs import Options
     from yarclang.source import SourceFile
-
-_MANY = 4
-"""Number of files from which they are shared among processes, because each process imports everything
-once.
-"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +37,12 @@ class Task:
     fix: bool = False
     shown: frozenset[str] | None = None
     chosen: frozenset[str] = frozenset()
+
+    @property
+    def said(self) -> tuple[object, ...]:
+        """Return all that distinguishes this task from others."""
+        shown = None if self.shown is None else sorted(self.shown)
+        return (self.options.said, self.plans, self.fix, shown, sorted(self.chosen))
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,41 +69,15 @@ class Done:
         return self.after is not None and self.after != self.before
 
 
-def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
+def check_all(files: Sequence[str], task: Task, fleet: Fleet) -> Iterator[Done]:
     """Check files, in their order."""
-    workers = min(len(files), len(os.sched_getaffinity(0)))
-    if len(files) < _MANY or workers < 2:
-        yield from (check_one(path, task) for path in files)
-        return
-    import signal
-    from concurrent.futures import ProcessPoolExecutor
-    from concurrent.futures.process import BrokenProcessPool
-    from multiprocessing import get_context
-
-    size = max(1, min(8, len(files) // (4 * workers)))
-    # not forked: a library with running threads may wait for them for ever
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_end_in_silence)
-    # Ctrl-C is for this process: the others, which are started here, ignore it while they import
-    heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
-    try:
-        results = pool.map(check_one, files, [task] * len(files), chunksize=size)
-    finally:
-        signal.signal(signal.SIGINT, heard)
-    try:
-        yield from results
-    except BrokenProcessPool:
-        raise click.ClickException(
-            "a process that checked files was killed; is there enough memory? Check fewer files at once"
-        ) from None
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def _end_in_silence() -> None:
-    """End the process at once on Ctrl-C, without a traceback."""
-    import signal
-
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    return fleet.results(
+        partial(check_one, task=task),
+        files,
+        name=lambda path: ("check", path, task.said),
+        is_lasting=lambda done: not any(one.family == YARCLANG for one in done.found),
+        lost=lambda path, why: Done(path, (ended(path, why),)),
+    )
 
 
 def check_one(path: str, task: Task) -> Done:

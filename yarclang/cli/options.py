@@ -177,7 +177,28 @@ def jobs_option(function: F) -> F:
         "--jobs",
         type=click.IntRange(min=1),
         metavar="N",
-        help="How many processes may work on long programs (default: one for each core). What comes of it is the same.",
+        help="How many processes may work on several files, or on a long one (default: one for each core). What comes of it is the same.",
+    )(function)
+
+
+def fleet_options(function: F) -> F:
+    """Add --jobs N, --scheduler ADDRESS and --no-cache."""
+    no_cache = click.option(
+        "--no-cache",
+        is_flag=True,
+        envvar="YARCLANG_NO_CACHE",
+        help="Reuse no result of an earlier time, and keep none: the rule for a release.",
+    )
+    return jobs_option(scheduler_option(no_cache(function)))
+
+
+def scheduler_option(function: F) -> F:
+    """Add --scheduler ADDRESS."""
+    return click.option(
+        "--scheduler",
+        metavar="ADDRESS",
+        default="",
+        help="Share the files among the workers of a dask scheduler, such as tcp://HOST:8786. What comes of it is the same.",
     )(function)
 
 

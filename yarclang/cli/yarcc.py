@@ -10,23 +10,22 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang import __version__
-from yarclang.cli.door import Door, failure_of, is_failure
+from yarclang.cli.door import Door
 from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.options import (
     avoid_effort_option,
     file_argument,
+    fleet_options,
     format_option,
-    jobs_option,
     planning_options,
     tm_option,
 )
-from yarclang.cli.outputs import beside, refuse_collisions
+from yarclang.cli.outputs import refuse_collisions
 from yarclang.cli.threads import one_for_products
 
 if TYPE_CHECKING:
     from yarclang.certify.certificate import Certificate
     from yarclang.diagnostics import Diagnostic
-    from yarclang.pipeline.inputs import Options
     from yarclang.pipeline.stages import Compiled
 
 
@@ -42,9 +41,12 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
     return value
 
 
+_ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes several"
+
+
 @click.command(cls=Door, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(__version__, message="yarcc %(version)s")
-@file_argument("files", nargs=-1, metavar="FILE...")
+@file_argument("files", nargs=-1, metavar="PATH...")
 @click.option(
     "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."
 )
@@ -77,7 +79,7 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
     help="Show every command in the table, with all columns, however long the program and narrow the terminal.",
 )
 @click.option("--strict", is_flag=True, help="A warning counts as an error.")
-@jobs_option
+@fleet_options
 @format_option
 def main(
     files: tuple[str, ...],
@@ -88,52 +90,60 @@ def main(
     full: bool,
     strict: bool,
     jobs: int | None,
+    scheduler: str,
+    no_cache: bool,
     format_: str,
     **planning: Any,
 ) -> None:
     """Compile YARC programs to their controller's text, and prove what they do.
 
-    It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
+    It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input, and a folder means all .yarc files
+    in it. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":
         raise click.UsageError("--proof writes beside the text, which goes to standard output")
     one_for_products()
     seldom_look_for_garbage()
-    destinations = {file: output or beside(file, ".pmc", out_dir) for file in files}
+    from yarclang.cli.compiling import Task, compile_all, destinations_of
+
+    destinations = destinations_of(files, output, out_dir)
+    if len(destinations) > 1 and (output is not None or certificate is not None):
+        raise click.UsageError(_ONE_PROGRAM)
     results = [(destination, file) for file, destination in destinations.items()]
     if certificate is not None:
         results.append((str(certificate), "the certificate"))
     if proof:
         results += [(_proof_beside(one), f"the proof of {file}") for file, one in destinations.items()]
-    refuse_collisions(files, results)
+    refuse_collisions(destinations, results)
+    from yarclang.cli.fleet import Fleet
     from yarclang.cli.work import Progress, options_from
     from yarclang.parallel import on_cores
 
     failed = False
     reports: list[tuple[dict[str, Any], Certificate | None]] = []
+    fleet = Fleet(jobs, scheduler, reuses=not no_cache)
     with Progress() as progress, on_cores(jobs):
-        options = options_from(planning)
-        for number, file in enumerate(files):
-            progress.file(number, len(files))
-            destination = destinations[file]
-            try:
-                compiled, diagnostics = _compiled(file, options, strict)
-                if compiled is not None:
-                    if output is None:
-                        destination = _called(destination, compiled)
-                    diagnostics += _write(compiled, destination, certificate, with_proof=proof)
-            except Exception as error:
-                if not is_failure(error):
-                    raise
-                compiled, diagnostics = None, (failure_of(error, file),)
+        task = Task(options_from(planning), strict, proof)
+        progress.file(0, len(destinations))
+        made = zip(destinations.items(), compile_all(list(destinations), task, fleet), strict=True)
+        for number, ((file, destination), one) in enumerate(made, 1):
+            compiled, diagnostics = one.compiled, one.found
+            if compiled is not None and not any(finding.is_error for finding in diagnostics):
+                if output is None:
+                    destination = _called(destination, compiled)  # noqa: PLW2901 - as its controller calls it
+                diagnostics += _write(compiled, destination, certificate, one.proof)
             progress.pause()
-            written = compiled is not None and not any(one.is_error for one in diagnostics)
+            written = compiled is not None and not any(finding.is_error for finding in diagnostics)
             failed |= not written
             if format_ == "json":
                 reports.append(_report(file, destination if written else None, compiled, diagnostics))
             else:
                 _show(file, destination, compiled if written else None, diagnostics, full=full)
+            progress.file(number, len(destinations))
+        progress.pause()
+    if fleet.remark:
+        click.echo(fleet.remark, err=True)
     if format_ == "json":
         from yarclang.report.certificate_json import reports_pieces
 
@@ -149,7 +159,7 @@ def _check_usage(
     if output is not None and out_dir is not None:
         raise click.UsageError("-o and --out-dir exclude each other")
     if len(files) > 1 and (output is not None or certificate is not None):
-        raise click.UsageError("-o and --certificate go with one program; --out-dir takes several")
+        raise click.UsageError(_ONE_PROGRAM)
     if output == "-" and format_ == "json":
         raise click.UsageError("-o - and --format json both write to standard output")
     if len(set(files)) < len(files):
@@ -169,23 +179,12 @@ def _called(destination: str, compiled: Compiled) -> str:
     return str(Path(destination).with_suffix(backend_of(compiled.plan.robot).suffix))
 
 
-def _compiled(file: str, options: Options, strict: bool) -> tuple[Compiled | None, tuple[Diagnostic, ...]]:
-    """Compile a file; None if there is nothing to write."""
-    from yarclang.pipeline.checking import check_program_file
-
-    checked = check_program_file(file, options)
-    compiled, diagnostics = checked.compiled, checked.diagnostics
-    if compiled is not None and strict and any(one.severity == "warning" for one in diagnostics):
-        compiled = None
-    return compiled, diagnostics
-
-
 def _proof_beside(destination: str) -> str:
     return str(Path(destination).with_suffix(".proof.json"))
 
 
 def _write(
-    compiled: Compiled, destination: str, certificate: Path | None, *, with_proof: bool
+    compiled: Compiled, destination: str, certificate: Path | None, proof: str | None
 ) -> tuple[Diagnostic, ...]:
     """Write text, certificate and proof: all, or none."""
     from yarclang.cli.work import write_all, write_standard_output
@@ -193,13 +192,8 @@ def _write(
     files: list[tuple[Path, str]] = []
     if destination != "-":
         files.append((Path(destination), compiled.text))
-    if with_proof:
-        from yarclang.pipeline.proofs import proof_of
-
-        proof = proof_of(compiled)
-        if proof.value is None:
-            return proof.diagnostics
-        files.append((Path(_proof_beside(destination)), proof.value))
+    if proof is not None:
+        files.append((Path(_proof_beside(destination)), proof))
     if certificate is not None:
         from yarclang.report.certificate_json import certificate_pieces
 

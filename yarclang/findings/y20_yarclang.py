@@ -27,4 +27,13 @@ FINDINGS = (
         "The operating system gave no more memory while a program was checked. Nothing is written for this program, and other files are checked all "
         "the same.",
     ),
+    Finding(
+        "Y2004",
+        "killed-process",
+        "error",
+        "the processes that worked on a file were ended",
+        "Files that are checked or compiled together are shared among processes. A process that is ended costs only the file that it had, and that is tried "
+        "once more. If the second process ends as well, the file has this finding, and the other files are worked on all the same. The usual reason is too "
+        "little memory: give fewer processes with --jobs.",
+    ),
 )

@@ -53,6 +53,18 @@ class Options:
     present: CellNow | None = None
     avoid_effort: int = 1
 
+    @property
+    def said(self) -> tuple[object, ...]:
+        """Return all that the user has said, for results that are kept beyond this process.
+
+        Raises:
+            ValueError: a result depends on something that isn't on the disk.
+        """
+        if self.texts or self.present is not None:
+            raise ValueError("texts that are open, or parts that are moved, are not what is on the disk")
+        given = (self.robot, self.start, self.tm, self.tolerance, self.target)
+        return (*given, self.enough, self.cell, self.avoid_effort)
+
 
 @frozen(eq=False)
 class Opened:

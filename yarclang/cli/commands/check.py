@@ -10,12 +10,19 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.garbage import seldom_look_for_garbage
-from yarclang.cli.options import avoid_effort_option, finding_words, jobs_option, planning_options, tm_option
+from yarclang.cli.options import (
+    avoid_effort_option,
+    finding_words,
+    fleet_options,
+    planning_options,
+    tm_option,
+)
 from yarclang.cli.outputs import STANDARD
 from yarclang.cli.threads import one_for_products
 
 if TYPE_CHECKING:
     from yarclang.cli.checks import Done, Task
+    from yarclang.cli.fleet import Fleet
     from yarclang.diagnostics import Diagnostic
 
 _PAUSE = 0.3
@@ -53,7 +60,7 @@ _PAUSE = 0.3
 @planning_options
 @tm_option
 @avoid_effort_option
-@jobs_option
+@fleet_options
 def command(
     paths: tuple[str, ...],
     fix: bool,
@@ -66,6 +73,8 @@ def command(
     max_findings: int | None,
     format_: str,
     jobs: int | None,
+    scheduler: str,
+    no_cache: bool,
     **planning: Any,
 ) -> None:
     """Check programs: everything that yarcc checks before it writes, and what else is worth saying.
@@ -77,6 +86,7 @@ def command(
     one_for_products()
     seldom_look_for_garbage()
     from yarclang.cli.checks import Task
+    from yarclang.cli.fleet import Fleet
     from yarclang.cli.paths import programs
     from yarclang.cli.work import Progress, options_from
     from yarclang.parallel import on_cores
@@ -90,10 +100,11 @@ def command(
             select or frozenset(),
         )
         if watch:
-            _watch(paths, task, max_findings, progress)
+            _watch(paths, task, Fleet(jobs, scheduler), max_findings, progress)
             return
+        fleet = Fleet(jobs, scheduler, reuses=not no_cache)
         failed = _checked(
-            programs(paths), task, strict, max_findings, format_, progress, writes=fix, diff=diff
+            programs(paths), task, fleet, strict, max_findings, format_, progress, writes=fix, diff=diff
         )
     raise SystemExit(1 if failed else 0)
 
@@ -122,6 +133,7 @@ def _shown(select: frozenset[str] | None, ignore: frozenset[str] | None) -> froz
 def _checked(
     files: Sequence[str],
     task: Task,
+    fleet: Fleet,
     strict: bool,
     most: int | None,
     format_: str,
@@ -139,7 +151,7 @@ def _checked(
     fixes = changed = shown = 0
     if len(files) > 1:
         progress.file(0, len(files))
-    for number, done in enumerate(check_all(files, task), 1):
+    for number, done in enumerate(check_all(files, task, fleet), 1):
         progress.pause()
         said = list(done.found)
         if writes or diff:
@@ -169,6 +181,8 @@ def _checked(
             f"{_counted(len(files), 'file')} checked: {count_text(found, notes=True) or 'nothing to complain of'}",
             err=True,
         )
+        if fleet.remark:
+            click.echo(f"  {fleet.remark}", err=True)
     failed = any(one.is_error or (strict and one.severity == "warning") for one in found)
     return failed or (diff and changed > 0)
 
@@ -190,7 +204,7 @@ def _put(done: Done, *, diff: bool) -> tuple[Diagnostic, ...]:
     return write_whole(path, with_mark(path, done.after or ""))
 
 
-def _watch(paths: tuple[str, ...], task: Task, most: int | None, progress: Any) -> None:
+def _watch(paths: tuple[str, ...], task: Task, fleet: Fleet, most: int | None, progress: Any) -> None:
     """Check files after each change, until interrupted."""
     from yarclang.cli.watching import changes
 
@@ -198,7 +212,7 @@ def _watch(paths: tuple[str, ...], task: Task, most: int | None, progress: Any) 
         for files in changes(paths, lambda: time.sleep(_PAUSE)):
             if len(files) == 1:
                 click.echo(f"{files[0]}:", err=True)
-            _checked(files, task, False, most, "text", progress)
+            _checked(files, task, fleet, False, most, "text", progress)
     except KeyboardInterrupt:
         click.echo(err=True)
 

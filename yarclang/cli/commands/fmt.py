@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from yarclang.cli.garbage import seldom_look_for_garbage
+from yarclang.cli.options import jobs_option, scheduler_option
 from yarclang.cli.outputs import STANDARD
+
+if TYPE_CHECKING:
+    from yarclang.cli.forms import Form
 
 _START, _STEP = 10, 10
 
@@ -40,7 +44,16 @@ class _Command(click.Command):
     metavar="[START STEP]",
     help="Number the commands anew, in steps: P0010, P0020, ... unless said otherwise.",
 )
-def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[int, int] | None) -> None:
+@jobs_option
+@scheduler_option
+def command(
+    paths: tuple[str, ...],
+    checks: bool,
+    diff: bool,
+    renumber: tuple[int, int] | None,
+    jobs: int | None,
+    scheduler: str,
+) -> None:
     """Write programs in their usual form: names in upper case, blocks indented, comments below each other.
 
     What a program does stays the same, and so do its comments: this is proved before a file is written, and a file of which it can't be proved stays
@@ -51,6 +64,8 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
     """
     seldom_look_for_garbage()
     from yarclang.cli.differences import difference
+    from yarclang.cli.fleet import Fleet, ended
+    from yarclang.cli.forms import Form, form_of
     from yarclang.cli.paths import programs
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_standard_output
@@ -58,8 +73,15 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
 
     files = programs(paths)
     failed, changed, unproved = 0, 0, 0
-    for file in files:
-        made = _formatted(file, renumber)
+    fleet = Fleet(jobs, scheduler)
+    forms = fleet.results(
+        partial(form_of, renumber=renumber),
+        files,
+        name=lambda path: path,
+        is_lasting=lambda _: False,
+        lost=lambda path, why: Form(found=(ended(path, why),)),
+    )
+    for file, made in zip(files, forms, strict=True):
         found = list(made.found)
         if not found and made.is_changed and diff:
             found += write_standard_output(difference(file, made.before, made.after))
@@ -79,39 +101,7 @@ def command(paths: tuple[str, ...], checks: bool, diff: bool, renumber: tuple[in
     raise SystemExit(int(unproved > 0 or (changed > 0 and (checks or diff))))
 
 
-@dataclass(frozen=True, slots=True)
-class _Formatted:
-    """Result for a file.
-
-    Attributes:
-        before: the text before.
-        after: the text after.
-        found: findings that prevent the formatting.
-    """
-
-    before: str = ""
-    after: str = ""
-    found: tuple[Any, ...] = ()
-
-    @property
-    def is_changed(self) -> bool:
-        return self.before != self.after
-
-
-def _formatted(file: str, renumber: tuple[int, int] | None) -> _Formatted:
-    from yarclang.pipeline.sources import read_source
-    from yarclang.syntax.form import usual_form
-
-    read = read_source(file)
-    if read.value is None:
-        return _Formatted(found=read.diagnostics)
-    made = usual_form(read.value, renumber)
-    if made.value is None:
-        return _Formatted(found=made.diagnostics)
-    return _Formatted(read.value.text, made.value)
-
-
-def _write(file: str, made: _Formatted) -> tuple[Any, ...]:
+def _write(file: str, made: Form) -> tuple[Any, ...]:
     from yarclang.cli.differences import with_mark
     from yarclang.cli.work import write_standard_output, write_whole
 

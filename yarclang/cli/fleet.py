@@ -1,0 +1,112 @@
+"""Doing the same for many files: by the options --jobs, --scheduler and --no-cache."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator, Sequence
+from typing import TYPE_CHECKING, TypeVar
+
+import click
+
+from yarclang.cli.outputs import STANDARD
+
+if TYPE_CHECKING:
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.fleet.doing import Doing
+    from yarclang.fleet.reuse import Reuse
+    from yarclang.fleet.spreading import Lost
+    from yarclang.fleet.store import Store
+
+R = TypeVar("R")
+
+
+class Fleet:
+    """Does the same for many files, which may be reused, shared among processes, or done elsewhere.
+
+    Args:
+        jobs: number of processes; None for one a core.
+        scheduler: address of a dask scheduler; empty for this machine.
+        reuses: True to reuse results of earlier times, and to keep new ones.
+    """
+
+    def __init__(self, jobs: int | None = None, scheduler: str = "", *, reuses: bool = False) -> None:
+        from yarclang.fleet.spreading import Place
+
+        self._place = Place(jobs, scheduler)
+        self._reuses = reuses
+        self._doing: Doing | None = None
+        self._store: Store | None = None
+
+    def results(
+        self,
+        work: Callable[[str], R],
+        files: Sequence[str],
+        *,
+        name: Callable[[str], Hashable],
+        is_lasting: Callable[[R], bool],
+        lost: Callable[[str, Lost], R],
+    ) -> Iterator[R]:
+        """Yield the result for each file, in order; as `Doing.results`.
+
+        Args:
+            work: what is done for a file.
+            files: paths; `-` for standard input, which only this process can read.
+            name: returns what distinguishes the work for a file from other work.
+            is_lasting: returns True for a result that would be the same the next time.
+            lost: returns the result of a file whose processes were ended.
+
+        Raises:
+            click.ClickException: the scheduler can't be used.
+        """
+        from yarclang.fleet.doing import Doing
+        from yarclang.fleet.spreading import Lost, Place, own_file
+
+        standard = STANDARD in files
+        place: Place = Place(1) if standard else self._place
+        with_store = self._reuses and not standard
+        self._doing = Doing(place, self._reuse() if with_store else None)
+        made = self._doing.results(work, files, files=own_file, name=name, is_lasting=is_lasting)
+        try:
+            for file, result in zip(files, _said(made), strict=True):
+                yield lost(file, result) if isinstance(result, Lost) else result
+        finally:
+            made.close()
+            if self._store is not None:
+                self._store.close()
+
+    def _reuse(self) -> Reuse:
+        from yarclang.fleet.reuse import Reuse
+        from yarclang.fleet.store import Store, cache_folder, secret_file
+
+        self._store = Store(cache_folder(), secret_file())
+        return Reuse(self._store)
+
+    @property
+    def remark(self) -> str:
+        """Return how many results were reused, and what is wrong with the cache; empty if there is nothing."""
+        remarks = []
+        if self._doing is not None and self._doing.reused:
+            remarks.append(f"{self._doing.reused:,} as before (--no-cache does all anew)")
+        if self._store is not None and self._store.trouble:
+            remarks.append(f"the cache can't be used: {self._store.trouble}")
+        return "; ".join(remarks)
+
+
+def _said(made: Iterator[R]) -> Iterator[R]:
+    """Yield results; a scheduler that can't be used becomes an error of the command."""
+    from yarclang.fleet.unreachable import UnreachableError
+
+    try:
+        yield from made
+    except UnreachableError as error:
+        raise click.ClickException(str(error)) from None
+
+
+def ended(file: str, lost: Lost) -> Diagnostic:
+    """Return the finding for a file whose processes were ended."""
+    from yarclang.diagnostics import Diagnostic
+    from yarclang.source import SourceFile, Span
+
+    message = f"nothing is known of {file}: {lost.reason}"
+    return Diagnostic(
+        "Y2004", message, SourceFile(file, ""), Span.on_line(1, 1, 1), "try --jobs 1, or check it alone"
+    )

@@ -1,0 +1,38 @@
+"""Programs in their usual form."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """Result for a file.
+
+    Attributes:
+        before: the text before.
+        after: the text after.
+        found: findings that prevent the formatting.
+    """
+
+    before: str = ""
+    after: str = ""
+    found: tuple[Any, ...] = ()
+
+    @property
+    def is_changed(self) -> bool:
+        """True if the file isn't in form."""
+        return self.before != self.after
+
+
+def form_of(path: str, renumber: tuple[int, int] | None = None) -> Form:
+    """Return a file in its usual form, its commands numbered from the first number in steps of the second."""
+    from yarclang.pipeline.sources import read_source
+    from yarclang.syntax.form import usual_form
+
+    read = read_source(path)
+    if read.value is None:
+        return Form(found=read.diagnostics)
+    made = usual_form(read.value, renumber)
+    return Form(found=made.diagnostics) if made.value is None else Form(read.value.text, made.value)

@@ -1,0 +1,110 @@
+"""Results of earlier work, reused while everything that they depend on is as it was.
+
+The key of a result is the work: its kind, the options, the path as it was given, the installation. With the
+result stand the answers to all that the work asked of the disk (consulted.py): it is reused if the disk gives
+the same answers now. A result that names the working directory is reused only there.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Hashable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from yarclang.consulted import CHANGED, Answers, Question, answer_now, digest
+from yarclang.fleet.installation import stamp, this_installation
+from yarclang.fleet.packing import packed, unpacked
+from yarclang.fleet.store import Store
+
+_MOST_ENTRIES = 8
+"""Number of entries of one key that are looked at."""
+
+
+_HELD = 100_000
+"""Size above which a result that was found isn't held in memory until it is wanted [bytes]."""
+
+
+class Found:
+    """An earlier result that holds."""
+
+    def __init__(self, body: bytes, again: Callable[[], bytes | None]) -> None:
+        self._body = body if len(body) <= _HELD else None
+        self._again = again
+
+    def load(self) -> tuple[Any] | None:
+        """Return the result, in a tuple; None if it was dropped in the meantime."""
+        body = self._again() if self._body is None else self._body
+        return None if body is None else (unpacked(body),)
+
+
+class Reuse:
+    """Finds and keeps results.
+
+    Args:
+        store: the store.
+    """
+
+    def __init__(self, store: Store) -> None:
+        self._store = store
+        self._installed = ""
+        self._answers: dict[Question, str] = {}
+
+    def find(self, work: Hashable) -> Found | None:
+        """Return an earlier result that holds; None if there is none.
+
+        Args:
+            work: what is done with which options; its `repr` says all that distinguishes it.
+        """
+        key = self._key(work)
+        here = str(Path.cwd())
+        for count, (number, value) in enumerate(self._store.get(key)):
+            if count == _MOST_ENTRIES:
+                self._store.drop(number)
+                continue
+            head, _, body = value.partition(b"\n")
+            data = json.loads(head)
+            if data["here"] in ("", here) and all(
+                self._now(Question(kind, path)) == said for kind, path, said in data["answers"]
+            ):
+                self._store.use(number)
+                return Found(body, partial(self._again, key, number))
+        return None
+
+    def keep(self, work: Hashable, answers: Answers, result: Any) -> None:
+        """Keep a result with the answers on which it depends."""
+        if CHANGED in answers.values():
+            return
+        body = packed(result)
+        here = str(Path.cwd())
+        head = {
+            # a result with the folder's name may be bound to it needlessly, which is harmless
+            "here": here if here.encode() in body else "",
+            "answers": [[*question, answer] for question, answer in answers.items()],
+        }
+        self._store.put(self._key(work), json.dumps(head).encode() + b"\n" + body)
+
+    def _again(self, key: str, number: int) -> bytes | None:
+        return next((value.partition(b"\n")[2] for one, value in self._store.get(key) if one == number), None)
+
+    def _key(self, work: Hashable) -> str:
+        if not self._installed:
+            self._installed = self._installation()
+        return digest(f"{self._installed}\n{work!r}".encode())
+
+    def _installation(self) -> str:
+        """Return the digest of this installation; its files are read only if one was written since."""
+        now = f"installation {stamp()}"
+        for _, value in self._store.get(now):
+            return value.decode()
+        made = this_installation().digest
+        self._store.put(now, made.encode())
+        return made
+
+    def _now(self, question: Question) -> str:
+        """Return the disk's answer to a question, which is asked once."""
+        answer = self._answers.get(question)
+        if answer is None:
+            answer = self._answers[question] = answer_now(question)
+        return answer

@@ -1,0 +1,266 @@
+"""Work on the workers of a dask scheduler, on machines that share no disk with this one.
+
+The first item is done here, and shows which files the work consults. With each further item go the answers to
+these questions and the contents of the files (consulted.py), each content once for each worker that needs it.
+A worker that meets a question without an answer gives the item back with the question; the answer goes with
+it the next time.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import defaultdict, deque
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+from yarclang.consulted import (
+    CONTENT,
+    Answers,
+    Bundle,
+    NotBundledError,
+    Question,
+    answer_now,
+    bundled,
+    content_now,
+    question_of,
+    recorded,
+)
+from yarclang.fleet.installation import Installation, this_installation
+from yarclang.fleet.packing import packed, unpacked
+from yarclang.fleet.spreading import Lost
+from yarclang.fleet.unreachable import UnreachableError
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_PATIENCE = 10.0
+"""Longest wait for a scheduler, and for its first worker [s]."""
+
+_LARGEST_CHUNK = 16
+_CHUNKS_EACH = 4
+"""Number of chunks for each thread of the workers, at least, so that no one waits long for the last."""
+
+_UNDER_WAY = 3
+"""Number of chunks for each thread that are given to the scheduler at once."""
+
+_MOST_QUESTIONS = 10_000
+"""Number of times that an item may come back with a question."""
+
+_DEATHS = 2
+
+_ONE_AT_A_TIME = threading.Lock()
+"""The threads of a worker's process take turns: the work was made for one thread."""
+
+
+def on_scheduler(
+    work: Callable[[T], R], items: Sequence[T], address: str, files: Callable[[T], Sequence[Path]]
+) -> Iterator[R | Lost]:
+    """Yield the result of `work` for each item, in order; as `spreading.spread`.
+
+    Raises:
+        UnreachableError: there is no scheduler, it has no workers, or they have another installation.
+    """
+    client = _connected(address)
+    try:
+        threads = _check_workers(client, address)
+        if items:
+            with recorded() as common:
+                first = work(items[0])
+            own = {question_of(CONTENT, path) for path in files(items[0])}
+            common = {question: answer for question, answer in common.items() if question not in own}
+            yield first
+            rest = _Rest(client, work, items, common, threads, files)
+            try:
+                yield from rest.results()
+            finally:
+                rest.cancel()
+    finally:
+        client.close()
+
+
+def _connected(address: str) -> Any:
+    try:
+        from distributed import Client
+    except ImportError:
+        message = "--scheduler needs the library distributed: pip install 'yarclang[fleet]'"
+        raise UnreachableError(message) from None
+    try:
+        return Client(address, timeout=_PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError, TimeoutError) as error:
+        reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        message = f"no scheduler answers at {address}: {reason}; start one with `dask scheduler`"
+        raise UnreachableError(message) from None
+
+
+def _check_workers(client: Any, address: str) -> int:
+    """Return the number of all workers' threads.
+
+    Raises:
+        UnreachableError: there are no workers, or one of them has another installation.
+    """
+    try:
+        client.wait_for_workers(1, timeout=_PATIENCE)
+    except TimeoutError:
+        message = f"the scheduler at {address} has no workers: start some with `dask worker {address}`"
+        raise UnreachableError(message) from None
+    ours = this_installation()
+    try:
+        installed = client.run(_installed, on_error="return")
+    except Exception as error:  # dask raises whatever the workers do
+        raise UnreachableError(f"the workers of {address} can't be asked: {error}") from None
+    for worker, theirs in sorted(installed.items()):
+        if not isinstance(theirs, tuple):
+            raise UnreachableError(f"worker {worker} has no yarclang that can be used: {theirs}")
+        if difference := ours.difference(Installation(*theirs)):
+            raise UnreachableError(f"worker {worker} would give other results: {difference}")
+    threads: dict[str, int] = client.nthreads()
+    return max(1, sum(threads.values()))
+
+
+def _installed() -> tuple[Any, ...]:
+    """Return the installation of a worker, as a plain tuple."""
+    return tuple(this_installation())
+
+
+class _Rest:
+    """All items but the first."""
+
+    def __init__(
+        self,
+        client: Any,
+        work: Callable[[Any], Any],
+        items: Sequence[Any],
+        common: Answers,
+        threads: int,
+        files: Callable[[Any], Sequence[Path]],
+    ) -> None:
+        self._client, self._work, self._items, self._files = client, packed(work), items, files
+        self._common = common
+        self._own: dict[int, Answers] = defaultdict(dict)
+        self._asked: dict[Question, int] = {}
+        self._contents: dict[str, Any] = {}
+        self._waiting = deque(range(1, len(items)))
+        self._deaths: dict[int, int] = {}
+        self._done: dict[int, Any] = {}
+        self._under_way: dict[Any, list[int]] = {}
+        self._limit = _UNDER_WAY * threads
+        self._size = max(1, min(_LARGEST_CHUNK, len(items) // (_CHUNKS_EACH * threads)))
+        for question, answer in common.items():
+            self._offer(question, answer)
+
+    def results(self) -> Iterator[Any]:
+        """Yield the results in order."""
+        from distributed import wait
+
+        for wanted in range(1, len(self._items)):
+            while wanted not in self._done:
+                self._hand_out()
+                with self._client.as_current():
+                    wait(list(self._under_way), return_when="FIRST_COMPLETED")  # type: ignore[no-untyped-call]
+                for future in [one for one in self._under_way if one.done()]:
+                    self._take(future)
+            yield self._done.pop(wanted)
+
+    def cancel(self) -> None:
+        """Give up what is under way."""
+        if self._under_way:
+            self._client.cancel(list(self._under_way), force=True)
+
+    def _hand_out(self) -> None:
+        while self._waiting and len(self._under_way) < self._limit:
+            # an item that has killed a worker goes alone
+            chunk = [self._waiting.popleft()]
+            while (
+                self._waiting
+                and len(chunk) < self._size
+                and not self._deaths.get(chunk[0])
+                and not self._deaths.get(self._waiting[0])
+            ):
+                chunk.append(self._waiting.popleft())
+            self._submit(chunk)
+
+    def _submit(self, chunk: list[int]) -> None:
+        entries, needed = [], set()
+        for number in chunk:
+            for path in self._files(self._items[number]):
+                question = question_of(CONTENT, path)
+                if question not in self._own[number]:
+                    self._own[number][question] = self._answer(question)
+            answers = self._common | self._own[number]
+            needed |= {answer for question, answer in answers.items() if question.kind == CONTENT}
+            entries.append((number, packed(self._items[number]), packed(answers)))
+        contents = {one: self._contents[one] for one in sorted(needed & self._contents.keys())}
+        future = self._client.submit(_do, self._work, entries, contents, pure=False, retries=0)
+        self._under_way[future] = chunk
+
+    def _take(self, future: Any) -> None:
+        """Take the results of a chunk, answer its questions, or learn that its workers were killed."""
+        chunk = self._under_way.pop(future)
+        if future.status != "finished":
+            error = future.exception() if future.status == "error" else None
+            self._bury(chunk, error)
+            return
+        for number, kind, content in future.result():
+            if kind == "result":
+                self._done[number] = unpacked(content)
+            elif kind == "question":
+                self._learn(number, Question(*content))
+                self._waiting.appendleft(number)
+            else:
+                raise RuntimeError(content)
+
+    def _learn(self, number: int, question: Question) -> None:
+        """Answer an item's question: for all items, if two of them have asked it."""
+        if len(self._own[number]) > _MOST_QUESTIONS:
+            raise RuntimeError(f"{question.path} is asked for again and again")
+        answer = self._answer(question)
+        self._own[number][question] = answer
+        if self._asked.setdefault(question, number) != number:
+            self._common[question] = answer
+
+    def _answer(self, question: Question) -> str:
+        answer = content_now(Path(question.path))[0] if question.kind == CONTENT else answer_now(question)
+        self._offer(question, answer)
+        return answer
+
+    def _offer(self, question: Question, answer: str) -> None:
+        """Make the content of a file a task of the scheduler, which makes it anew if a worker that had it ends."""
+        if question.kind == CONTENT and answer not in self._contents:
+            now, content = content_now(Path(question.path))
+            if now == answer:
+                self._contents[answer] = self._client.submit(bytes, content, key=f"yarclang-{answer}")
+
+    def _bury(self, chunk: list[int], error: BaseException | None) -> None:
+        for number in chunk:
+            if len(chunk) == 1 or self._deaths.get(number):
+                self._deaths[number] = self._deaths.get(number, 0) + 1
+            else:
+                self._deaths[number] = 1
+            if self._deaths[number] > _DEATHS:
+                self._done[number] = Lost(f"the workers that worked on it were ended: {error or 'lost'}")
+            else:
+                self._waiting.appendleft(number)
+
+
+def _do(
+    work: bytes, entries: Sequence[tuple[int, bytes, bytes]], contents: dict[str, bytes]
+) -> list[tuple[int, str, Any]]:
+    """Do the work for a chunk, on a worker.
+
+    Returns:
+        For each item its number, and its result, its question, or what went wrong.
+    """
+    from yarclang.progress import silent
+
+    do: Callable[[Any], Any] = unpacked(work)
+    done: list[tuple[int, str, Any]] = []
+    for number, item, answers in entries:
+        try:
+            with _ONE_AT_A_TIME, silent(), bundled(Bundle(unpacked(answers), contents)):
+                done.append((number, "result", packed(do(unpacked(item)))))
+        except NotBundledError as error:
+            done.append((number, "question", tuple(error.question)))
+        except Exception as error:  # told by who asked
+            done.append((number, "error", f"{type(error).__name__}: {error}"))
+    return done

@@ -1,0 +1,198 @@
+"""The same work for many items, on the cores of this machine or on the workers of a scheduler.
+
+Results come in the order of the items, and are the same bytes wherever the work ran. A worker that is killed
+costs the items that it had: they are given to others, and an item that kills two workers is `Lost`.
+"""
+
+from __future__ import annotations
+
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+
+from yarclang.fleet.packing import packed, unpacked
+from yarclang.parallel import cores
+from yarclang.progress import silent
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import SpawnProcess
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+_MANY = 4
+"""Number of items from which they are shared among processes, because each process imports everything once."""
+
+_AHEAD = 16
+"""Number of items for each worker that may be done before an earlier one is."""
+
+_DEATHS = 2
+"""Number of workers that an item may kill."""
+
+
+class Lost(NamedTuple):
+    """What there is for an item whose work killed its workers.
+
+    Attributes:
+        reason: what happened, as a sentence.
+    """
+
+    reason: str
+
+
+class Place(NamedTuple):
+    """Where work is done.
+
+    Attributes:
+        processes: number of processes on this machine; None for one a core.
+        scheduler: address of a dask scheduler, such as `tcp://HOST:8786`; empty for this machine.
+    """
+
+    processes: int | None = None
+    scheduler: str = ""
+
+
+def spread(
+    work: Callable[[T], R], items: Sequence[T], place: Place, files: Callable[[T], Sequence[Path]]
+) -> Iterator[R | Lost]:
+    """Yield the result of `work` for each item, in order.
+
+    Args:
+        work: a function of a module, or a `partial` of one. It reads files only through consulted.py.
+        items: what it is done for.
+        place: where it is done.
+        files: returns the files that only one item needs, by what is known in advance.
+
+    Raises:
+        UnreachableError: the scheduler can't be used.
+    """
+    if place.scheduler:
+        from yarclang.fleet.scheduler import on_scheduler
+
+        yield from on_scheduler(work, items, place.scheduler, files)
+        return
+    number = min(cores() if place.processes is None else place.processes, len(items))
+    if number < 2 or len(items) < _MANY:
+        yield from map(work, items)
+        return
+    pool = _Pool(packed(work), [packed(one) for one in items], number)
+    try:
+        yield from pool.results()
+    finally:
+        pool.end()
+
+
+class _Pool:
+    """Processes of this machine, which are started when they are first needed."""
+
+    def __init__(self, work: bytes, items: Sequence[bytes], number: int) -> None:
+        self._work, self._items, self._number = work, items, number
+        self._waiting = deque(range(len(items)))
+        self._workers: dict[Connection, SpawnProcess] = {}
+        self._busy: dict[Connection, int] = {}
+        self._deaths: dict[int, int] = {}
+        self._done: dict[int, Any] = {}
+
+    def results(self) -> Iterator[Any]:
+        """Yield the results in order."""
+        from multiprocessing.connection import wait
+
+        for wanted in range(len(self._items)):
+            while wanted not in self._done:
+                self._hand_out(wanted)
+                for line in wait(list(self._busy)):
+                    self._take(line)  # type: ignore[arg-type]
+            yield self._done.pop(wanted)
+
+    def end(self) -> None:
+        """End all processes."""
+        for line, process in self._workers.items():
+            line.close()
+            process.terminate()
+        for process in self._workers.values():
+            process.join()
+
+    def _hand_out(self, wanted: int) -> None:
+        """Give items to processes that have none, as long as they aren't too far ahead."""
+        while self._waiting and self._waiting[0] < wanted + _AHEAD * self._number:
+            idle = next((line for line in self._workers if line not in self._busy), None)
+            if idle is None:
+                if len(self._workers) >= self._number:
+                    return
+                idle = self._started()
+            number = self._waiting.popleft()
+            self._busy[idle] = number
+            with suppress(OSError):  # it has ended: the next look at its line shows that
+                idle.send((number, self._items[number]))
+
+    def _started(self) -> Connection:
+        from multiprocessing import get_context
+
+        # not forked: a library with running threads may wait for them for ever
+        context = get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        # Ctrl-C is for this process: the others, which are started here, ignore it while they import
+        heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            process.start()
+        finally:
+            signal.signal(signal.SIGINT, heard)
+        theirs.close()
+        self._workers[ours] = process
+        return ours
+
+    def _take(self, line: Connection) -> None:
+        """Take a result, or learn that a process has ended."""
+        number = self._busy.pop(line)
+        try:
+            content, error = line.recv()
+        except (EOFError, OSError):
+            self._bury(line, number)
+            return
+        if error is not None:
+            raise error
+        self._done[number] = unpacked(content)
+
+    def _bury(self, line: Connection, number: int) -> None:
+        process = self._workers.pop(line)
+        line.close()
+        process.join()
+        self._deaths[number] = self._deaths.get(number, 0) + 1
+        if self._deaths[number] < _DEATHS:
+            self._waiting.appendleft(number)
+        else:
+            self._done[number] = Lost(_how_it_ended(process.exitcode))
+
+
+def _how_it_ended(status: int | None) -> str:
+    """Return how two processes ended that worked on one item."""
+    if status is not None and status < 0:
+        with suppress(ValueError):
+            name = signal.Signals(-status).name
+            hint = "; is there enough memory?" if name == "SIGKILL" else ""
+            return f"two processes that worked on it were ended by {name}{hint}"
+    return f"two processes that worked on it ended by themselves, the last one with status {status}"
+
+
+def _serve(work: bytes, line: Connection) -> None:
+    """Do the work for items until there are no more."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    do: Callable[[Any], Any] = unpacked(work)
+    with silent(), suppress(EOFError, OSError, KeyboardInterrupt):
+        while True:
+            _, item = line.recv()
+            try:
+                answer: tuple[bytes, BaseException | None] = packed(do(unpacked(item))), None
+            except Exception as error:  # told by the parent
+                answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
+            line.send(answer)
+
+
+def own_file(path: str) -> list[Path]:
+    """Return the file of an item that is a path; none for standard input."""
+    return [] if path == "-" else [Path(path)]

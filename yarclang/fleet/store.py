@@ -1,0 +1,200 @@
+"""Results in a file of the user's cache folder, safe for many processes, bounded in size.
+
+Each entry carries a message authentication code (HMAC-SHA256) with a secret of this user, which is kept
+elsewhere: an entry that someone else has written, or that was changed or moved to another key, is never
+looked into. An entry is all or nothing, also if the process that writes it is killed: SQLite sees to that. A
+store that can't be used, because the disk is full or the file is damaged, is as if it were empty.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import hmac
+import os
+import secrets
+import sqlite3
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+LARGEST = 2_000_000_000
+"""Size of all entries above which the least recently used ones are dropped [bytes]."""
+
+_LARGEST_ENTRY = 200_000_000
+_KEPT = 0.8
+"""Share of the largest size that is kept when entries are dropped."""
+
+_PATIENCE = 5.0
+"""Longest wait for another process that writes [s]."""
+
+_SCHEMA = """
+CREATE TABLE IF NOT EXISTS entries (
+    id INTEGER PRIMARY KEY, key TEXT NOT NULL, code BLOB NOT NULL, used REAL NOT NULL, size INTEGER NOT NULL, value BLOB NOT NULL
+);
+CREATE INDEX IF NOT EXISTS by_key ON entries (key, used);
+CREATE INDEX IF NOT EXISTS by_use ON entries (used, size);
+"""
+
+
+def cache_folder() -> Path:
+    """Return the user's cache folder of yarclang."""
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    return (Path(given) if Path(given).is_absolute() else Path.home() / ".cache") / "yarclang"
+
+
+def secret_file() -> Path:
+    """Return the file with the secret of the user's entries. It isn't in the cache folder, which others may be
+    given.
+    """
+    given = os.environ.get("XDG_STATE_HOME", "")
+    return (
+        (Path(given) if Path(given).is_absolute() else Path.home() / ".local" / "state")
+        / "yarclang"
+        / "cache.key"
+    )
+
+
+class Store:
+    """A store of bytes by keys. A key may have several entries.
+
+    Args:
+        folder: the folder of the store's file.
+        secret: file of the secret; both are made if they don't exist.
+        largest: size of all entries above which some are dropped [bytes].
+    """
+
+    def __init__(self, folder: Path, secret: Path, largest: int = LARGEST) -> None:
+        self._file = folder / "results.sqlite"
+        self._secret_file = secret
+        self._largest = largest
+        self._secret = b""
+        self._base: sqlite3.Connection | None = None
+        self.trouble = ""
+        """Why the store can't be used; empty if it can."""
+
+    def get(self, key: str) -> Iterator[tuple[int, bytes]]:
+        """Yield the numbers and values of a key's entries that are this user's, the last used one first."""
+        rows: list[tuple[int, bytes]] = []
+        with self._working() as base:
+            if base is not None:
+                query = "SELECT id, code FROM entries WHERE key = ? ORDER BY used DESC"
+                rows = base.execute(query, (key,)).fetchall()
+        for number, code in rows:
+            value = None
+            with self._working() as base:
+                if base is not None:
+                    found = base.execute("SELECT value FROM entries WHERE id = ?", (number,)).fetchone()
+                    value = found[0] if found is not None else None
+            if isinstance(value, bytes) and isinstance(code, bytes) and self._is_ours(key, value, code):
+                yield number, value
+
+    def use(self, number: int) -> None:
+        """Note that an entry was used."""
+        with self._working() as base:
+            if base is not None:
+                base.execute("UPDATE entries SET used = ? WHERE id = ?", (time.time(), number))
+
+    def put(self, key: str, value: bytes) -> None:
+        """Add an entry, and drop the least recently used ones if there is too much."""
+        if len(value) > min(_LARGEST_ENTRY, self._largest):
+            return
+        with self._working() as base:
+            if base is None:
+                return
+            row = (key, self._code(key, value), time.time(), len(value), value)
+            base.execute("INSERT INTO entries (key, code, used, size, value) VALUES (?, ?, ?, ?, ?)", row)
+            self._drop(base)
+
+    def drop(self, number: int) -> None:
+        """Remove an entry that can't be of use any more."""
+        with self._working() as base:
+            if base is not None:
+                base.execute("DELETE FROM entries WHERE id = ?", (number,))
+
+    def close(self) -> None:
+        """Close the store's file."""
+        if self._base is not None:
+            with suppress(sqlite3.Error):
+                self._base.close()
+            self._base = None
+
+    def _drop(self, base: sqlite3.Connection) -> None:
+        size = base.execute("SELECT COALESCE(SUM(size), 0) FROM entries").fetchone()[0]
+        if size <= self._largest:
+            return
+        surplus = size - int(_KEPT * self._largest)
+        unwanted = []
+        for number, one in base.execute("SELECT id, size FROM entries ORDER BY used"):
+            if surplus <= 0:
+                break
+            unwanted.append((number,))
+            surplus -= one
+        base.executemany("DELETE FROM entries WHERE id = ?", unwanted)
+
+    @contextmanager
+    def _working(self) -> Iterator[sqlite3.Connection | None]:
+        """Give the open store, or None if there is none; an error in this block ends the use of the store."""
+        if self.trouble:
+            yield None
+            return
+        try:
+            if self._base is None:
+                self._base = self._opened()
+            with self._base:
+                yield self._base
+        except sqlite3.OperationalError as error:  # locked too long, a full disk, no rights
+            self.trouble = str(error)
+        except (sqlite3.DatabaseError, OSError) as error:
+            self.trouble = str(error)
+            if isinstance(error, sqlite3.DatabaseError):
+                self._set_aside()
+
+    def _opened(self) -> sqlite3.Connection:
+        self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self._secret = _secret(self._secret_file)
+        base = sqlite3.connect(self._file, timeout=_PATIENCE)
+        base.execute("PRAGMA journal_mode = WAL")
+        base.execute("PRAGMA synchronous = NORMAL")
+        base.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        base.executescript(_SCHEMA)
+        return base
+
+    def _set_aside(self) -> None:
+        """Remove a damaged file, so that the next process begins with an empty store."""
+        self.close()
+        for ending in ("", "-wal", "-shm"):
+            with suppress(OSError):
+                self._file.with_name(self._file.name + ending).unlink()
+
+    def _code(self, key: str, value: bytes) -> bytes:
+        return hmac.digest(self._secret, key.encode() + b"\0" + value, "sha256")
+
+    def _is_ours(self, key: str, value: bytes, code: bytes) -> bool:
+        return hmac.compare_digest(self._code(key, value), code)
+
+
+def _secret(path: Path) -> bytes:
+    """Return the secret in a file that only its owner can read; made once, by whichever process is first.
+
+    Raises:
+        OSError: it can't be read or made, or others could have read it.
+    """
+    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+    if not path.exists():
+        own = path.with_name(f"{path.name}.{os.getpid()}.{secrets.token_hex(4)}")
+        handle = os.open(own, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+        try:
+            os.write(handle, secrets.token_bytes(32))
+        finally:
+            os.close(handle)
+        with suppress(FileExistsError):
+            os.link(own, path)  # the first one wins
+        own.unlink()
+    seen = path.stat()
+    secret = path.read_bytes()
+    if len(secret) != hashlib.sha256().digest_size or (
+        hasattr(os, "getuid") and (seen.st_mode & 0o077 or seen.st_uid != os.getuid())
+    ):
+        raise OSError(f"{path} isn't a secret of 32 bytes that only you can read: remove it")
+    return secret

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
 import click
@@ -13,10 +14,11 @@ if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
     from yarclang.fleet.doing import Doing
     from yarclang.fleet.reuse import Reuse
-    from yarclang.fleet.spreading import Lost
+    from yarclang.fleet.spreading import Lost, Work
     from yarclang.fleet.store import Store
 
 R = TypeVar("R")
+T = TypeVar("T")
 
 
 class Fleet:
@@ -72,6 +74,22 @@ class Fleet:
             made.close()
             if self._store is not None:
                 self._store.close()
+
+    @contextmanager
+    def workers(self, work: Callable[[T], R]) -> Iterator[Work[T, R]]:
+        """Give a function that does the work for items that are no files; nothing is reused.
+
+        Raises:
+            click.ClickException: the scheduler can't be used.
+        """
+        from yarclang.fleet.spreading import workers
+        from yarclang.fleet.unreachable import UnreachableError
+
+        try:
+            with workers(work, self._place, lambda _: ()) as do:
+                yield do
+        except UnreachableError as error:
+            raise click.ClickException(str(error)) from None
 
     def _reuse(self) -> Reuse:
         from yarclang.fleet.reuse import Reuse

@@ -22,6 +22,7 @@ _COMMANDS = {
         "diff": "Compare two programs by path and time.",
         "plot": "Draw a program's motion.",
         "view": "Show a program or a run in three dimensions.",
+        "place": "Find where a fixture or a part could stand.",
     },
     "Running": {
         "run": "Run a program on a controller, or simulated.",

@@ -12,7 +12,7 @@ import threading
 from collections import defaultdict, deque
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from yarclang.consulted import (
     CONTENT,
@@ -30,9 +30,6 @@ from yarclang.fleet.installation import Installation, this_installation
 from yarclang.fleet.packing import packed, unpacked
 from yarclang.fleet.spreading import Lost
 from yarclang.fleet.unreachable import UnreachableError
-
-T = TypeVar("T")
-R = TypeVar("R")
 
 _PATIENCE = 10.0
 """Longest wait for a scheduler, and for its first worker [s]."""
@@ -53,30 +50,48 @@ _ONE_AT_A_TIME = threading.Lock()
 """The threads of a worker's process take turns: the work was made for one thread."""
 
 
-def on_scheduler(
-    work: Callable[[T], R], items: Sequence[T], address: str, files: Callable[[T], Sequence[Path]]
-) -> Iterator[R | Lost]:
-    """Yield the result of `work` for each item, in order; as `spreading.spread`.
+class Scheduler:
+    """A connection to a scheduler whose workers do some work.
+
+    Args:
+        work: as for `spreading.workers`.
+        address: of the scheduler.
+        files: as for `spreading.workers`.
 
     Raises:
         UnreachableError: there is no scheduler, it has no workers, or they have another installation.
     """
-    client = _connected(address)
-    try:
-        threads = _check_workers(client, address)
-        if items:
-            with recorded() as common:
-                first = work(items[0])
-            own = {question_of(CONTENT, path) for path in files(items[0])}
-            common = {question: answer for question, answer in common.items() if question not in own}
-            yield first
-            rest = _Rest(client, work, items, common, threads, files)
-            try:
-                yield from rest.results()
-            finally:
-                rest.cancel()
-    finally:
-        client.close()
+
+    def __init__(
+        self, work: Callable[[Any], Any], address: str, files: Callable[[Any], Sequence[Path]]
+    ) -> None:
+        self._work, self._files = work, files
+        self._client = _connected(address)
+        try:
+            self._threads = _check_workers(self._client, address)
+        except BaseException:
+            self._client.close()
+            raise
+        self._common: Answers = {}
+
+    def results(self, items: Sequence[Any]) -> Iterator[Any]:
+        """Yield the results for items in order."""
+        done = 0
+        if items and not self._common:
+            with recorded() as answers:
+                yield self._work(items[0])
+            own = {question_of(CONTENT, path) for path in self._files(items[0])}
+            self._common = {question: answer for question, answer in answers.items() if question not in own}
+            done = 1
+        rest = _Rest(self._client, self._work, items[done:], self._common, self._threads, self._files)
+        try:
+            yield from rest.results()
+        finally:
+            rest.cancel()
+
+    def end(self) -> None:
+        """End the connection."""
+        self._client.close()
 
 
 def _connected(address: str) -> Any:
@@ -124,7 +139,7 @@ def _installed() -> tuple[Any, ...]:
 
 
 class _Rest:
-    """All items but the first."""
+    """Items that are done on the workers."""
 
     def __init__(
         self,
@@ -140,7 +155,7 @@ class _Rest:
         self._own: dict[int, Answers] = defaultdict(dict)
         self._asked: dict[Question, int] = {}
         self._contents: dict[str, Any] = {}
-        self._waiting = deque(range(1, len(items)))
+        self._waiting = deque(range(len(items)))
         self._deaths: dict[int, int] = {}
         self._done: dict[int, Any] = {}
         self._under_way: dict[Any, list[int]] = {}
@@ -153,7 +168,7 @@ class _Rest:
         """Yield the results in order."""
         from distributed import wait
 
-        for wanted in range(1, len(self._items)):
+        for wanted in range(len(self._items)):
             while wanted not in self._done:
                 self._hand_out()
                 with self._client.as_current():

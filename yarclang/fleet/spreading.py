@@ -9,7 +9,8 @@ from __future__ import annotations
 import signal
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
@@ -56,14 +57,27 @@ class Place(NamedTuple):
     scheduler: str = ""
 
 
+Work = Callable[[Sequence[T]], Iterator[R | Lost]]
+"""Yields the result for each item, in order; to be called as often as there are items."""
+
+
 def spread(
     work: Callable[[T], R], items: Sequence[T], place: Place, files: Callable[[T], Sequence[Path]]
 ) -> Iterator[R | Lost]:
-    """Yield the result of `work` for each item, in order.
+    """Yield the result of `work` for each item, in order; arguments and errors as for `workers`."""
+    number = min(_processes(place), len(items)) if len(items) >= _MANY else 1
+    with workers(work, place if place.scheduler else Place(number), files) as do:
+        yield from do(items)
+
+
+@contextmanager
+def workers(
+    work: Callable[[T], R], place: Place, files: Callable[[T], Sequence[Path]]
+) -> Iterator[Work[T, R]]:
+    """Give a function that does `work` for items, with workers that stay until the end of this block.
 
     Args:
         work: a function of a module, or a `partial` of one. It reads files only through consulted.py.
-        items: what it is done for.
         place: where it is done.
         files: returns the files that only one item needs, by what is known in advance.
 
@@ -71,37 +85,47 @@ def spread(
         UnreachableError: the scheduler can't be used.
     """
     if place.scheduler:
-        from yarclang.fleet.scheduler import on_scheduler
+        from yarclang.fleet.scheduler import Scheduler
 
-        yield from on_scheduler(work, items, place.scheduler, files)
+        scheduler = Scheduler(work, place.scheduler, files)
+        try:
+            yield scheduler.results
+        finally:
+            scheduler.end()
         return
-    number = min(cores() if place.processes is None else place.processes, len(items))
-    if number < 2 or len(items) < _MANY:
-        yield from map(work, items)
+    number = _processes(place)
+    if number < 2:
+        yield partial(map, work)
         return
-    pool = _Pool(packed(work), [packed(one) for one in items], number)
+    pool = _Pool(packed(work), number)
     try:
-        yield from pool.results()
+        yield pool.results
     finally:
         pool.end()
+
+
+def _processes(place: Place) -> int:
+    return cores() if place.processes is None else place.processes
 
 
 class _Pool:
     """Processes of this machine, which are started when they are first needed."""
 
-    def __init__(self, work: bytes, items: Sequence[bytes], number: int) -> None:
-        self._work, self._items, self._number = work, items, number
-        self._waiting = deque(range(len(items)))
+    def __init__(self, work: bytes, number: int) -> None:
+        self._work, self._number = work, number
+        self._items: Sequence[Any] = ()
+        self._waiting: deque[int] = deque()
         self._workers: dict[Connection, SpawnProcess] = {}
         self._busy: dict[Connection, int] = {}
         self._deaths: dict[int, int] = {}
         self._done: dict[int, Any] = {}
 
-    def results(self) -> Iterator[Any]:
-        """Yield the results in order."""
+    def results(self, items: Sequence[Any]) -> Iterator[Any]:
+        """Yield the results for items in order. The results of earlier items were all taken."""
         from multiprocessing.connection import wait
 
-        for wanted in range(len(self._items)):
+        self._items, self._waiting, self._deaths, self._done = items, deque(range(len(items))), {}, {}
+        for wanted in range(len(items)):
             while wanted not in self._done:
                 self._hand_out(wanted)
                 for line in wait(list(self._busy)):
@@ -127,7 +151,7 @@ class _Pool:
             number = self._waiting.popleft()
             self._busy[idle] = number
             with suppress(OSError):  # it has ended: the next look at its line shows that
-                idle.send((number, self._items[number]))
+                idle.send(packed(self._items[number]))
 
     def _started(self) -> Connection:
         from multiprocessing import get_context
@@ -185,9 +209,9 @@ def _serve(work: bytes, line: Connection) -> None:
     do: Callable[[Any], Any] = unpacked(work)
     with silent(), suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
-            _, item = line.recv()
+            item = unpacked(line.recv())
             try:
-                answer: tuple[bytes, BaseException | None] = packed(do(unpacked(item))), None
+                answer: tuple[bytes, BaseException | None] = packed(do(item)), None
             except Exception as error:  # told by the parent
                 answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
             line.send(answer)

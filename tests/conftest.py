@@ -40,6 +40,7 @@ def place_of_locks():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))
         patch.setenv(SPACE, path.name)
+        patch.setenv("YARCLANG_NO_CACHE", "1")  # every test does its work itself; those of the cache say otherwise
         yield path
     shutil.rmtree(path, ignore_errors=True)
 

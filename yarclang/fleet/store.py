@@ -14,9 +14,13 @@ import os
 import secrets
 import sqlite3
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from functools import partial
 from pathlib import Path
+from typing import TypeVar
+
+R = TypeVar("R")
 
 LARGEST = 2_000_000_000
 """Size of all entries above which the least recently used ones are dropped [bytes]."""
@@ -75,42 +79,33 @@ class Store:
 
     def get(self, key: str) -> Iterator[tuple[int, bytes]]:
         """Yield the numbers and values of a key's entries that are this user's, the last used one first."""
-        rows: list[tuple[int, bytes]] = []
-        with self._working() as base:
-            if base is not None:
-                query = "SELECT id, code FROM entries WHERE key = ? ORDER BY used DESC"
-                rows = base.execute(query, (key,)).fetchall()
-        for number, code in rows:
-            value = None
-            with self._working() as base:
-                if base is not None:
-                    found = base.execute("SELECT value FROM entries WHERE id = ?", (number,)).fetchone()
-                    value = found[0] if found is not None else None
+        query = "SELECT id, code FROM entries WHERE key = ? ORDER BY used DESC"
+        nothing: list[tuple[int, object]] = []
+        for number, code in self._ask(lambda base: base.execute(query, (key,)).fetchall(), nothing):
+            value = self._ask(partial(_value, number=number), None)
             if isinstance(value, bytes) and isinstance(code, bytes) and self._is_ours(key, value, code):
                 yield number, value
 
     def use(self, number: int) -> None:
         """Note that an entry was used."""
-        with self._working() as base:
-            if base is not None:
-                base.execute("UPDATE entries SET used = ? WHERE id = ?", (time.time(), number))
+        change = "UPDATE entries SET used = ? WHERE id = ?"
+        self._ask(lambda base: base.execute(change, (time.time(), number)).rowcount, 0)
 
     def put(self, key: str, value: bytes) -> None:
         """Add an entry, and drop the least recently used ones if there is too much."""
         if len(value) > min(_LARGEST_ENTRY, self._largest):
             return
-        with self._working() as base:
-            if base is None:
-                return
+
+        def add(base: sqlite3.Connection) -> None:
             row = (key, self._code(key, value), time.time(), len(value), value)
             base.execute("INSERT INTO entries (key, code, used, size, value) VALUES (?, ?, ?, ?, ?)", row)
             self._drop(base)
 
+        self._ask(add, None)
+
     def drop(self, number: int) -> None:
         """Remove an entry that can't be of use any more."""
-        with self._working() as base:
-            if base is not None:
-                base.execute("DELETE FROM entries WHERE id = ?", (number,))
+        self._ask(lambda base: base.execute("DELETE FROM entries WHERE id = ?", (number,)).rowcount, 0)
 
     def close(self) -> None:
         """Close the store's file."""
@@ -132,23 +127,23 @@ class Store:
             surplus -= one
         base.executemany("DELETE FROM entries WHERE id = ?", unwanted)
 
-    @contextmanager
-    def _working(self) -> Iterator[sqlite3.Connection | None]:
-        """Give the open store, or None if there is none; an error in this block ends the use of the store."""
+    def _ask(self, work: Callable[[sqlite3.Connection], R], otherwise: R) -> R:
+        """Return what work gives with the open store; an error ends the use of the store."""
         if self.trouble:
-            yield None
-            return
+            return otherwise
         try:
             if self._base is None:
                 self._base = self._opened()
             with self._base:
-                yield self._base
+                return work(self._base)
         except sqlite3.OperationalError as error:  # locked too long, a full disk, no rights
             self.trouble = str(error)
-        except (sqlite3.DatabaseError, OSError) as error:
+        except sqlite3.DatabaseError as error:
             self.trouble = str(error)
-            if isinstance(error, sqlite3.DatabaseError):
-                self._set_aside()
+            self._set_aside()
+        except OSError as error:
+            self.trouble = str(error)
+        return otherwise
 
     def _opened(self) -> sqlite3.Connection:
         self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -172,6 +167,11 @@ class Store:
 
     def _is_ours(self, key: str, value: bytes, code: bytes) -> bool:
         return hmac.compare_digest(self._code(key, value), code)
+
+
+def _value(base: sqlite3.Connection, number: int) -> object:
+    row = base.execute("SELECT value FROM entries WHERE id = ?", (number,)).fetchone()
+    return None if row is None else row[0]
 
 
 def _secret(path: Path) -> bytes:

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from yarclang.fleet.spreading import Lost
 
 _RANGE = re.compile(r"(X|Y|Z|RX|RY|RZ)=(-?\d+(?:\.\d+)?):(-?\d+(?:\.\d+)?)", re.IGNORECASE)
+_POINTS = {1: 17, 2: 7, 3: 5}
+"""Places along each axis of the grid, by the number of axes."""
+
 _LARGEST = {"X": 10_000.0, "Y": 10_000.0, "Z": 10_000.0, "RX": 180.0, "RY": 180.0, "RZ": 180.0}
 
 
@@ -76,9 +79,8 @@ def _ranges(
 @click.option(
     "--grid",
     type=click.IntRange(2, 50),
-    default=5,
     metavar="N",
-    help="Places along each axis to begin with (default: 5).",
+    help="Places along each axis to begin with (default: 17 along one axis, 7 along two, 5 along three, otherwise 3).",
 )
 @click.option(
     "--most",
@@ -101,7 +103,7 @@ def command(
     frame: str,
     within: tuple[tuple[str, float, float], ...],
     aim: Any,
-    grid: int,
+    grid: int | None,
     most: int,
     applies: bool,
     jobs: int | None,
@@ -114,6 +116,8 @@ def command(
     FRAME is declared by a FRAME line of the program or in its cell, stands still, and is moved with all that hangs on it. Each candidate is compiled and proved like any
     program. To place the robot's base, let the cell hang on one frame in {B}, and place that. The map shows for each place of the grid the time, or the first error.
     """
+    if grid is None:
+        grid = _POINTS.get(len(within), 3)
     count = grid ** len(within)
     if count > most:
         axes = f"{len(within)} ax{'i' if len(within) == 1 else 'e'}s"

@@ -17,8 +17,8 @@ pytest.importorskip("distributed", reason="it needs yarclang[fleet]")
 from yarclang.cli.yarc import main as yarc
 from yarclang.cli.yarcc import main as yarcc
 from yarclang.fleet.installation import this_installation
+from yarclang.fleet.outcome import UnreachableError
 from yarclang.fleet.scheduler import Scheduler
-from yarclang.fleet.unreachable import UnreachableError
 
 
 def started(folder, *arguments):

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from yarclang.fleet.spreading import Lost, Place, spread, workers
+from yarclang.fleet.outcome import Lost
+from yarclang.fleet.spreading import Place, spread, workers
 
 
 def squared(number):

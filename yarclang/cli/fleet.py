@@ -13,8 +13,9 @@ from yarclang.cli.outputs import STANDARD
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
     from yarclang.fleet.doing import Doing
+    from yarclang.fleet.outcome import Lost
     from yarclang.fleet.reuse import Reuse
-    from yarclang.fleet.spreading import Lost, Work
+    from yarclang.fleet.spreading import Work
     from yarclang.fleet.store import Store
 
 R = TypeVar("R")
@@ -60,7 +61,8 @@ class Fleet:
             click.ClickException: the scheduler can't be used.
         """
         from yarclang.fleet.doing import Doing
-        from yarclang.fleet.spreading import Lost, Place, own_file
+        from yarclang.fleet.outcome import Lost
+        from yarclang.fleet.spreading import Place, own_file
 
         standard = STANDARD in files
         place: Place = Place(1) if standard else self._place
@@ -82,8 +84,8 @@ class Fleet:
         Raises:
             click.ClickException: the scheduler can't be used.
         """
+        from yarclang.fleet.outcome import UnreachableError
         from yarclang.fleet.spreading import workers
-        from yarclang.fleet.unreachable import UnreachableError
 
         try:
             with workers(work, self._place, lambda _: ()) as do:
@@ -111,7 +113,7 @@ class Fleet:
 
 def _said(made: Iterator[R]) -> Iterator[R]:
     """Yield results; a scheduler that can't be used becomes an error of the command."""
-    from yarclang.fleet.unreachable import UnreachableError
+    from yarclang.fleet.outcome import UnreachableError
 
     try:
         yield from made

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TypeVar
 
 from yarclang.consulted import Answers, recorded
+from yarclang.fleet.outcome import Lost
 from yarclang.fleet.reuse import Found, Reuse
-from yarclang.fleet.spreading import Lost, Place, spread
+from yarclang.fleet.spreading import Place, spread
 
 T = TypeVar("T")
 R = TypeVar("R")

@@ -18,7 +18,7 @@ from typing import Literal
 
 import numpy as np
 
-from yarclang.fleet.spreading import Lost
+from yarclang.fleet.outcome import Lost
 from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.pipeline.checking import Checked, check_text

@@ -27,9 +27,8 @@ from yarclang.consulted import (
     recorded,
 )
 from yarclang.fleet.installation import Installation, this_installation
+from yarclang.fleet.outcome import Lost, UnreachableError
 from yarclang.fleet.packing import packed, unpacked
-from yarclang.fleet.spreading import Lost
-from yarclang.fleet.unreachable import UnreachableError
 
 _PATIENCE = 10.0
 """Longest wait for a scheduler, and for its first worker [s]."""

@@ -25,8 +25,8 @@ from yarclang.cli.threads import one_for_products
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from yarclang.fleet.outcome import Lost
     from yarclang.fleet.placing import Candidate, Placing, Range, Shift, Task
-    from yarclang.fleet.spreading import Lost
 
 _RANGE = re.compile(r"(X|Y|Z|RX|RY|RZ)=(-?\d+(?:\.\d+)?):(-?\d+(?:\.\d+)?)", re.IGNORECASE)
 _POINTS = {1: 17, 2: 7, 3: 5}

@@ -1,0 +1,19 @@
+"""What becomes of work besides its results."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Lost(NamedTuple):
+    """What there is for an item whose work killed its workers.
+
+    Attributes:
+        reason: what happened, as a sentence.
+    """
+
+    reason: str
+
+
+class UnreachableError(Exception):
+    """A scheduler that can't be used: the message says why, and what to do."""

@@ -1,0 +1,132 @@
+"""Processes of this machine that do the same work for many items."""
+
+from __future__ import annotations
+
+import signal
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from yarclang.fleet.outcome import Lost
+from yarclang.fleet.packing import packed, unpacked
+from yarclang.progress import silent
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.context import SpawnProcess
+
+_AHEAD = 16
+"""Number of items for each worker that may be done before an earlier one is."""
+
+_DEATHS = 2
+"""Number of workers that an item may kill."""
+
+
+class Pool:
+    """Processes of this machine, which are started when they are first needed."""
+
+    def __init__(self, work: bytes, number: int) -> None:
+        self._work, self._number = work, number
+        self._items: Sequence[Any] = ()
+        self._waiting: deque[int] = deque()
+        self._workers: dict[Connection, SpawnProcess] = {}
+        self._busy: dict[Connection, int] = {}
+        self._deaths: dict[int, int] = {}
+        self._done: dict[int, Any] = {}
+
+    def results(self, items: Sequence[Any]) -> Iterator[Any]:
+        """Yield the results for items in order. The results of earlier items were all taken."""
+        from multiprocessing.connection import wait
+
+        self._items, self._waiting, self._deaths, self._done = items, deque(range(len(items))), {}, {}
+        for wanted in range(len(items)):
+            while wanted not in self._done:
+                self._hand_out(wanted)
+                for line in wait(list(self._busy)):
+                    self._take(line)  # type: ignore[arg-type]
+            yield self._done.pop(wanted)
+
+    def end(self) -> None:
+        """End all processes."""
+        for line, process in self._workers.items():
+            line.close()
+            process.terminate()
+        for process in self._workers.values():
+            process.join()
+
+    def _hand_out(self, wanted: int) -> None:
+        """Give items to processes that have none, as long as they aren't too far ahead."""
+        while self._waiting and self._waiting[0] < wanted + _AHEAD * self._number:
+            idle = next((line for line in self._workers if line not in self._busy), None)
+            if idle is None:
+                if len(self._workers) >= self._number:
+                    return
+                idle = self._started()
+            number = self._waiting.popleft()
+            self._busy[idle] = number
+            with suppress(OSError):  # it has ended: the next look at its line shows that
+                idle.send(packed(self._items[number]))
+
+    def _started(self) -> Connection:
+        from multiprocessing import get_context
+
+        # not forked: a library with running threads may wait for them for ever
+        context = get_context("spawn")
+        ours, theirs = context.Pipe()
+        process = context.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        # Ctrl-C is for this process: the others, which are started here, ignore it while they import
+        heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
+        try:
+            process.start()
+        finally:
+            signal.signal(signal.SIGINT, heard)
+        theirs.close()
+        self._workers[ours] = process
+        return ours
+
+    def _take(self, line: Connection) -> None:
+        """Take a result, or learn that a process has ended."""
+        number = self._busy.pop(line)
+        try:
+            content, error = line.recv()
+        except (EOFError, OSError):
+            self._bury(line, number)
+            return
+        if error is not None:
+            raise error
+        self._done[number] = unpacked(content)
+
+    def _bury(self, line: Connection, number: int) -> None:
+        process = self._workers.pop(line)
+        line.close()
+        process.join()
+        self._deaths[number] = self._deaths.get(number, 0) + 1
+        if self._deaths[number] < _DEATHS:
+            self._waiting.appendleft(number)
+        else:
+            self._done[number] = Lost(_how_it_ended(process.exitcode))
+
+
+def _how_it_ended(status: int | None) -> str:
+    """Return how two processes ended that worked on one item."""
+    if status is not None and status < 0:
+        with suppress(ValueError):
+            name = signal.Signals(-status).name
+            hint = "; is there enough memory?" if name == "SIGKILL" else ""
+            return f"two processes that worked on it were ended by {name}{hint}"
+    return f"two processes that worked on it ended by themselves, the last one with status {status}"
+
+
+def _serve(work: bytes, line: Connection) -> None:
+    """Do the work for items until there are no more."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    do: Callable[[Any], Any] = unpacked(work)
+    with silent(), suppress(EOFError, OSError, KeyboardInterrupt):
+        while True:
+            item = unpacked(line.recv())
+            try:
+                answer: tuple[bytes, BaseException | None] = packed(do(item)), None
+            except Exception as error:  # told by the parent
+                answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
+            line.send(answer)

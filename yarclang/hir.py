@@ -42,6 +42,16 @@ class FrameLink:
     span: Span | None = None
     told: Array | None = field(default=None, compare=False)
 
+    def is_same(self, other: FrameLink) -> bool:
+        """Return True if both are one frame; a line that was read before has links of its own."""
+        if self is other:
+            return True
+        if self.name != other.name or not np.array_equal(self.parent_from_frame, other.parent_from_frame):
+            return False
+        if self.parent is None or other.parent is None:
+            return self.parent is other.parent
+        return self.parent.is_same(other.parent)
+
 
 @frozen(eq=False)
 class Told:

@@ -232,21 +232,10 @@ def _marked(goal: Goal, base: FrameLink | None, offset: Offset) -> Goal:
 def _lies_in(link: FrameLink | None, frame: FrameLink | None) -> bool:
     """Return True if a frame is another one, or is given in it."""
     while link is not None:
-        if frame is not None and _is_one(link, frame):
+        if frame is not None and link.is_same(frame):
             return True
         link = link.parent
     return False
-
-
-def _is_one(one: FrameLink, other: FrameLink) -> bool:
-    """Return True if two links are one frame; a line that was read before has links of its own."""
-    if one is other:
-        return True
-    if one.name != other.name or not np.array_equal(one.parent_from_frame, other.parent_from_frame):
-        return False
-    if one.parent is None or other.parent is None:
-        return one.parent is other.parent
-    return _is_one(one.parent, other.parent)
 
 
 def _is_shifted(step: Motion) -> bool:

@@ -27,8 +27,8 @@ from yarclang.pipeline.parts import (
     stands_for,
 )
 from yarclang.pipeline.replanning import replanned
-from yarclang.pipeline.shifting import shifted
 from yarclang.pipeline.returning import along_the_path
+from yarclang.pipeline.shifting import shifted
 from yarclang.pipeline.stages import CellNow, Compiled, Request, compile_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Replanned

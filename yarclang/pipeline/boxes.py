@@ -80,8 +80,6 @@ def places_of(offset: Offset, program: Program) -> list[tuple[int, ...]]:
     return list(product(*axes))
 
 
-def _is_corner(
-    box: tuple[When, Offset, int, list[tuple[int, ...]]], values: tuple[int, ...]
-) -> bool:
+def _is_corner(box: tuple[When, Offset, int, list[tuple[int, ...]]], values: tuple[int, ...]) -> bool:
     places = box[3]
     return all(value in (places[0][axis], places[-1][axis]) for axis, value in enumerate(values))

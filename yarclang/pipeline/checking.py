@@ -100,9 +100,7 @@ def check_file(path: str, options: Options, *, plans: bool = True, boxes: bool =
     return check_program_file(path, options, plans=plans, boxes=boxes)
 
 
-def check_program_file(
-    path: str, options: Options, *, plans: bool = True, boxes: bool = False
-) -> Checked:
+def check_program_file(path: str, options: Options, *, plans: bool = True, boxes: bool = False) -> Checked:
     """Check a program, for any file name; else as `check_file`."""
     read = read_source(path)
     if read.value is None:

@@ -395,7 +395,9 @@ def _read_offsets(
         if (
             not given
             or len(set(given)) != len(given)
-            or not all(one in known and one != flag and known[one].low <= 0 <= known[one].high for one in given)
+            or not all(
+                one in known and one != flag and known[one].low <= 0 <= known[one].high for one in given
+            )
         ):
             lines.refuse(f"names no registers that can shift a frame: {shown(lines.peek())}")
         offsets.append(Shifted(step, flag, found[4], names))

@@ -42,7 +42,7 @@ from yarclang.subjects import Name, unknown
 from yarclang.syntax.ast import Statement, Word
 from yarclang.words.registry import word_specs
 
-_STANDING = (SetOutput, Dwell, WaitInput, WaitUntil, Hold, Say, Assign)
+_Standing = SetOutput | Dwell | WaitInput | WaitUntil | Hold | Say | Assign
 """Steps of an OFFSET at which the robot stands still."""
 
 _REFUSED = ("a motion time", "units", "a base frame", "options")
@@ -180,9 +180,7 @@ def shift_steps(steps: list[Step], begin: int, findings: Collector) -> None:
     if not any(_is_shifted(one) for one in motions):
         message = f"nothing in this OFFSET is given in {{{offset.name}}}: no motion is shifted"
         help_ = f"give a pose in {{{offset.name}}}, or take OFFSET and its END away"
-        findings.found.append(
-            Diagnostic("Y0477", message, head.source, head.span, help_, place=head.place)
-        )
+        findings.found.append(Diagnostic("Y0477", message, head.source, head.span, help_, place=head.place))
         return
     last = motions[-1]
     if (
@@ -205,7 +203,7 @@ def _fault_of(step: Step) -> str:
         return "the point that its arc passes isn't shifted"
     if isinstance(step, JointMove | LineMove) and step.search is not None:
         return "where it ends is known only when it has ended"
-    if isinstance(step, Motion | Gap) or isinstance(step, _STANDING):
+    if isinstance(step, Motion | Gap | _Standing):
         return ""
     return "its lines are planned as a whole when the program runs, so they have one way"
 

@@ -333,21 +333,6 @@ FINDINGS = (
         "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
     ),
     Finding(
-        "Y0478",
-        "offset-out-of-reach",
-        "warning",
-        "an OFFSET can't be carried out everywhere in its box",
-        "`yarc check` plans and proves the lines of an OFFSET at the corners of its box, in the middles of its edges and on a grid, and names the first place where it fails, with the command and the reason. "
-        "When the program runs, a place is planned and proved before anything moves, and refused into the ELSE: so this is about parts that stay where they are.",
-    ),
-    Finding(
-        "Y0479",
-        "offset-untried",
-        "note",
-        "not all places in the boxes of OFFSETs were tried",
-        "`yarc check` tries at most 400 places of a program, the corners of all boxes first. What wasn't tried is planned and proved when the program runs, as every place is.",
-    ),
-    Finding(
         "Y0472",
         "analogue-value",
         "error",

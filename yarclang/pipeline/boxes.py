@@ -59,13 +59,13 @@ def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
         if one.faults:
             message = f"{len(one.faults)} of {one.tried} places in the box of this OFFSET can't be carried out; {one.faults[0]}"
             yield Diagnostic(
-                "Y0478", message, one.origin.source, one.origin.span, _HELP, place=one.origin.place
+                "Y0508", message, one.origin.source, one.origin.span, _HELP, place=one.origin.place
             )
     if len(wanted) > MOST_TRIED:
         origin = boxes[0][0].origin
         message = f"{len(wanted) - MOST_TRIED} of {len(wanted)} places in the boxes of the program's OFFSETs weren't tried"
         help_ = "the runtime plans and proves each place before it moves, whether it was tried or not"
-        yield Diagnostic("Y0479", message, origin.source, origin.span, help_)
+        yield Diagnostic("Y0509", message, origin.source, origin.span, help_)
 
 
 def places_of(offset: Offset, program: Program) -> list[tuple[int, ...]]:

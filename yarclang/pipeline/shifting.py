@@ -28,6 +28,7 @@ from yarclang.hir import (
     PoseGoal,
     PoseSplineMove,
     Program,
+    SetOutput,
     SplineMove,
     Step,
     When,
@@ -96,7 +97,7 @@ def shifted_program(
     )
     made = compiled_part(program, request)
     if made.value is None or has_errors(made.diagnostics):
-        return next((_told(one) for one in made.diagnostics if one.is_error), "it can't be planned")
+        return next((_told(one, steps) for one in made.diagnostics if one.is_error), "it can't be planned")
     stands = made.value.plan.motions[-1].waypoints[-1]
     if float(np.abs(stands - leads).max()) > _SAME:
         origin = whole.steps[last.step].origin  # type: ignore[union-attr]  # a motion has one
@@ -215,8 +216,8 @@ def _left_elsewhere(plan: MotionPlan, made: Compiled, end: int) -> str:
     return "parts are left elsewhere than without the shift"
 
 
-def _told(one: Diagnostic) -> str:
+def _told(one: Diagnostic, steps: Sequence[Step]) -> str:
     """Return a finding with the command that it is about."""
-    text = "" if one.source is None or one.span is None else one.source.line(one.span.line).strip()
-    label = one.place or (text.split()[0] if text else "")
-    return f"{label}: {one.message}" if label and label not in one.message else one.message
+    origins = (step.origin for step in steps if isinstance(step, Motion | SetOutput))
+    label = next((at.label for at in origins if at.span == one.span and at.source is one.source), "")
+    return f"{label}: {one.message}" if label else one.message

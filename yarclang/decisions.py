@@ -161,6 +161,27 @@ class Searched:
     depth: str = ""
 
 
+SHIFTS = ("X", "Y", "Z", "RZ")
+"""Directions in which a frame is shifted at run time, and the axis about which it is turned."""
+
+
+@frozen
+class Shifted:
+    """Motions that are planned and proved at run time, in a frame that registers shift.
+
+    Attributes:
+        step: index of the OFFSET in the program's steps.
+        flag: register that becomes 1 if the motions can be carried out, else 0.
+        frame: name of the frame.
+        registers: for each of `SHIFTS` the register with its value [0.01 mm or 0.01 deg]; empty for none.
+    """
+
+    step: int
+    flag: str
+    frame: str
+    registers: tuple[str, ...]
+
+
 class DecisionError(Exception):
     """A value cannot be computed: a division by zero, or a result beyond the limit of registers."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell
-from yarclang.decisions import Register, Searched, Value, Watch, bits_of
+from yarclang.decisions import Register, Searched, Shifted, Value, Watch, bits_of
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 
@@ -41,6 +41,16 @@ class FrameLink:
     source: SourceFile | None = None
     span: Span | None = None
     told: Array | None = field(default=None, compare=False)
+
+    def is_same(self, other: FrameLink) -> bool:
+        """Return True if both are one frame; a line that was read before has links of its own."""
+        if self is other:
+            return True
+        if self.name != other.name or not np.array_equal(self.parent_from_frame, other.parent_from_frame):
+            return False
+        if self.parent is None or other.parent is None:
+            return self.parent is other.parent
+        return self.parent.is_same(other.parent)
 
 
 @frozen(eq=False)
@@ -133,12 +143,14 @@ class PoseGoal:
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
         near: (n,) joint position; the nearest inverse solution is taken. None: the robot's current position.
         told: the pose as it was written; None for a computed pose.
+        shifted: True if the frame of the OFFSET around the motion carries the pose along.
     """
 
     base_from_moving: Array
     flange_from_moving: Array
     near: Array | None = None
     told: Told | None = field(default=None, compare=False)
+    shifted: bool = False
 
 
 @frozen(eq=False)
@@ -156,6 +168,7 @@ class PoseDelta:
         axes_on_flange: True if `axes` is given on {FLANGE}.
         flange_from_moving: (4, 4) moving frame on {FLANGE}.
         told: the change as it was written; None for a computed change.
+        shifted: True if the frame of the OFFSET around the motion turns the axes along.
     """
 
     shift: Array
@@ -164,6 +177,7 @@ class PoseDelta:
     axes_on_flange: bool
     flange_from_moving: Array
     told: Told | None = field(default=None, compare=False)
+    shifted: bool = False
 
 
 @frozen
@@ -584,6 +598,27 @@ class Say:
     text: str
 
 
+@frozen(eq=False)
+class Offset:
+    """A frame that registers shift at run time, for the steps of one branch.
+
+    Attributes:
+        name: name of the frame in the program.
+        base_from_frame: (4, 4) the frame as it is declared, in {B}.
+        registers: for each of `SHIFTS` the register with its value [0.01 mm or 0.01 deg]; empty for none.
+        flag: register that becomes 1 if the branch can be carried out there.
+        parts: names of the cell's parts that lie in the frame.
+        link: the frame and its parents.
+    """
+
+    name: str
+    base_from_frame: Array
+    registers: tuple[str, ...]
+    flag: str
+    parts: tuple[str, ...] = ()
+    link: FrameLink | None = field(default=None, compare=False)
+
+
 @frozen
 class When:
     """The start of a branch: the steps up to the matching Else or EndWhen are done if a condition holds.
@@ -594,12 +629,15 @@ class When:
         again: True if the condition is decided with the inputs read by the enclosing WHEN, in whose second
             branch this one is the first step. A CASE thus reads its inputs only once.
         within: time [s] for which the robot waits at rest until the condition holds; None: decide at once.
+        offset: the frame that is shifted in the first branch, which is planned and proved anew before the
+            decision; None for an ordinary branch.
     """
 
     origin: Origin
     condition: Value
     again: bool = False
     within: float | None = None
+    offset: Offset | None = None
 
 
 @frozen
@@ -760,4 +798,13 @@ def searches_of(program: Program) -> tuple[Searched, ...]:
         Searched(number, one.variable, one.value, one.name, one.flag, one.depth)
         for number, step in enumerate(program.steps)
         if isinstance(step, JointMove | LineMove) and (one := step.search) is not None
+    )
+
+
+def offsets_of(program: Program) -> tuple[Shifted, ...]:
+    """Return the branches of a program in which a frame is shifted at run time, in order."""
+    return tuple(
+        Shifted(number, one.flag, one.name, one.registers)
+        for number, step in enumerate(program.steps)
+        if isinstance(step, When) and (one := step.offset) is not None
     )

@@ -96,10 +96,12 @@ def _key_of_goal(goal: Goal) -> Hashable:
             return "delta", goal.dq.tobytes()
         case PoseGoal():
             near = None if goal.near is None else goal.near.tobytes()
-            return "pose", goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
+            told = goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
+            return "pose", *told, *((True,) if goal.shifted else ())
         case PoseDelta():
             parts = (goal.shift, goal.turn, goal.axes, goal.flange_from_moving)
-            return "poses apart", goal.axes_on_flange, *(part.tobytes() for part in parts)
+            told = tuple(part.tobytes() for part in parts)
+            return "poses apart", goal.axes_on_flange, *told, *((True,) if goal.shifted else ())
 
 
 def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
@@ -204,6 +206,8 @@ def _feed(feed: Callable[[bytes], object], value: object) -> None:
 _LATER: dict[str, object] = {
     "ceiling": None,
     "search": None,
+    "offset": None,
+    "shifted": False,
     "or_less": False,
     "step": None,
     "outside": False,

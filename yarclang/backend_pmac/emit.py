@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Register, Searched, Watch
+from yarclang.decisions import Register, Searched, Shifted, Watch
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -34,17 +34,18 @@ class Emitted:
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
+    offsets: tuple[Shifted, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches and searches as
-        comments, then the lines that the controller reads.
+        The header lines come first, then the map of commands, barriers, registers, watches, searches and offsets
+        as comments, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
-        maps += len(searches)
+        maps += len(searches) + len(self.offsets)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -65,6 +66,10 @@ class Emitted:
         head += [
             f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} {one.depth or '-'}"
             for one in searches
+        ]
+        head += [
+            f"; offset {one.step} {one.flag} {' '.join(name or '-' for name in one.registers)} {printable(one.frame)}"
+            for one in self.offsets
         ]
         return "\n".join((*head, *self.opening, "")) + self.body
 
@@ -113,6 +118,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         program.registers,
         program.watches,
         program.searches,
+        program.offsets,
     )
 
 

@@ -33,6 +33,7 @@ from yarclang.hir import (
     WaitInput,
     WaitUntil,
     When,
+    offsets_of,
     searches_of,
 )
 from yarclang.motion.plan import MotionPlan, PlannedMotion
@@ -103,6 +104,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
         registers=plan.program.registers,
         watches=plan.program.watches,
         searches=searches_of(plan.program),
+        offsets=offsets_of(plan.program),
     )
 
 

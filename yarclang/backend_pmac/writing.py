@@ -20,6 +20,7 @@ from yarclang.hir import (
     Stop,
     WaitUntil,
     When,
+    offsets_of,
     searches_of,
 )
 from yarclang.memory import Memory
@@ -34,6 +35,9 @@ def streamed_only(program: Program) -> Diagnostic | None:
     """Return the finding for a program that a program buffer alone cannot execute; None if it can."""
     for one in program.watches:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
+        return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
+    for shifted in offsets_of(program):
+        message = f"what is given in {{{shifted.frame}}} is planned by the runtime, and a program buffer runs without it"
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for found in searches_of(program):
         message = (

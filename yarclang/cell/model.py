@@ -121,11 +121,12 @@ class Part:
     """A body that grippers take and put down. `body` is its place when a program starts.
 
     `count` parts of the kind come one after the other: the next one lies at this place as soon as the one
-    before it was taken away.
+    before it was taken away. `frame` is the name of the frame in which the place is given.
     """
 
     body: Obstacle
     count: int = 1
+    frame: str = field(default="", compare=False)
 
 
 @frozen

@@ -23,7 +23,8 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
         message = f"{body.name} hangs on {table.frame}, which the robot carries: there is one of it, not {table.count}."
         around.measures.file.say("Y1308", (*path, "count"), message, "Remove count, or name a frame under B.")
         return None
-    return Part(replace(body, mass=table.mass, is_part=True), table.count)
+    frame = (table.frame or "").upper()
+    return Part(replace(body, mass=table.mass, is_part=True), table.count, frame)
 
 
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:

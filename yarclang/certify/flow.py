@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -54,6 +55,9 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     moving = {entry.step for entry in text.entries if entry.first}
     if text.searches != tuple(one for one in hir.searches_of(program) if one.step in moving):
         yield None, "other motions than the program's are ended by inputs, or by other inputs"
+    shifts = tuple(replace(one, frame=_printable(one.frame)) for one in hir.offsets_of(program))
+    if text.offsets != shifts:
+        yield None, "other frames than the program's are shifted, or by other registers"
     told = list(_told(text))
     deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):

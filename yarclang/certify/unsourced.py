@@ -115,6 +115,9 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
         missing.append(f"what it watches ({_listed([one.name for one in content.watches])})")
     if content.searches:
         missing.append(f"what it searches for ({_listed([one.name for one in content.searches])})")
+    if content.offsets:
+        frames = [f"{{{one.frame}}} in step {one.step}" for one in content.offsets]
+        missing.append(f"what is shifted when it runs ({_listed(frames)})")
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [

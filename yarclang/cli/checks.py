@@ -93,13 +93,13 @@ def _checked(path: str, task: Task) -> Done:
     from yarclang.pipeline.checking import Checked, check_file, check_text
     from yarclang.pipeline.fixing import fixed, is_repair
 
-    checked = check_file(path, task.options, plans=task.plans)
+    checked = check_file(path, task.options, plans=task.plans, boxes=True)
     if not task.fix or checked.source is None:
         return Done(path, _told(checked.diagnostics, task))
     folder = Path.cwd() if path == STANDARD else Path(path).parent
 
     def again(source: SourceFile) -> Checked:
-        return check_text(source, folder, task.options, plans=task.plans)
+        return check_text(source, folder, task.options, plans=task.plans, boxes=True)
 
     before = checked.source.text
 

@@ -19,6 +19,7 @@ from yarclang.hir import (
     LineMove,
     Motion,
     Origin,
+    PoseDelta,
     PoseGoal,
     PoseSplineMove,
     Program,
@@ -86,21 +87,27 @@ def last_group(motions: tuple[Passed, ...]) -> tuple[Passed, ...]:
 
 
 def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
-    """Return the motions that can be taken back: those after the last search and the motion that follows it.
+    """Return the motions that can be taken back: those after the last search and the motion that follows it,
+    and after the last motion in a shifted frame and those that follow it up to a known place.
 
     A search may have ended anywhere on its line. The plan leads from the end of that line, where what was
-    searched for may be in the way.
+    searched for may be in the way. Likewise the plan has a shifted motion where it isn't shifted.
 
     Args:
         motions: that were carried out, in order. A search that was stopped on its line is no obstacle, since
             its own line leads back.
     """
-    ended = [
-        number
-        for number, one in enumerate(motions)
-        if one.whole and isinstance(one.step, JointMove | LineMove) and one.step.search is not None
-    ]
-    return list(motions[ended[-1] + 2 :] if ended else motions)
+    known, is_away = 0, False
+    for number, one in enumerate(motions):
+        step = one.step
+        shifts = any(isinstance(goal, PoseGoal | PoseDelta) and goal.shifted for goal in step.goals)
+        if shifts or is_away:
+            # a relative motion from a shifted place ends at one
+            is_away = shifts or not isinstance(step.end, JointGoal | PoseGoal)
+            known = number + 1
+        if one.whole and isinstance(step, JointMove | LineMove) and step.search is not None:
+            known = number + 2
+    return list(motions[known:])
 
 
 def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Program | Diagnostic:

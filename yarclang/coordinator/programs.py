@@ -28,6 +28,7 @@ from yarclang.pipeline.parts import (
 )
 from yarclang.pipeline.replanning import replanned
 from yarclang.pipeline.returning import along_the_path
+from yarclang.pipeline.shifting import shifted
 from yarclang.pipeline.stages import CellNow, Compiled, Request, compile_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Replanned
@@ -36,6 +37,12 @@ from yarclang.runtime.standing import off_the_start
 
 APPROACH = "approach"
 """Name of the way to a program's start."""
+
+
+Behind = Callable[[int, Array, "tuple[int, ...] | None"], "Replanned | str"]
+"""Plans what is known only at run time: from a motion's number, the robot's position (n,) [rad or m], and the
+values of an OFFSET's registers (None: after a search).
+"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,8 +62,8 @@ class Loaded:
         assumed: places of the cell's parts at its beginning, as proved; None: the cell has none.
         first_step: step of the plan with which `rest` begins, if a command was named.
         text_plan: plan for a controller text, from which its effect on parts is derived.
-        behind: plans the rest after a motion that an input has ended, from its number and the robot's
-            position (n,) [rad or m]; None: impossible.
+        behind: plans the rest after a motion that an input has ended, or the lines of an OFFSET; None:
+            impossible.
         again: compiles the same program with its parts elsewhere; None: impossible.
     """
 
@@ -72,7 +79,7 @@ class Loaded:
     first_step: int | None = None
     text_plan: MotionPlan | None = None
     again: Callable[[CellNow], Result[Loaded]] | None = None
-    behind: Callable[[int, Array], Replanned | str] | None = None
+    behind: Behind | None = None
 
     @property
     def around(self) -> Cell | None:
@@ -160,9 +167,17 @@ def load_program(
     return Result(loaded, found)
 
 
-def behind_search(plan: MotionPlan, request: Request) -> Callable[[int, Array], Replanned | str]:
-    """Return a function that plans the rest after a motion that an input has ended."""
-    return lambda number, here: replanned(plan, number, here, request)
+def behind_search(plan: MotionPlan, request: Request) -> Behind:
+    """Return a function that plans the rest after a motion that an input has ended, or the lines of an
+    OFFSET.
+    """
+
+    def planned(number: int, here: Array, values: tuple[int, ...] | None) -> Replanned | str:
+        if values is None:
+            return replanned(plan, number, here, request)
+        return shifted(plan, number, here, values, request)
+
+    return planned
 
 
 def _assumed(

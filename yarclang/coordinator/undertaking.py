@@ -131,12 +131,12 @@ class Undertaking:
         session.keeper = kept.keep
 
     def _replan(self, wanted: Replan) -> Replanned | str:
-        """Return the rest after a search, planned from where the search has ended."""
+        """Return the rest after a search, planned from where the search has ended, or the lines of an OFFSET."""
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
         if loaded.behind is None or not begins or min(begins) > _SAME_TIME:
             return "only the program says what follows, and the text was run without it"
-        return loaded.behind(begins.index(min(begins)), wanted.joints)
+        return loaded.behind(begins.index(min(begins)), wanted.joints, wanted.values)
 
     def _next(self, number: int) -> Job | None:
         """Return the next job of the program, which is run once, in steps, or repeatedly; None after the

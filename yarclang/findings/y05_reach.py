@@ -50,4 +50,19 @@ FINDINGS = (
         "A smooth curve through way-points can leave the range that they span. The note says which joint and by how much; a "
         "way-point between holds it back.",
     ),
+    Finding(
+        "Y0508",
+        "offset-out-of-reach",
+        "warning",
+        "an OFFSET can't be carried out everywhere in its box",
+        "`yarc check` plans and proves the lines of an OFFSET at the corners of its box, in the middles of its edges and on a grid, and names the first place where it fails, with the command and the reason. "
+        "When the program runs, a place is planned and proved before anything moves, and refused into the ELSE: so this is about parts that stay where they are.",
+    ),
+    Finding(
+        "Y0509",
+        "offset-untried",
+        "note",
+        "not all places in the boxes of OFFSETs were tried",
+        "`yarc check` tries at most 400 places of a program, the corners of all boxes first. What wasn't tried is planned and proved when the program runs, as every place is.",
+    ),
 )

@@ -156,6 +156,29 @@ def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
     return replace(parts, items=items, closed=parts.closed - {variable})
 
 
+def shift(parts: Parts, names: Collection[str], moved: Array, taken: int) -> Parts:
+    """Move the parts that lie where the cell has them. The next of their kinds still come to that place.
+
+    Args:
+        parts: the parts.
+        names: names of the kinds of parts that are moved.
+        moved: (4, 4) displacement in {B} [m].
+        taken: step after which the next parts may come: the one that is given to `Expected`.
+    """
+    items: list[Item] = []
+    expected = list(parts.expected)
+    for one in parts.items:
+        place = one.part.body.mount
+        is_there = one.gripper is None and one.pose == place.transform.tobytes()
+        if one.part.body.name not in names or place.on_flange or not is_there:
+            items.append(one)
+            continue
+        items.append(replace(one, pose=np.ascontiguousarray(moved @ one.transform).tobytes()))
+        if one.number < one.part.count:
+            expected.append(Expected(one.part, one.number + 1, taken))
+    return replace(parts, items=tuple(items), expected=tuple(expected))
+
+
 def remove(parts: Parts, removal: Removal) -> Parts:
     """Remove the parts that lie within the reach of a machine."""
     origin = removal.base_from_place[:3, 3]

@@ -19,6 +19,7 @@ from yarclang.lint.suppression import has_suppressions, suppress
 from yarclang.memory import Forgetful
 from yarclang.mistakes.answers import answered
 from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.boxes import box_findings
 from yarclang.pipeline.callers import at_callers, uncalled_lines
 from yarclang.pipeline.cells import SUFFIX, check_description
 from yarclang.pipeline.controller_text import check_controller_text, is_compiled
@@ -39,7 +40,8 @@ class Begun:
     """A program for a robot, checked up to the planning of its motions.
 
     `found` has the findings of opening it, `program` the checked program with its findings, and `said` the
-    findings of the rules that read the syntax tree or the program. These rules know what is `around`.
+    findings of the rules that read the syntax tree or the program. These rules know what is `around`. With
+    `boxes`, the boxes of OFFSETs are tried as well.
     """
 
     opened: Opened
@@ -48,6 +50,7 @@ class Begun:
     program: Result[Program]
     around: Surroundings
     said: Remarks
+    boxes: bool = False
 
     @property
     def source(self) -> SourceFile:
@@ -74,7 +77,7 @@ class Checked:
     begun: Begun | None = None
 
 
-def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
+def check_file(path: str, options: Options, *, plans: bool = True, boxes: bool = False) -> Checked:
     """Check a program, the description of a cell or a robot (a .toml file), or a controller text (a .pmc
     file).
 
@@ -82,6 +85,7 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
         path: the file, or `-` for standard input.
         options: further options.
         plans: True if motions are planned and proved; otherwise, only findings that need no planning.
+        boxes: True if the boxes of OFFSETs are tried, which takes a while.
     """
     if path.lower().endswith(SUFFIX):
         try:
@@ -93,19 +97,21 @@ def check_file(path: str, options: Options, *, plans: bool = True) -> Checked:
             return Checked(in_order(check_controller_text(path, options)))
         except Exception as error:  # a bug of ours
             return Checked((failure(error, SourceFile(path, "")),))
-    return check_program_file(path, options, plans=plans)
+    return check_program_file(path, options, plans=plans, boxes=boxes)
 
 
-def check_program_file(path: str, options: Options, *, plans: bool = True) -> Checked:
+def check_program_file(path: str, options: Options, *, plans: bool = True, boxes: bool = False) -> Checked:
     """Check a program, for any file name; else as `check_file`."""
     read = read_source(path)
     if read.value is None:
         return Checked(in_order(read.diagnostics))
     folder = Path.cwd() if path == STANDARD_INPUT else Path(path).parent
-    return check_text(read.value, folder, options, plans=plans)
+    return check_text(read.value, folder, options, plans=plans, boxes=boxes)
 
 
-def check_text(source: SourceFile, folder: Path, options: Options, *, plans: bool = True) -> Checked:
+def check_text(
+    source: SourceFile, folder: Path, options: Options, *, plans: bool = True, boxes: bool = False
+) -> Checked:
     """Check the text of a program that belongs to a folder; else as `check_file`. An exception in a stage
     becomes a finding.
     """
@@ -113,7 +119,7 @@ def check_text(source: SourceFile, folder: Path, options: Options, *, plans: boo
         begun = _opened(source, folder, options)
         if isinstance(begun, Checked):
             return begun
-        return _planned_if_possible(begun) if plans else _unplanned(begun)
+        return _planned_if_possible(replace(begun, boxes=boxes)) if plans else _unplanned(begun)
     except Exception as error:  # a bug of ours
         return Checked((failure(error, source),), source)
 
@@ -202,6 +208,8 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
             if compiled is not None:
                 tell("looking for what else is worth saying", 0)
                 said |= remarks((compiled.certificate,), begun.around, _silent(project))
+                if begun.boxes:
+                    found = (*found, *box_findings(compiled.plan, request))
     go_on()
     found = (*found, *findings_of(said, begun.around, found))
     is_whole = compiled is not None and not has_errors(found)

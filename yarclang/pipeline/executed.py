@@ -17,6 +17,7 @@ from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting
+from yarclang.decisions import SHIFTS, Shifted
 from yarclang.memory import NO_MEMORY
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
@@ -119,6 +120,7 @@ def executed(
 
 def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) -> list[Act]:
     entries = {entry.step: entry for entry in content.entries}
+    offsets = {one.step: one for one in content.offsets}
     moving = [entry for entry in content.entries if entry.first is not None]
     stand, acts = start, []
     for item in content.course:
@@ -129,7 +131,7 @@ def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) 
             case Stood(point=point):
                 stand = point * robot.axis_units
             case Barred():
-                acts.append(_barrier(item, entries[item.step]))
+                acts.append(_barrier(item, entries[item.step], offsets.get(item.step)))
             case Dwelt(line=line, milliseconds=milliseconds) if milliseconds > 0.0:
                 acts.append(
                     _between(mapped, line, "dwell", f"stands for {milliseconds:g} ms", milliseconds * MS)
@@ -163,7 +165,7 @@ def _motions(run: Run, moving: list[Entry], stand: Array, robot: Robot) -> list[
     return acts
 
 
-def _barrier(item: Barred, entry: Entry) -> Act:
+def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Act:
     late = "" if item.timeout is None else f", after {item.timeout:g} s the other way"
     what = {
         "wait": f"waits for {item.name} ({item.condition}), "
@@ -181,6 +183,10 @@ def _barrier(item: Barred, entry: Entry) -> Act:
         "say": f"tells the operator: {item.name}",
         "abort": f"the program ends as a fault: {item.name}",
     }[item.kind]
+    if offset is not None:
+        both = zip(SHIFTS, offset.registers, strict=True)
+        shifts = ", ".join(f"{axis} {register}" for axis, register in both if register)
+        what = f"{{{offset.frame}}} is shifted by {shifts}"
     place, name, line = entry.index, entry.name, entry.source_line
     return Act(item.kind, place, name, line, what, step=item.step)  # type: ignore[arg-type]
 

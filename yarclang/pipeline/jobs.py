@@ -12,7 +12,7 @@ import numpy as np
 from yarclang.backend import backend_of
 from yarclang.certify.certificate import Certificate
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, assignments_of
-from yarclang.decisions import Searched
+from yarclang.decisions import Searched, Shifted
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array
@@ -233,6 +233,7 @@ def _legs(
     continuing.
     """
     entries = {entry.step: entry for entry in content.entries}
+    offsets = {one.step: one for one in content.offsets}
     first, runs, place, acts = 0, list[Run](), 0, False
     for number, item in enumerate((*content.course, None)):
         match item:
@@ -254,12 +255,12 @@ def _legs(
                     clock = schedule.clocks[first]
                     behind = schedule.lasting.most - clock - (ends - begins)
                     job = replace(job, clock=clock, behind=behind)
-                barrier = None if item is None else _barrier(item, entries[item.step])
+                barrier = None if item is None else _barrier(item, entries[item.step], offsets.get(item.step))
                 yield Leg(job, barrier, ends, schedule.clocks[number])
                 place, first, runs, acts = end + 1, number + 1, [], False
 
 
-def _barrier(item: Barred, entry: Entry) -> Barrier:
+def _barrier(item: Barred, entry: Entry, offset: Shifted | None) -> Barrier:
     variable, value = "", 0.0
     if item.kind == "wait" and item.decided is None:
         variable, _, wanted = item.condition.partition("=")
@@ -277,6 +278,7 @@ def _barrier(item: Barred, entry: Entry) -> Barrier:
         item.register,
         entry.name,
         item.output,
+        offset,
     )
 
 

@@ -69,14 +69,16 @@ class Keep:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Replan:
-    """Replan and prove the rest of the program after an input has ended a motion.
+    """Replan and prove the rest of the program after an input has ended a motion, or the lines of an OFFSET.
 
-    Answered by `Replanned`, or by the reason why it can't be done (str). `begins` is when the motion begins
-    [s of the program], and `joints` (n,) is where the robot stands [rad or m].
+    Answered by `Replanned`, or by the reason why it can't be done (str). `begins` is when the motion begins,
+    or the first motion of the OFFSET [s of the program], and `joints` (n,) is where the robot stands [rad or
+    m]. `values` are those of the OFFSET's registers, one for each of `SHIFTS`; None after a search.
     """
 
     begins: float
     joints: Array
+    values: tuple[int, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)

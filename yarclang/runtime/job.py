@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.decisions import Register, Searched, Value, Watch
+from yarclang.decisions import Register, Searched, Shifted, Value, Watch
 from yarclang.lasting import NO_TIME, Lasting
 from yarclang.robot.model import Array, Robot
 
@@ -57,7 +57,7 @@ class Barrier:
     `source_line` are those of the command. `timeout` is in s. `decided` is the condition of a `when`, or of a
     wait without `variable`; with `again`, it is evaluated with the values that the last `when` has read. For
     a `set`, `decided` is the number that `register` or `output` gets. `word` is the command's name: for a
-    `when`, OF inside a CASE.
+    `when`, OF inside a CASE. `offset` is the frame that is shifted in the first branch of a `when`.
     """
 
     kind: str
@@ -72,6 +72,7 @@ class Barrier:
     register: str = ""
     word: str = ""
     output: str = ""
+    offset: Shifted | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,12 +124,12 @@ class Record:
                 content = {"kind": _KINDS[type(item)], **asdict(item)}
                 del content["time"]
                 self._message("signals", item.time, content)
-            case Planned(text=text, certificate=certificate):
+            case Planned(text=text, certificate=certificate, kind=kind):
                 self._planned += 1
                 number, wall = self._planned, self._anchor.wall_at(item.time)
                 for name, media_type, said in (
-                    (f"search-{number}.pmc", "text/plain", text),
-                    (f"search-{number}.json", "application/json", certificate),
+                    (f"{kind}-{number}.pmc", "text/plain", text),
+                    (f"{kind}-{number}.json", "application/json", certificate),
                 ):
                     self._writer.add_attachment(wall, wall, name, media_type, _clean(said).encode())
             case Ordered(time=when, order=order):

@@ -5,7 +5,7 @@ host's clock [s].
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 
 from yarclang.runtime.sample import Sample
 from yarclang.runtime.signals import Signal
@@ -97,13 +97,14 @@ class Reached:
 
 @dataclass(frozen=True, slots=True)
 class Planned:
-    """The rest of the program after a search was planned and proved: its controller text, and its certificate
-    as JSON.
+    """The rest of the program after a search, or the lines of an OFFSET (`kind`), was planned and proved: its
+    controller text, and its certificate as JSON.
     """
 
     time: float
     text: str
     certificate: str
+    kind: Literal["search", "offset"] = "search"
 
 
 Notice: TypeAlias = Changed | Progress | Remark | Reached | Planned | ValuesWanted | Signal | Sample

@@ -64,6 +64,9 @@ _TURN = 0.005
 _SHORTEST = 0.0002
 """Shortest wait [s of the wall clock]."""
 
+PLANNING_TIME = 10.0
+"""Longest time for what is planned and proved while a program runs [s]."""
+
 CONNECT_TIME = 5.0
 """Longest time for connecting [s]."""
 
@@ -259,10 +262,16 @@ class Session:
         return None
 
     async def _replan(self, wanted: Replan) -> Outcome:
-        """Have the rest after a search planned. The robot stands, and everything else continues meanwhile."""
+        """Have the rest after a search planned, or an OFFSET. The robot stands, and everything else continues
+        meanwhile.
+        """
         if self.replanner is None:
             return "only the program says what follows, and the text was run without it"
-        return await asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
+        planning = asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
+        try:
+            return await asyncio.wait_for(planning, PLANNING_TIME)
+        except TimeoutError:
+            return f"planning and proving it takes longer than {PLANNING_TIME:g} s"
 
     async def _connect(self) -> Outcome:
         self.close()

@@ -7,12 +7,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 
 from yarclang.cell.model import Array, CellFrame, Parts
 from yarclang.frozen import frozen
+from yarclang.handling.parts import shift
 from yarclang.runtime.notices import Wanted
 from yarclang.units import DEG, MM
 
@@ -35,6 +37,8 @@ class CameraForm:
         unit: size of one count [mm; deg for rz].
         delay: time from a request to the answer [s].
         does: reactions to the first requests. Later ones are answered.
+        lies: shifts of the frame (4, 4) [m], in its own axes, with which the parts of the kind really lie,
+            in their order. Parts without one lie where the cell has them.
     """
 
     name: str
@@ -44,6 +48,7 @@ class CameraForm:
     unit: float
     delay: float
     does: tuple[Deed, ...] = ()
+    lies: tuple[Array, ...] = ()
 
 
 @frozen(eq=False)
@@ -104,6 +109,20 @@ class Camera:
             if deed == "twice":
                 self._due.append((now + 2.0 * self.form.delay, "answer", wanted))
 
+    def laid(self, parts: Parts) -> Parts:
+        """Return the parts, with those of the kind where they really lie that are where the cell has them."""
+        form = self.form
+        if not form.lies or form.frame.mount.on_flange:
+            return parts
+        placed = form.frame.mount.transform
+        for number, lies in enumerate(form.lies, 1):
+            if any(one.part.body.name == form.part and one.number == number for one in parts.items):
+                others = [one for one in parts.items if one.number != number]
+                lying = replace(parts, items=tuple(one for one in parts.items if one.number == number))
+                lying = shift(lying, (form.part,), placed @ lies @ np.linalg.inv(placed), 0)
+                parts = replace(lying, items=(*others, *lying.items))
+        return parts
+
     def answers(self, now: float, parts: Parts, flange: Callable[[], Array]) -> list[Given]:
         """Return the values that are due.
 
@@ -139,16 +158,15 @@ class Camera:
         return dict(values)
 
     def _seen(self, parts: Parts, flange: Callable[[], Array]) -> dict[str, int] | None:
-        """Return the position of the first part that no gripper holds [counts]; None without one."""
+        """Return the position of the nearest part that no gripper holds [counts]; None without one."""
         form = self.form
-        lying = next(
-            (one for one in parts.items if one.part.body.name == form.part and one.gripper is None), None
-        )
-        if lying is None:
+        lying = [one for one in parts.items if one.part.body.name == form.part and one.gripper is None]
+        if not lying:
             return None
         mount = form.frame.mount
         base_from_frame = flange() @ mount.transform if mount.on_flange else mount.transform
-        pose = np.linalg.inv(base_from_frame) @ lying.transform
+        poses = (np.linalg.inv(base_from_frame) @ one.transform for one in lying)
+        pose = min(poses, key=lambda one: float(np.linalg.norm(one[:3, 3])))
         turned = math.atan2(pose[1, 0], pose[0, 0]) / DEG
         told = dict(zip(("x", "y", "z"), (pose[:3, 3] / MM).tolist(), strict=True)) | {"rz": turned}
         return {key: round(value / form.unit) for key, value in told.items()}

@@ -16,6 +16,8 @@ from yarclang.source import SourceFile
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import Path, find_places
 from yarclang.toml.reading import parse_toml, read_text
+from yarclang.transforms import pose_matrix
+from yarclang.units import DEG, MM
 
 if TYPE_CHECKING:
     from yarclang.simulated_cell.schema import CameraTable
@@ -101,4 +103,8 @@ def _form(
         good = False
     if not good:
         return None
-    return CameraForm(table.name, part, frames[frame], registers, table.unit, table.delay, tuple(table.does))
+    lies = tuple(
+        pose_matrix([*(one * MM for one in (x, y, z)), 0.0, 0.0, turn * DEG]) for x, y, z, turn in table.lies
+    )
+    does = tuple(table.does)
+    return CameraForm(table.name, part, frames[frame], registers, table.unit, table.delay, does, lies)

@@ -218,6 +218,7 @@ class SimulatedCell:
         for camera in self._cameras:
             if camera.next_due > now:
                 continue
+            sensing.parts = camera.laid(sensing.parts)
             for given in camera.answers(now, sensing.parts, lambda: sensing.flange(self._joints())):
                 if self._receiver is not None:
                     self._receiver(given)

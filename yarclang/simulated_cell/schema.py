@@ -33,6 +33,10 @@ class InputTable(Table):
     stuck: bool | None = None
 
 
+Lying = Annotated[float, Field(ge=-1e5, le=1e5)]
+"""Number of a place [mm or deg]."""
+
+
 class CameraTable(Table):
     """Table `[[cameras]]`: the part to look for, the frame of its position, and registers for the values."""
 
@@ -47,6 +51,7 @@ class CameraTable(Table):
     rz: str | None = None
     unit: Annotated[float, Field(ge=1e-6, le=1e6)] = 0.01
     delay: Delay = 0.1
+    lies: list[Annotated[list[Lying], Field(min_length=4, max_length=4)]] = Field(default=[])
     does: list[Literal["answer", "nothing", "late", "twice", "far", "nonsense"]] = Field(default=[])
 
 
@@ -58,6 +63,7 @@ class ScriptTable(Document):
     wanted: ClassVar = {
         "inputs": "tables, each under [[inputs]]",
         "cameras": "tables, each under [[cameras]]",
+        "lies": "lists of x, y, z [mm] and rz [deg], one for each part: [[10, -5, 0, 12]]",
         "does": "a list of answer, nothing, late, twice, far and nonsense, one for each question",
     }
     tables: ClassVar = {"inputs": InputTable, "cameras": CameraTable}

@@ -139,6 +139,10 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append(
             "what follows a motion that an input ends: it is planned and proved when it runs"
         )
+    if any(line.startswith("; offset") for line in content.registers):
+        verdict.unchecked.append(
+            "what is given in a frame that registers shift: here it is proved without a shift, and where it is it is planned and proved when it runs"
+        )
     _check_bodies(rows, proof, arm, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
 

@@ -24,6 +24,7 @@ from yarclang.hir import (
     Loop,
     Motion,
     NextPass,
+    Offset,
     Origin,
     Say,
     SetOutput,
@@ -236,6 +237,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
                     f"{in_words(condition)}, at most {within:g} s; the other way is what is done then",
                 ),
             )
+        case When(offset=Offset(name=name)):
+            return (("shifts", f"{{{name}}} when it runs; the place without a shift is shown"),)
         case When(condition=condition):
             compared = simple(condition)
             said = in_words(condition) if compared is None else f"{compared[0].name} = {compared[1]:g}"

@@ -18,6 +18,7 @@ from yarclang.decisions import (
     Register,
     RegisterValue,
     Searched,
+    Shifted,
     Value,
     Watch,
     inputs_of,
@@ -70,6 +71,11 @@ _SEARCH = re.compile(
     r"([A-Z_][A-Z0-9_.]{0,79}) ([A-Z_][A-Z0-9_]{0,39}) (-|[A-Z_][A-Z0-9_]{0,39})"
 )
 
+_OFFSET = re.compile(
+    r"; offset ([0-9]{1,7}) ([A-Z_][A-Z0-9_]{0,39}) ((?:(?:-|[A-Z_][A-Z0-9_]{0,39}) ){4})"
+    r"((?! )[ -~]{1,80}(?<! ))"
+)
+
 
 @frozen
 class Preamble:
@@ -82,6 +88,7 @@ class Preamble:
         registers: the registers that the runtime keeps.
         watches: inputs that hold the motion.
         searches: motions that an input ends.
+        offsets: branches that are planned and proved when the program runs, in a shifted frame.
     """
 
     header: Header
@@ -90,6 +97,7 @@ class Preamble:
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
+    offsets: tuple[Shifted, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -134,9 +142,10 @@ def read_preamble(lines: Lines) -> Preamble:
     registers = _read_registers(lines, barriers)
     watches = _read_watches(lines)
     searches = _read_searches(lines, {one.step for one in entries if one.first}, registers)
+    offsets = _read_offsets(lines, barriers, registers, {one.flag for one in searches})
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers, registers, watches, searches)
+    return Preamble(header, tuple(entries), barriers, registers, watches, searches, offsets)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -338,3 +347,59 @@ def _read_searches(
         )
         lines.skip()
     return tuple(searches)
+
+
+def _read_offsets(
+    lines: Lines, barriers: Mapping[int, Barred], registers: tuple[Register, ...], used: Container[str]
+) -> tuple[Shifted, ...]:
+    """Read the branches in which a frame is shifted, in order.
+
+    Each is decided by a flag of its own, which nothing else sets or decides by.
+
+    Args:
+        lines: the text.
+        barriers: the barriers of the map.
+        registers: the registers of the map.
+        used: flags of searches.
+    """
+    offsets: list[Shifted] = []
+    known = {one.name: one for one in registers}
+    while lines.peek().startswith("; offset"):
+        found = _OFFSET.fullmatch(lines.peek())
+        if found is None:
+            lines.refuse(f"is no line of the map of offsets: {shown(lines.peek())}")
+        step, flag = int(found[1]), found[2]
+        names = tuple("" if one == "-" else one for one in found[3].split())
+        at = [one for one in barriers.values() if one.step == step and one.kind == "when"]
+        if not at or (offsets and offsets[-1].step >= step):
+            lines.refuse(
+                f"shifts a frame where nothing is decided, or stands out of order: {shown(lines.peek())}"
+            )
+        own = known.get(flag)
+        others = [
+            one
+            for one in barriers.values()
+            if one is not at[0]
+            and (one.register == flag or (one.decided is not None and flag in registers_of(one.decided)))
+        ]
+        if (
+            own is None
+            or (own.low, own.high, own.first, own.kept, own.outside) != (0, 1, 0, False, False)
+            or flag in used
+            or others
+            or any(one.flag == flag for one in offsets)
+            or (at[0].condition, at[0].timeout) != (f"${flag}=1", None)
+        ):
+            lines.refuse(f"isn't decided by a flag of its own: {shown(lines.peek())}")
+        given = [one for one in names if one]
+        if (
+            not given
+            or len(set(given)) != len(given)
+            or not all(
+                one in known and one != flag and known[one].low <= 0 <= known[one].high for one in given
+            )
+        ):
+            lines.refuse(f"names no registers that can shift a frame: {shown(lines.peek())}")
+        offsets.append(Shifted(step, flag, found[4], names))
+        lines.skip()
+    return tuple(offsets)

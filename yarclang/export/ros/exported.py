@@ -15,7 +15,7 @@ from yarclang.export.ros.interpolation import Interpolation
 from yarclang.export.ros.proof import deviation
 from yarclang.export.ros.sampling import Points, sampled
 from yarclang.frozen import frozen
-from yarclang.hir import Assign, Program, SetOutput, WaitInput, WaitUntil, When, searches_of
+from yarclang.hir import Assign, Program, SetOutput, WaitInput, WaitUntil, When, offsets_of, searches_of
 from yarclang.pipeline.line_map import map_lines
 from yarclang.pipeline.stages import Compiled
 from yarclang.progress import tell
@@ -151,13 +151,24 @@ def _placed(between: tuple[Between, ...]) -> dict[int, tuple[Between, ...]]:
 
 
 def _watched(program: Program) -> list[Diagnostic]:
-    """Return a warning about inputs that aren't watched while a driver executes a trajectory."""
+    """Return warnings about inputs that aren't watched while a driver executes a trajectory, and about frames
+    that nothing shifts.
+    """
+    told = []
+    for frame in dict.fromkeys(one.frame for one in offsets_of(program)):
+        message = (
+            f"{{{frame}}} is shifted when the program runs, and the trajectories are those without a shift"
+        )
+        help_ = (
+            "leave the lines of the OFFSET out of what is sent, or send them only where nothing is shifted"
+        )
+        told.append(Diagnostic("Y1532", message, help=help_))
     found = [one.name for one in program.watches] + [one.name for one in searches_of(program)]
     names = ", ".join(dict.fromkeys(found))
     if not names:
-        return []
+        return told
     message = f"a trajectory watches no input: nothing holds or ends it for {names}"
-    return [Diagnostic("Y1532", message, help="whoever sends the trajectories has to hold the robot")]
+    return [*told, Diagnostic("Y1532", message, help="whoever sends the trajectories has to hold the robot")]
 
 
 def _told(course: Course) -> list[Diagnostic]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
-from yarclang.decisions import called, in_words, registers_of
+from yarclang.decisions import SHIFTS, called, in_words, registers_of
 from yarclang.frozen import frozen
 from yarclang.hir import (
     Assign,
@@ -23,6 +23,7 @@ from yarclang.hir import (
     Loop,
     MotionHead,
     NextPass,
+    Offset,
     Say,
     Search,
     SetOutput,
@@ -131,6 +132,8 @@ class _Outline:
         said = in_words(step.condition) if step.again else _said(step)
         for flag in self._found.keys() & set(registers_of(step.condition)):
             said = f"{self._found[flag]} is found"
+        if step.offset is not None:
+            said = f"{{{step.offset.name}}} by {offset_words(step.offset)}, if it can be carried out there"
         text = f"{step.origin.name} {said}{limit}"
         yield Row(depth, "way", _label(step), text, self._taken(number + 1, first), number)
         yield from self._range(number + 1, first, depth + 1)
@@ -162,6 +165,12 @@ def _ends(steps: Sequence[Step]) -> dict[int, tuple[int | None, int]]:
             case _:
                 pass
     return found | {begin: (middle, len(steps)) for begin, middle in opened}
+
+
+def offset_words(offset: Offset) -> str:
+    """Return the registers that shift a frame: `X DX, RZ TURN`."""
+    both = zip(SHIFTS, offset.registers, strict=True)
+    return ", ".join(f"{axis} {register}" for axis, register in both if register)
 
 
 def _said(step: When) -> str:

@@ -24,6 +24,7 @@ from yarclang.hir import (
     Loop,
     Motion,
     NextPass,
+    Offset,
     PoseDelta,
     Say,
     Search,
@@ -41,6 +42,7 @@ from yarclang.report.inspection.branches import Solution
 from yarclang.report.inspection.flow import flow_lines, when_set
 from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of, chain_pose
 from yarclang.report.inspection.limits import Limit, Pace
+from yarclang.report.inspection.outline import offset_words
 from yarclang.report.pictures.plot import printable
 from yarclang.report.pose_text import pose_text
 from yarclang.robot.kinematics.fk import tool_poses
@@ -125,6 +127,8 @@ def _told(inspected: Inspected, step: Step) -> str | None:
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
             return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines behind ELSE are carried out"
+        case When(offset=Offset() as offset):
+            return f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned and proved there when it runs, and refused into the ELSE; what stands here is the place without a shift"
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:

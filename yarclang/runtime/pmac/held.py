@@ -36,7 +36,7 @@ class Held:
     loops: dict[int, Passes] = field(default_factory=dict)
     """Loops, by the number of the leg before them."""
     flags: frozenset[str] = frozenset()
-    """Registers of searches, which no line names."""
+    """Registers of searches and OFFSETs, which no line names."""
     said: dict[str, str] = field(default_factory=dict)
     """The last remark for each place since something has moved."""
     outside: dict[str, Register] = field(default_factory=dict)
@@ -46,6 +46,8 @@ class Held:
     def of(cls, job: Job) -> Held:
         """Return the state at the beginning of a run."""
         flags = frozenset(one.flag for one in job.searches)
+        barriers = (leg.barrier for leg in job.legs)
+        flags |= {one.offset.flag for one in barriers if one is not None and one.offset is not None}
         outside = {one.name: one for one in job.registers if one.outside}
         return cls({one.name: one.first for one in job.registers}, {}, flags=flags, outside=outside)
 

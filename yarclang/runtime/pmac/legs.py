@@ -24,6 +24,7 @@ from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.outputs import Outputs
 from yarclang.runtime.pmac.rest import leave, stands_at
 from yarclang.runtime.pmac.searching import found_at
+from yarclang.runtime.pmac.shifting import shifted_by
 from yarclang.runtime.pmac.waiting import awaited, obey, wait_for_input, wait_for_operator, wait_until
 from yarclang.runtime.signals import state_text
 from yarclang.runtime.state import Event
@@ -110,6 +111,8 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
         try:
             if found:
                 anew = yield from found_at(operation, job, place, stands, held)
+            if leg.barrier.offset is not None:
+                anew = yield from shifted_by(operation, job, place, stands, held)
             before, place = place, (yield from _pass(operation, job, place, leg.barrier, held))
         except Stopped as stopped:
             ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))

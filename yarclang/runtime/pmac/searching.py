@@ -84,9 +84,10 @@ def _held_meanwhile(operation: Operation, name: str) -> Script[None]:
 def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
     """Return True if each job sets, waits and moves as one of the next legs does."""
     behind = [leg.job for leg in legs if leg.job is not None]
-    return all(_deeds(one) in [_deeds(other) for other in behind] for one in jobs)
+    return all(deeds(one) in [deeds(other) for other in behind] for one in jobs)
 
 
-def _deeds(job: Job) -> object:
+def deeds(job: Job) -> object:
+    """Return what a job sets, how long it stands still, and what it moves by."""
     sets = [(variable, value) for _, variable, value in job.sets]
     return sets, [seconds for _, seconds in job.dwells], [(one.index, one.name) for one in job.commands]

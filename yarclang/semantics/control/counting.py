@@ -170,7 +170,7 @@ class Counter:
                 commands, lines, rounds, deepest = self._repeat(node, file, scope, depth, needed)
             case "IF":
                 commands, lines, rounds, deepest = self._if(node, file, scope, depth, needed)
-            case "WHEN" | "CASE" | "LOOP" | "WHILE" | "WAIT" as word:
+            case "WHEN" | "CASE" | "LOOP" | "WHILE" | "WAIT" | "OFFSET" as word:
                 both = (*node.body, *(node.otherwise or ()))
                 commands, lines, rounds, deepest = self._nodes(both, file, Scope(scope), depth + 1, needed)
                 commands += _ofs(node) if word == "CASE" else 1
@@ -255,7 +255,7 @@ class Counter:
             elif word == "REPEAT":
                 number = repeats(head, counted(head)[1], scope, Collector(source))
                 total += (number or 0) * self._least_round(node, file, scope)
-            elif word in ("WHEN", "CASE", "LOOP", "WHILE", "WAIT"):
+            elif word in ("WHEN", "CASE", "LOOP", "WHILE", "WAIT", "OFFSET"):
                 total += Count(_ofs(node) if word == "CASE" else 1) + self._least(
                     (*node.body, *(node.otherwise or ())), file, scope
                 )

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
+from yarclang.cell.model import Cell
 from yarclang.decisions import Between, Constant, Register, RegisterValue, Value
 from yarclang.hir import (
     Assign,
@@ -30,6 +31,7 @@ from yarclang.hir import (
 from yarclang.semantics.actions import read_when
 from yarclang.semantics.control.cases import ways_of
 from yarclang.semantics.control.repeats import repeats
+from yarclang.semantics.control.shifting import offset_of, shift_steps
 from yarclang.semantics.files import File, values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import Scope
@@ -38,6 +40,9 @@ from yarclang.syntax.ast import Block, Node, Statement, Word
 
 SEARCHES = "SEARCH_"
 """First part of the names of registers that are 1 after a search has found its input."""
+
+OFFSETS = "OFFSET_"
+"""First part of the names of registers that are 1 if what an OFFSET shifts can be carried out."""
 
 COUNTER = "REPEAT_"
 """First part of the names of registers that count the passes of a REPEAT."""
@@ -86,7 +91,7 @@ class Decided:
 
     Args:
         steps: steps of the program; receives the new ones.
-        registers: registers of the program; receives those of REPEAT, RETURN and searches.
+        registers: registers of the program; receives those of REPEAT, RETURN, OFFSET and searches.
         carry_out: carries out lines of a file.
         count: counts a command that is carried out, and the length of a line outside of loops and SUBs.
     """
@@ -264,6 +269,35 @@ class Decided:
                 otherwise()
                 self._way_ended()
         self._steps.append(EndWhen(end))
+
+    def offset(self, block: Block, file: File, scope: Scope, cell: Cell | None) -> None:
+        """Carry out an OFFSET: a WHEN that is decided by whether its lines can be carried out where the frame
+        is. Without an ELSE the program ends if they can't.
+        """
+        around, begin = file.findings.place, len(self._steps)
+        flag = self._own_register(OFFSETS, 0, 1).name
+        shifted = offset_of(block.head, scope, cell, flag, file.findings)
+        if shifted is None:
+            self._steps.append(Gap())
+            return
+        origin = _origin(block.head, "OFFSET", file, around)
+        condition = Between("=", RegisterValue(flag), Constant(1.0))
+        self._steps.append(When(origin, condition, offset=shifted))
+        self._count(block.head, file)
+        with self._parted():
+            self._carry_out(block.body, file, Scope(scope))
+            ended = [self._way_ended()]
+            shift_steps(self._steps, begin, file.findings)
+            self._steps.append(Else(_origin(block.otherwise_head or block.head, "ELSE", file, around)))
+            if block.otherwise is None:
+                why = f"what is given in {{{shifted.name}}} can't be carried out where it is"
+                self._steps.append(Finish(origin, fails=True, text=why))
+                self.end(Ended(why, "write an ELSE"))
+            else:
+                self._carry_out(block.otherwise, file, Scope(scope))
+            ended.append(self._way_ended())
+        self._meet(ended)
+        self._steps.append(EndWhen(_origin(block.end or block.head, "END", file, around)))
 
     def case(self, block: Block, file: File, scope: Scope) -> None:
         """Carry out a CASE.

@@ -106,7 +106,7 @@ def declared_names(module: Module, context: Context) -> Scope:
     return file.scope
 
 
-_NO_COMMANDS = DECLARATIONS - {"WHEN", "OF", "LOOP", "WHILE", "UNTIL"}
+_NO_COMMANDS = DECLARATIONS - {"WHEN", "OF", "LOOP", "WHILE", "UNTIL", "OFFSET"}
 """Words of lines that don't count as commands."""
 
 
@@ -201,6 +201,8 @@ class _Unroller:
                 self._decided.case(block, file, scope)
             case "WAIT":
                 self._wait(block, file, scope, place)
+            case "OFFSET":
+                self._decided.offset(block, file, scope, self._declaring.cells.cell)
             case _ if block.head.waits_else:
                 self._search(block, file, scope, place)
             case "LOOP":

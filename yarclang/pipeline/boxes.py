@@ -1,0 +1,85 @@
+"""The boxes of OFFSETs, tried before a program runs: their corners, the middles of their edges, and a grid."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import product
+
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import Offset, Origin, Program, When
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.shifting import said, shifted_program
+from yarclang.pipeline.stages import Request
+from yarclang.progress import each
+
+MOST_TRIED = 400
+"""Most places that are tried for one program."""
+
+_HELP = "the runtime refuses such a place before anything moves, into the ELSE; a smaller range of the registers, or another way in, lets all of the box be carried out"
+
+
+@dataclass(slots=True)
+class _Told:
+    """What was found about the OFFSETs of one line: in a loop there are several."""
+
+    origin: Origin
+    tried: int = 0
+    faults: list[str] = field(default_factory=list)
+
+
+def box_findings(plan: MotionPlan, request: Request) -> Iterator[Diagnostic]:
+    """Yield a finding for each OFFSET that can't be carried out everywhere in the box of its registers.
+
+    Args:
+        plan: the program.
+        request: tolerance and longest segment time with which the program was planned.
+    """
+    asked = Request(request.robot, tm=request.tm, tolerance=request.tolerance)
+    steps = plan.program.steps
+    boxes: list[tuple[When, Offset, int, list[tuple[int, ...]]]] = []
+    for at, step in enumerate(steps):
+        if isinstance(step, When) and step.offset is not None:
+            first = next((n for n, motion in enumerate(plan.motions) if motion.step > at), None)
+            if first is not None:
+                boxes.append((step, step.offset, first, places_of(step.offset, plan.program)))
+    # the corners of all boxes come first
+    wanted = [(place, number) for number, (*_, places) in enumerate(boxes) for place in enumerate(places)]
+    wanted.sort(key=lambda one: (not _is_corner(boxes[one[1]], one[0][1]), one[1], one[0][0]))
+    told: dict[tuple[object, object], _Told] = {}
+    for (_, values), number in each(wanted[:MOST_TRIED]):
+        when, offset, first, _ = boxes[number]
+        origin = when.origin
+        one = told.setdefault((origin.source.name, origin.span), _Told(origin))
+        one.tried += 1
+        made = shifted_program(plan, first, plan.motions[first].curve.points[0], values, asked)
+        if isinstance(made, str):
+            one.faults.append(f"with {{{offset.name}}} shifted by {said(values, offset)}: {made}")
+    for one in told.values():
+        if one.faults:
+            message = f"{len(one.faults)} of {one.tried} places in the box of this OFFSET can't be carried out; {one.faults[0]}"
+            yield Diagnostic(
+                "Y0508", message, one.origin.source, one.origin.span, _HELP, place=one.origin.place
+            )
+    if len(wanted) > MOST_TRIED:
+        origin = boxes[0][0].origin
+        message = f"{len(wanted) - MOST_TRIED} of {len(wanted)} places in the boxes of the program's OFFSETs weren't tried"
+        help_ = "the runtime plans and proves each place before it moves, whether it was tried or not"
+        yield Diagnostic("Y0509", message, origin.source, origin.span, help_)
+
+
+def places_of(offset: Offset, program: Program) -> list[tuple[int, ...]]:
+    """Return the corners of the box, the middles between them, and those between these, as values of
+    `SHIFTS`.
+    """
+    ranges = {one.name: (one.low, one.high) for one in program.registers}
+    axes: list[Sequence[int]] = []
+    for name in offset.registers:
+        low, high = ranges[name] if name else (0, 0)
+        axes.append(sorted({low, (low + high) // 2, high}))
+    return list(product(*axes))
+
+
+def _is_corner(box: tuple[When, Offset, int, list[tuple[int, ...]]], values: tuple[int, ...]) -> bool:
+    places = box[3]
+    return all(value in (places[0][axis], places[-1][axis]) for axis, value in enumerate(values))

@@ -1,0 +1,223 @@
+"""The lines of an OFFSET, planned and proved where registers have shifted its frame."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Parts, Present
+from yarclang.decisions import SHIFTS
+from yarclang.diagnostics import Diagnostic, has_errors
+from yarclang.handling.parts import shift
+from yarclang.handling.present import are_same, presently
+from yarclang.handling.runs import BEFORE
+from yarclang.hir import (
+    Array,
+    AvoidMove,
+    Else,
+    FrameLink,
+    Goal,
+    JointGoal,
+    JointMove,
+    LineMove,
+    Motion,
+    Offset,
+    PoseDelta,
+    PoseGoal,
+    PoseSplineMove,
+    Program,
+    SetOutput,
+    SplineMove,
+    Step,
+    When,
+)
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.parts import compiled_part, followed_plan, leaving_before, parts_before
+from yarclang.pipeline.stages import Compiled, Request
+from yarclang.runtime.actions import Replanned
+from yarclang.transforms import constant, pose_matrix
+from yarclang.units import DEG, MM
+
+STEP_MM, STEP_DEG = 0.01, 0.01
+"""Units of the registers of an OFFSET [mm, deg]."""
+
+_SAME = 1e-6
+"""Tolerance between the end of the new plan and the program's own place [rad or m]."""
+
+
+def shifted(
+    plan: MotionPlan, number: int, here: Array, values: Sequence[int], request: Request
+) -> Replanned | str:
+    """Return the lines to stream for an OFFSET.
+
+    Args:
+        plan: the program.
+        number: number of its first motion.
+        here: (n,) where the robot stands [rad or m].
+        values: for each of `SHIFTS` the value of its register; 0 without one.
+        request: tolerance and longest segment time with which the program was planned.
+
+    Returns:
+        A text with the reason instead, if it can't be done.
+    """
+    made = shifted_program(plan, number, here, values, request)
+    if isinstance(made, str):
+        return made
+    job = job_of_compiled(made, plan.program.source.name)
+    jobs = tuple(leg.job for leg in job.legs if leg.job is not None) if job.legs else (job,)
+    return Replanned(jobs, 0.0)
+
+
+def shifted_program(
+    plan: MotionPlan, number: int, here: Array, values: Sequence[int], request: Request
+) -> Compiled | str:
+    """Plan and prove the lines of an OFFSET. Arguments and returned texts are those of `shifted`."""
+    whole = plan.program
+    begin, end = around(whole.steps, plan.motions[number].step)
+    when = whole.steps[begin]
+    assert isinstance(when, When)
+    assert when.offset is not None
+    offset, cell = when.offset, whole.cell
+    moved = pose_matrix(numbers_of(values).tolist())
+    own = [motion for motion in plan.motions if begin < motion.step < end]
+    last, leads = own[-1], own[-1].waypoints[-1]
+    steps = tuple(
+        _ending(step, leads) if at == last.step else step
+        for at, step in enumerate(carried(whole.steps[begin + 1 : end], offset, values), begin + 1)
+    )
+    parts = parts_before(plan, begin)
+    if cell is not None and parts is not None:
+        leaving = leaving_before(plan, own[0].step, parts)
+        cell = presently(cell, Present(_lying(parts, offset, moved), leaving))
+    program = Program(
+        whole.source, here, steps, whole.outputs, cell, registers=whole.registers, watches=whole.watches
+    )
+    made = compiled_part(program, request)
+    if made.value is None or has_errors(made.diagnostics):
+        return next((_told(one, steps) for one in made.diagnostics if one.is_error), "it can't be planned")
+    stands = made.value.plan.motions[-1].waypoints[-1]
+    if float(np.abs(stands - leads).max()) > _SAME:
+        origin = whole.steps[last.step].origin  # type: ignore[union-attr]  # a motion has one
+        return f"{origin.label or origin.name} ends in another configuration than without the shift"
+    return _left_elsewhere(plan, made.value, end) or made.value
+
+
+def around(steps: Sequence[Step], inside: int) -> tuple[int, int]:
+    """Return the numbers of the When and the Else of the OFFSET around a step."""
+    begin = next(at for at in range(inside, -1, -1) if isinstance(one := steps[at], When) and one.offset)
+    return begin, next(at for at in range(begin, len(steps)) if isinstance(steps[at], Else))
+
+
+def numbers_of(values: Sequence[int]) -> Array:
+    """Return x y z [m] and roll pitch yaw [rad] (6,) of values of registers."""
+    x, y, z, turn = values
+    return constant(np.array([*(one * STEP_MM * MM for one in (x, y, z)), 0.0, 0.0, turn * STEP_DEG * DEG]))
+
+
+def said(values: Sequence[int], offset: Offset) -> str:
+    """Return a shift in words: `X 12.50 mm, RZ -3.00 deg`."""
+    return ", ".join(
+        f"{axis} {value * STEP_MM:.2f} {'deg' if axis == 'RZ' else 'mm'}"
+        for axis, value, register in zip(SHIFTS, values, offset.registers, strict=True)
+        if register
+    )
+
+
+def carried(steps: Sequence[Step], offset: Offset, values: Sequence[int]) -> tuple[Step, ...]:
+    """Return the steps of an OFFSET with their goals where the shifted frame carries them.
+
+    The frames in which goals are told get the shift as one more frame, so that the judge computes each goal
+    by itself.
+    """
+    if not any(values):
+        return tuple(steps)
+    carrying = _Carrying(offset, numbers_of(values))
+    return tuple(carrying.step(one) if isinstance(one, Motion) else one for one in steps)
+
+
+class _Carrying:
+    """Goals that a shifted frame carries along."""
+
+    def __init__(self, offset: Offset, numbers: Array) -> None:
+        self._offset, self._numbers = offset, numbers
+        self._own = constant(pose_matrix(numbers.tolist()))
+        placed = offset.base_from_frame
+        self._base = placed @ self._own @ np.linalg.inv(placed)
+        self._links: dict[int, tuple[FrameLink, FrameLink]] = {}
+
+    def step(self, step: Motion) -> Motion:
+        match step:
+            case SplineMove() | PoseSplineMove():
+                goals = tuple(map(self._goal, step.waypoints))
+                return replace(step, waypoints=goals)  # type: ignore[arg-type]  # each goal keeps its kind
+            case JointMove() | AvoidMove() | LineMove():
+                return replace(step, goal=self._goal(step.goal))  # type: ignore[arg-type]
+        return step
+
+    def _goal(self, goal: Goal) -> Goal:
+        if not isinstance(goal, PoseGoal | PoseDelta) or not goal.shifted:
+            return goal
+        told = goal.told and replace(goal.told, base=self._link(goal.told.base))
+        if isinstance(goal, PoseDelta):
+            return replace(goal, axes=constant(self._base[:3, :3] @ goal.axes), told=told, shifted=False)
+        placed = constant(self._base @ goal.base_from_moving)
+        return replace(goal, base_from_moving=placed, told=told, shifted=False)
+
+    def _link(self, link: FrameLink) -> FrameLink:
+        """Return a frame that the shifted frame carries along."""
+        known = self._links.get(id(link))
+        if known is None:
+            known = link, self._moved(link)
+            self._links[id(link)] = known
+        return known[1]
+
+    def _moved(self, link: FrameLink) -> FrameLink:
+        frame = self._offset.link
+        if frame is not None and link.is_same(frame):
+            return FrameLink(f"{link.name} SHIFTED", self._own, link, told=self._numbers)
+        assert link.parent is not None, "a shifted goal is given in the frame, or in one that is given in it"
+        return replace(link, parent=self._link(link.parent))
+
+
+def _ending(step: Step, leads: Array) -> Step:
+    """Return the last motion, which of several solutions takes the program's."""
+    return replace(step, goal=JointGoal(leads)) if isinstance(step, JointMove | AvoidMove) else step
+
+
+def _lying(parts: Parts, offset: Offset, own: Array) -> Parts:
+    """Return the parts with those moved that lie in the frame, where the cell's file has them.
+
+    Args:
+        parts: the parts where the program has them.
+        offset: the frame.
+        own: (4, 4) its shift in its own axes.
+    """
+    placed = offset.base_from_frame
+    expected = tuple(replace(one, taken=BEFORE) for one in parts.expected)
+    there = replace(parts, expected=expected)
+    return shift(there, offset.parts, placed @ own @ np.linalg.inv(placed), BEFORE)
+
+
+def _left_elsewhere(plan: MotionPlan, made: Compiled, end: int) -> str:
+    """Return a text if a part is left elsewhere than the program has it after the OFFSET; else an empty one."""
+    after, meant = followed_plan(made.plan), parts_before(plan, end)
+    if after is None or meant is None or are_same(after.end, meant):
+        return ""
+    left = {one.name: one for one in after.end.items}
+    for one in meant.items:
+        other = left.pop(one.name, None)
+        if other is None or other.gripper != one.gripper:
+            return f"the gripper doesn't take or leave {one.name} as it does without the shift"
+        if not np.allclose(other.transform, one.transform, rtol=0.0, atol=1e-5):
+            return f"{one.name} stays where the shift has it, and the lines after the OFFSET are proved with it elsewhere"
+    return "parts are left elsewhere than without the shift"
+
+
+def _told(one: Diagnostic, steps: Sequence[Step]) -> str:
+    """Return a finding with the command that it is about."""
+    origins = (step.origin for step in steps if isinstance(step, Motion | SetOutput))
+    label = next((at.label for at in origins if at.span == one.span and at.source is one.source), "")
+    return f"{label}: {one.message}" if label else one.message

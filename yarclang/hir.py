@@ -535,11 +535,16 @@ class Dwell:
 
 @frozen
 class SetOutput:
-    """An output that takes a value after the motion before has ended."""
+    """An output that takes a value after the motion before has ended.
+
+    `tool` is set if the output is a tool changer's lock, and TOOL says which tool is on the flange afterwards;
+    empty for none.
+    """
 
     origin: Origin
     output: Signal
     value: float
+    tool: str | None = None
 
 
 @frozen

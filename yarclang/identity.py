@@ -207,6 +207,11 @@ _LATER: dict[str, object] = {
     "or_less": False,
     "step": None,
     "outside": False,
+    "of_tool": False,
+    "weight": None,
+    "rack": None,
+    "tool": None,
+    "changes": False,
 }
 """Fields added after programs had been hashed, with their default values.
 

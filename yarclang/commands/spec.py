@@ -168,18 +168,36 @@ class ActionForm:
 
 
 @frozen
+class ToolChange:
+    """A change of the tool on the flange.
+
+    Attributes:
+        tool: name of the tool that is on the flange afterwards; empty for none.
+        lock: output of the changer.
+        value: the output's value from then on.
+    """
+
+    tool: str
+    lock: Signal
+    value: float
+
+
+ActionValue = Signal | float | str | ToolChange
+
+
+@frozen
 class ActionArguments:
     """A checked action in SI: the argument of its `build`.
 
     Attributes:
         origin: the command.
-        values: values of its form's slots: a `Signal`, a number for a state, or a str.
+        values: values of its form's slots: a `Signal`, a number for a state, a `ToolChange`, or a str.
         seconds: the time after the values [s]; None without one.
         report: adds a finding at the command, from code, message and help.
     """
 
     origin: Origin
-    values: tuple[Signal | float | str, ...]
+    values: tuple[ActionValue, ...]
     seconds: float | None
     report: Callable[[str, str, str], object]
 

@@ -25,6 +25,8 @@ class Slot(Enum):
     REGISTER = "register"
     REACTION = "reaction"
     """Reaction to a watched input: HOLD."""
+    TOOL = "tool"
+    """A tool of the cell that can be changed, or NONE."""
 
     @property
     def is_signal(self) -> bool:

@@ -168,8 +168,34 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
+@frozen
+class RackTool:
+    """A tool of the cell that can be changed.
+
+    Attributes:
+        name: the tool.
+        lock: the output of the changer.
+        locks_at: its value while it holds a tool.
+    """
+
+    name: str
+    lock: Signal
+    locks_at: float
+
+
 Named = (
-    Amount | Table | Places | Formula | JointPosition | Pose | Register | Input | Output | Routine | Library
+    Amount
+    | Table
+    | Places
+    | Formula
+    | JointPosition
+    | Pose
+    | Register
+    | Input
+    | Output
+    | RackTool
+    | Routine
+    | Library
 )
 
 KINDS: dict[type, str] = {
@@ -182,6 +208,7 @@ KINDS: dict[type, str] = {
     Pose: "a pose",
     Input: "an input",
     Output: "an output",
+    RackTool: "a tool",
     Routine: "a SUB",
     Library: "a module",
 }

@@ -15,6 +15,9 @@ from yarclang.toml.file import did_you_mean
 from yarclang.toml.places import Path
 from yarclang.transforms import constant
 
+NO_TOOL = "NONE"
+"""What a program writes instead of a tool's name if no tool is on the flange afterwards."""
+
 LOCK_REACH = 0.0005
 """Distance of the flange from a tool's place at which a changer locks, if its file gives none [m]."""
 
@@ -162,7 +165,10 @@ def weight_of(tool: Tool) -> Weight:
 def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> Tool | None:
     file = around.measures.file
     tool = next((one for one in robot.tools if one.name == name.upper()), None)
-    if tool is None:
+    if name.upper() == NO_TOOL:
+        message = f"A tool can't be called {NO_TOOL}: TOOL {NO_TOOL} puts the tool back."
+        file.say("Y1310", (*path, "name"), message, "Choose another name, in robot.toml too.")
+    elif tool is None:
         known = [one.name for one in robot.tools]
         message = f"{name[:40]} is no tool of {robot.name}."
         remedy, subject = did_you_mean(name.upper(), known)

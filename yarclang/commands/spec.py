@@ -214,6 +214,7 @@ class ActionSpec:
         build: makes the steps, carried out one after the other. All of them have the origin of the arguments.
         forms: the sets of values that it takes, each with another number of values.
         examples: lines without an index; their signals must be declared first.
+        may_be_a_name: True if other things may be called so: programs had the name before the word was there.
     """
 
     name: str
@@ -223,6 +224,7 @@ class ActionSpec:
     build: Callable[[ActionArguments], tuple[Action, ...]]
     forms: tuple[ActionForm, ...]
     examples: tuple[str, ...]
+    may_be_a_name: bool = False
 
     @property
     def fullest(self) -> ActionForm:

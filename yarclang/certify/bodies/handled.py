@@ -8,6 +8,7 @@ from yarclang import hir
 from yarclang.cell.model import Cell, Parts
 from yarclang.certify.bodies.tools import changed, tool_findings
 from yarclang.certify.read.layout import Layout
+from yarclang.certify.read.tools import tools_again
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.frozen import frozen
 from yarclang.handling.grasp import Grasp
@@ -63,7 +64,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     findings += _computed(handling)
     findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
-    findings += tool_findings(handling, found, robot)
+    findings += tool_findings(handling, found, robot, tools_again(handling, start, ends))
     return Handled(program.cell, found.cells, carried), findings
 
 

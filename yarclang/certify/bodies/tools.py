@@ -56,7 +56,9 @@ def _away(name: str, grasp: Grasp) -> str:
     )
 
 
-def tool_findings(handling: Handling, found: Followed, robot: Robot) -> list[Diagnostic]:
+def tool_findings(
+    handling: Handling, found: Followed, robot: Robot, again: Mapping[int, str]
+) -> list[Diagnostic]:
     """Return findings about what TOOL says, ways that meet with different tools, and frames of tools that aren't
     on the flange.
 
@@ -64,11 +66,15 @@ def tool_findings(handling: Handling, found: Followed, robot: Robot) -> list[Dia
         handling: the program.
         found: the result of following it by the text's motions.
         robot: the robot.
+        again: the tool on the flange during each motion, by its step, as `yarclang.certify.read.tools` has it.
     """
     if handling.cell is None or not handling.cell.tools:
         return []
     findings = [*_other_than_said(handling, found), *_not_agreed(handling, found)]
-    return list(grouped([*findings, *_frames(handling, found.before, robot)]))
+    findings += _frames(handling, found.before, robot)
+    if not findings and not found.unlike:
+        findings += _contradicted(handling, found.before, again)
+    return list(grouped(findings))
 
 
 def _other_than_said(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
@@ -96,6 +102,21 @@ def _other_than_said(handling: Handling, found: Followed) -> Iterator[Diagnostic
             yield _finding("Y0951", message, step.origin, "put it back into its place before")
 
 
+def _contradicted(
+    handling: Handling, before: Mapping[int, Parts], again: Mapping[int, str]
+) -> Iterator[Diagnostic]:
+    """Yield a finding for the first motion on which another tool is on the flange when the ways of the text are
+    followed a second time.
+    """
+    for number in sorted(before):
+        step, on = handling.steps[number], before[number].tools
+        if number in again and on != ((again[number],) if again[number] else ()):
+            assert isinstance(step, hir.Motion)  # only motions have a state before them
+            message = f"{again[number] or NOBODY} is on the flange in this motion, and its bodies are those of {' and '.join(on) or NOBODY}"
+            yield _finding("Y1194", message, step.origin, "")
+            return
+
+
 def _stands(parts: Parts, name: str) -> bool:
     return any(
         one.name == name and one.part.rack is not None and one.pose == one.part.rack.base_from_body.tobytes()
@@ -107,7 +128,7 @@ def _not_agreed(handling: Handling, found: Followed) -> Iterator[Diagnostic]:
     for number, parted in found.parted.items():
         step, began = handling.steps[number], parted.began
         one, other = (name or NOBODY for name in parted.tools)
-        where = f"{began.origin.name} in line {began.origin.span.start_line}"
+        where = f"{began.origin.name} in line {began.origin.span.line}"
         message = f"ways meet here that part at {where}: {one} is on the flange on one, {other} on another"
         assert not isinstance(step, hir.Gap)  # ways meet at steps of their own
         yield _finding("Y0953", message, step.origin, _AGREE)

@@ -18,5 +18,6 @@ COMMAND = ActionSpec(
     wants="a tool of the cell, or NONE",
     build=_build,
     forms=(ActionForm((Slot.TOOL,)),),
-    examples=("TOOL NONE",),
+    examples=("TOOL GRIPPER",),
+    may_be_a_name=True,
 )

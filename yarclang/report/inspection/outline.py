@@ -182,6 +182,8 @@ def _text(step: Step) -> str:
             return f"{step.origin.name} UNTIL {name}"
         case MotionHead() | Dwell() | Exit() | Stop():
             return step.origin.name
+        case SetOutput(tool=str(tool)):
+            return f"TOOL {tool or 'NONE'}"
         case SetOutput(output=output, value=value):
             return f"SET {output.name} {value:.9g}"
         case Assign(target=target, value=value):

@@ -108,7 +108,9 @@ def played(name, held=None, folder=EXAMPLES, outputs=None, within=600.0, stop=No
     Returns:
         The world that the example was run in, its end, its job, and the operator.
     """
-    opened = open_program(str(folder / name), Options(robot=None if name in OWN_ROBOT else "INDUSTRIAL6")).value
+    opened = open_program(
+        str(folder / name), Options(robot=None if name in OWN_ROBOT else "INDUSTRIAL6")
+    ).value
     compiled = compile_module(opened.module, opened.request).value
     robot = opened.request.robot
     job = job_of_compiled(compiled, name)

@@ -39,7 +39,8 @@ def lines(*parts):
 def text_of(*parts):
     words = ("WHEN", "ELSE", "END", "LOOP", "UNTIL", "REPEAT", "SUB", "OUTPUT", "REGISTER")
     numbered = [
-        line if line.startswith(words) else f"P{10 * at:04d} {line}" for at, line in enumerate(lines(*parts), 1)
+        line if line.startswith(words) else f"P{10 * at:04d} {line}"
+        for at, line in enumerate(lines(*parts), 1)
     ]
     return HEAD + "\n".join(numbered) + "\n"
 

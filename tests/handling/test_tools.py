@@ -1,29 +1,26 @@
 """Tools that a program changes: which is on the flange when, where it may be changed, and what its mass, bodies and frames then are."""
 
-import re
 from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
 import pytest
+from floors import exercises
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-from floors import exercises
 from programs import codes
+
 from tests.certify.forging import Forger
 from tests.handling.changing import IN, OUT, OVER, errors, made, put, robot, take, text_of, written
 from tests.robot.heavy_chains import heavy
-from yarclang.cell.model import Part
 from yarclang.cell.tools import weight_of
 from yarclang.certify.bodies.handled import tools_again
 from yarclang.certify.certifying import certify
 from yarclang.handling.racks import apart, is_in_place
-from yarclang.handling.surroundings import load_cases, surroundings
+from yarclang.handling.surroundings import load_cases
 from yarclang.handling.walk import followed, handling_of
 from yarclang.hir import Motion, SetOutput
 from yarclang.pipeline.cells import cell_loader
-from yarclang.pipeline.stages import Request
 from yarclang.report.carried import carried_in_plan
 from yarclang.robot.dynamics import torques
 from yarclang.robot.model import Tool, ToolShape
@@ -115,7 +112,11 @@ def test_within_its_reach_the_changer_takes_a_tool_exactly(tmp_path):
 
 
 def test_a_tool_may_not_be_put_back_with_a_part(tmp_path):
-    grip = ["MOVEJ_RPY {FINGERS} 0 0 150 0 0 0 {BLOCK}", "MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}", "SET GRIP ON"]
+    grip = [
+        "MOVEJ_RPY {FINGERS} 0 0 150 0 0 0 {BLOCK}",
+        "MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}",
+        "SET GRIP ON",
+    ]
     grip += ["MOVEL {FINGERS} 0 0 150 0 0 0 [2] {BLOCK}"]
     found = errors(made(tmp_path, take("GRIPPER"), grip, put("GRIPPER")))
     assert any(one.code == "Y0952" and "holds BLOCK" in one.message for one in found)
@@ -126,13 +127,19 @@ def test_the_fingers_of_a_tool_may_touch_what_they_take(tmp_path):
     fingers = {'frame = "BLOCK"\nsize = [60, 60, 60]': 'frame = "BLOCK"\nsize = [70, 60, 60]'}
     way = ["MOVEJ_RPY {FINGERS} 0 0 150 0 0 0 {BLOCK}", "MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}"]
     grip = [*way, "SET GRIP ON", "MOVEL {FINGERS} 0 0 150 0 0 0 [2] {BLOCK}"]
-    drop = ["MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}", "SET GRIP OFF", "MOVEL {FINGERS} 0 0 150 0 0 0 [2] {BLOCK}"]
+    drop = [
+        "MOVEL {FINGERS} 0 0 0 0 0 0 [2] {BLOCK}",
+        "SET GRIP OFF",
+        "MOVEL {FINGERS} 0 0 150 0 0 0 [2] {BLOCK}",
+    ]
     assert errors(made(tmp_path, take("GRIPPER"), grip, drop, changes=fingers)) == []
     assert "Y0901" in codes(errors(made(tmp_path, take("GRIPPER"), way, changes=fingers)))
 
 
 def test_ways_that_meet_with_different_tools_are_told_with_both(tmp_path):
-    result = made(tmp_path, "MOVEJ READY", "WHEN GOOD ON", take("GRIPPER"), "MOVEJ READY", "END", "MOVEJ READY")
+    result = made(
+        tmp_path, "MOVEJ READY", "WHEN GOOD ON", take("GRIPPER"), "MOVEJ READY", "END", "MOVEJ READY"
+    )
     (found,) = [one for one in errors(result) if one.code == "Y0953"]
     assert "no tool is on the flange on one, GRIPPER on another" in found.message
     assert "WHEN in line" in found.message
@@ -147,7 +154,15 @@ def test_each_way_may_change_its_own_tool_and_put_it_back(tmp_path):
 def test_a_pass_of_a_loop_ends_with_the_tool_of_its_beginning(tmp_path):
     loop = ["MOVEJ READY", "LOOP", take("GRIPPER"), "MOVEJ READY", "UNTIL GOOD ON"]
     assert "Y0948" in codes(errors(made(tmp_path, loop)))
-    back = ["MOVEJ READY", "LOOP", take("GRIPPER"), put("GRIPPER"), "MOVEJ READY", "UNTIL GOOD ON", put("GRIPPER")]
+    back = [
+        "MOVEJ READY",
+        "LOOP",
+        take("GRIPPER"),
+        put("GRIPPER"),
+        "MOVEJ READY",
+        "UNTIL GOOD ON",
+        put("GRIPPER"),
+    ]
     assert "Y0948" not in codes(errors(made(tmp_path, back)))
 
 
@@ -173,7 +188,7 @@ ZONE = '\n[[zones]]\nname = "ROOM"\nrule = "allowed"\nshape = "box"\nframe = "B"
 
 
 def test_a_zone_that_watches_the_tool_wants_one_that_is_there(tmp_path):
-    watched = {"[[obstacles]]\nname = \"RACK_POST\"": f"{ZONE}[[obstacles]]\nname = \"RACK_POST\""}
+    watched = {'[[obstacles]]\nname = "RACK_POST"': f'{ZONE}[[obstacles]]\nname = "RACK_POST"'}
     assert "Y0954" in codes(errors(made(tmp_path, "MOVEJ {CUP} READY", changes=watched)))
     assert errors(made(tmp_path, "MOVEJ {FLANGE} READY", changes=watched)) == []
     assert errors(made(tmp_path, "MOVEJ {CUP} READY")) == []
@@ -206,7 +221,10 @@ def test_a_rack_that_is_wrong_is_told_at_its_line(tmp_path, old, new, code):
 
 
 def test_two_tools_on_the_flange_at_the_start_are_told(tmp_path):
-    both = {"xyz = [-150, 0, 0]": "xyz = [-150, 0, 0]\non = true", "xyz = [150, 0, 0]": "xyz = [150, 0, 0]\non = true"}
+    both = {
+        "xyz = [-150, 0, 0]": "xyz = [-150, 0, 0]\non = true",
+        "xyz = [150, 0, 0]": "xyz = [150, 0, 0]\non = true",
+    }
     written(tmp_path, both)
     assert "Y1378" in codes(cell_loader(tmp_path, robot())("cell.toml", None).diagnostics)
 
@@ -369,7 +387,9 @@ def again_is_the_same(result):
     if result.value is None:
         return
     plan = result.value.plan
-    ends = {motion.step: motion.curve.sample(np.array([motion.curve.duration]))[0][0] for motion in plan.motions}
+    ends = {
+        motion.step: motion.curve.sample(np.array([motion.curve.duration]))[0][0] for motion in plan.motions
+    }
     handling = handling_of(robot(), plan.program.cell, plan.program.steps)
     found = followed(handling, plan.program.start, ends)
     own = tools_again(handling, plan.program.start, ends)

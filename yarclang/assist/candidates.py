@@ -31,6 +31,7 @@ Kind = Literal[
     "input",
     "register",
     "output",
+    "tool",
     "sub",
     "module",
     "parameter",

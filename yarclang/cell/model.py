@@ -415,9 +415,7 @@ class Cell:
     @property
     def lock(self) -> CellOutput | None:
         """The output of the tool changer's lock; None if the cell has none."""
-        return next(
-            (one for one in self.outputs.values() if one.grip is not None and one.grip.changes), None
-        )
+        return next((one for one in self.outputs.values() if one.grip is not None and one.grip.changes), None)
 
     @property
     def tools(self) -> tuple[str, ...]:

@@ -34,7 +34,12 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
         return read_lock(table, path, around)
     key = "grips" if table.grips is not None else "removes"
     name = getattr(table, key)
-    for other, wanted in (("grips_at", "grips"), ("removes_at", "removes"), ("tool", "grips"), ("reach", key)):
+    for other, wanted in (
+        ("grips_at", "grips"),
+        ("removes_at", "removes"),
+        ("tool", "grips"),
+        ("reach", key),
+    ):
         if getattr(table, other) is not None and getattr(table, wanted) is None:
             message = f"The output {path[-1]} has {other}, and neither takes parts nor removes them."
             remedy = f'Add {wanted} = "FRAME", where it does so.'
@@ -50,7 +55,9 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
         around.measures.factor(around.measures.common, "length", (*path, "reach")) if table.reach else 1.0
     )
     own = own_frame(name, table, around)
-    frame = name.upper() if own else known_frame(name, (*path, key), {each: each for each in around.names}, file)
+    frame = (
+        name.upper() if own else known_frame(name, (*path, key), {each: each for each in around.names}, file)
+    )
     if frame is None or factor is None or (own is None and frame not in ROOTS and frame not in around.frames):
         return None
     mount = own or mount_of(frame, around.frames)

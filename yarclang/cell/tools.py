@@ -42,7 +42,9 @@ def read_lock(table: OutputTable, path: Path, around: Surroundings) -> Grip | No
         reach = table.reach * factor
     if not 0.0 < reach <= MOST_REACH:
         message = f"The lock {path[-1]} reaches {reach * 1e3:.4g} mm: more than 0 and at most {MOST_REACH * 1e3:g} mm is allowed."
-        file.say("Y1308", (*path, "reach"), message, "Tools are docked, not caught: teach their places better.")
+        file.say(
+            "Y1308", (*path, "reach"), message, "Tools are docked, not caught: teach their places better."
+        )
         return None
     if table.safe is not None and table.safe != table.locks_at:
         message = f"The lock {path[-1]} opens at each stop (safe), and drops the tool."
@@ -96,7 +98,7 @@ def read_tools(
             "Y1378",
             ("tools", 0),
             message,
-            'Give the changer\'s output locks_at = "ON": [outputs.LOCK] variable = "M1", locks_at = "ON".',
+            'Write locks_at = "ON" under the output of the changer, in [outputs].',
         )
     on = [at for at, one in enumerate(table.tools) if one.on]
     for at in on[1:]:
@@ -135,12 +137,8 @@ def _read_tool(
     first = tool.shapes[0]
     back = np.linalg.inv(first.flange_from_shape)
     more = tuple((constant(back @ one.flange_from_shape), one.shape) for one in tool.shapes[1:])
-    rack = RackTool(
-        place, first.flange_from_shape, more, frames, lock.variable, own, lock.grip.reach
-    )
-    mount = (
-        Mount(first.flange_from_shape, True) if table.on else Mount(constant(rack.base_from_body), False)
-    )
+    rack = RackTool(place, first.flange_from_shape, more, frames, lock.variable, own, lock.grip.reach)
+    mount = Mount(first.flange_from_shape, True) if table.on else Mount(constant(rack.base_from_body), False)
     body = Obstacle(
         tool.name,
         first.shape,
@@ -172,7 +170,9 @@ def _tool_named(name: str, path: Path, around: Surroundings, robot: Robot) -> To
         known = [one.name for one in robot.tools]
         message = f"{name[:40]} is no tool of {robot.name}."
         remedy, subject = did_you_mean(name.upper(), known)
-        remedy = remedy if known else f"Describe it in robot.toml: [tools.{name[:40].upper()}], mounted = false."
+        remedy = (
+            remedy if known else f"Describe it in robot.toml: [tools.{name[:40].upper()}], mounted = false."
+        )
         file.say("Y1378", (*path, "name"), message, remedy, subject)
     elif tool.mounted:
         message = f"{tool.name} is always on the flange of {robot.name}: robot.toml has it mounted."

@@ -163,7 +163,9 @@ def remove(parts: Parts, removal: Removal) -> Parts:
     items = tuple(
         one
         for one in parts.items
-        if one.gripper is not None or one.part.rack is not None or _distance(one.part.body.shape, one.transform, origin) > removal.reach
+        if one.gripper is not None
+        or one.part.rack is not None
+        or _distance(one.part.body.shape, one.transform, origin) > removal.reach
     )
     return replace(parts, items=items)
 
@@ -267,4 +269,3 @@ def doubtful(parts: Parts) -> Iterator[str]:
     """Yield the names of parts that may be at several places."""
     names = [one.name for one in parts.items]
     yield from dict.fromkeys(name for name in names if names.count(name) > 1)
-

@@ -63,9 +63,7 @@ def bodies_of(item: Item) -> tuple[Obstacle, ...]:
     """Return the bodies of a part or tool where it is. The mass of a tool belongs to the first one."""
     body, held = item.part.body, item.gripper is not None
     first, *more = item.solids
-    own = replace(
-        body, name=item.name, mount=Mount(constant(first[0].copy()), held), is_sure=item.is_sure
-    )
+    own = replace(body, name=item.name, mount=Mount(constant(first[0].copy()), held), is_sure=item.is_sure)
     return own, *(
         replace(own, shape=shape, mount=Mount(constant(placed), held), mass=None, weight=None)
         for placed, shape in more

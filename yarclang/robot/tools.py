@@ -102,7 +102,9 @@ def tools_of(
         own = tuple(shapes[name.upper()])
         mass = tool.mass or 0.0
         found.append(
-            Tool(name.upper(), tool.mounted, mass, constant(center), constant(inertia), own, tool.frame.upper())
+            Tool(
+                name.upper(), tool.mounted, mass, constant(center), constant(inertia), own, tool.frame.upper()
+            )
         )
     return tuple(found)
 

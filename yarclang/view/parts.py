@@ -12,7 +12,7 @@ from yarclang.cell.model import Item as Placed
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.executed import Executed
 from yarclang.report.carried import Carried, State, begins_in_text
-from yarclang.robot.model import Robot
+from yarclang.robot.model import Array, Robot
 from yarclang.view import colours
 from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Item, Scenes, Stage
@@ -129,9 +129,7 @@ def _unread(placed: Placed) -> str:
     return f"the shape of {placed.part.body.name} can't be read and isn't shown"
 
 
-def _item(
-    robot: Robot, placed: Placed, pose: Array, solid: Solid, begins: float, ends: float
-) -> Item:
+def _item(robot: Robot, placed: Placed, pose: Array, solid: Solid, begins: float, ends: float) -> Item:
     is_held = placed.gripper is not None
     if is_held:
         pose = robot.chain.base_from_flange @ pose

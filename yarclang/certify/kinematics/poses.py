@@ -128,8 +128,8 @@ def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
     yield from _wrong_tools(cell, robot)
     for grip in cell.grips.values():
         frame = cell.frames.get(grip.frame)
-        own = robot.flange_from_frame.get(grip.frame) if frame is None else frame.mount.transform
-        if own is not None and not _are_one(grip.flange_from_grip, own):
+        hangs = robot.flange_from_frame.get(grip.frame) if frame is None else frame.mount.transform
+        if hangs is not None and not _are_one(grip.flange_from_grip, hangs):
             yield f"the gripper in {{{grip.frame}}} isn't where its frame is"
 
 

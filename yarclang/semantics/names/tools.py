@@ -33,6 +33,8 @@ def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collecto
         if known
         else "declare it in the cell.toml, under [[tools]], and the changer's output with locks_at"
     )
-    what = "no cell with tools is named" if value.text.upper() == NO_TOOL else f"no tool is named {value.text}"
+    what = (
+        "no cell with tools is named" if value.text.upper() == NO_TOOL else f"no tool is named {value.text}"
+    )
     findings.add("Y0210", what, span, help_, subject=subject)
     return None

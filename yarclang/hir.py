@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -583,10 +584,15 @@ class Hold:
 
 @frozen
 class Say:
-    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N."""
+    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N.
+
+    If `teaches` isn't empty, the text is a name, and what is told, and kept under it, is where the robot stands:
+    its joints, or the pose of {TCP} in {B}.
+    """
 
     origin: Origin
     text: str
+    teaches: Literal["", "joints", "pose"] = ""
 
 
 @frozen

@@ -212,6 +212,7 @@ _LATER: dict[str, object] = {
     "rack": None,
     "tool": None,
     "changes": False,
+    "teaches": "",
 }
 """Fields added after programs had been hashed, with their default values.
 

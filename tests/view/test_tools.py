@@ -9,6 +9,8 @@ def test_all_bodies_of_a_changed_tool_are_drawn_where_it_is():
     items = [one for one in stage.items if one.name == "GRIPPER"]
     assert {one.colour for one in items} == {colours.TOOL}
     # in the rack, on the flange, and in the rack again
-    assert sorted((one.begins, one.joint) for one in items)[::3] == sorted({(one.begins, one.joint) for one in items})
+    assert sorted((one.begins, one.joint) for one in items)[::3] == sorted(
+        {(one.begins, one.joint) for one in items}
+    )
     times = sorted({one.begins for one in items})
     assert [len([one for one in items if one.begins == time]) for time in times] == [3, 3, 3]

@@ -15,6 +15,8 @@ from yarclang.runtime.actions import (
     Connect,
     Connected,
     Keep,
+    Teach,
+    Told,
     Late,
     Outcome,
     Replan,
@@ -84,6 +86,8 @@ class Session:
     Attributes:
         keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is
             kept.
+        teacher: keeps a place, and returns the line that declares it; raises OSError if it can't. None: places
+            can't be kept here.
         replanner: plans the rest after a search, from where the search has ended; None: the program isn't
             known here.
     """
@@ -109,6 +113,7 @@ class Session:
         self._reply_time = reply_time
         self.connector = connector
         self.keeper: Callable[[str, int], None] | None = None
+        self.teacher: Callable[[Teach], str] | None = None
         self.replanner: Callable[[Replan], Outcome] | None = None
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
@@ -162,6 +167,8 @@ class Session:
                         outcome = await self._connect()
                     case Keep(register=register, value=value):
                         outcome = await self._keep(register, value)
+                    case Teach():
+                        outcome = await self._teach(action)
                     case Replan():
                         outcome = await self._replan(action)
                     case _:
@@ -257,6 +264,15 @@ class Session:
         except OSError as error:
             return str(error)
         return None
+
+    async def _teach(self, wanted: Teach) -> Outcome:
+        """Keep a place. A disk may be slow: everything else continues meanwhile."""
+        if self.teacher is None:
+            return "places are kept for programs in files"
+        try:
+            return Told(await asyncio.get_running_loop().run_in_executor(None, self.teacher, wanted))
+        except OSError as error:
+            return str(error)
 
     async def _replan(self, wanted: Replan) -> Outcome:
         """Have the rest after a search planned. The robot stands, and everything else continues meanwhile."""

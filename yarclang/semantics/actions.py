@@ -33,6 +33,7 @@ from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.names.signals import input_named, output_named
+from yarclang.semantics.names.taught import taught_name
 from yarclang.semantics.names.tools import tool_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.values.amounts import AmountError, missing_unit
@@ -79,7 +80,9 @@ def read_action(
         return None
     steps = spec.build(ActionArguments(origin, known, seconds, report))
     if all(
-        _says_registers(step, given[0], scope, statement, findings) for step in steps if isinstance(step, Say)
+        _says_registers(step, given[0], scope, statement, findings)
+        for step in steps
+        if isinstance(step, Say) and not step.teaches
     ):
         return steps
     return None
@@ -365,6 +368,8 @@ def _value(
             return state_value(value, scope, statement, findings)
         case Slot.TOOL:
             return tool_named(value, scope, statement, findings)
+        case Slot.TAUGHT:
+            return taught_name(value, scope, statement, findings)
         case Slot.TEXT:
             return value.text.strip('"')
         case Slot.REACTION:

@@ -194,6 +194,8 @@ def _text(step: Step) -> str:
             return f"WAIT {in_words(condition)}"
         case Hold(text=text):
             return f'HOLD "{text}"' if text else "HOLD"
+        case Say(text=name, teaches=teaches) if teaches:
+            return f"{step.origin.name} {name}"
         case Say(text=text):
             return f'SAY "{text}"'
         case Finish(fails=fails, text=text):

@@ -183,6 +183,11 @@ class RackTool:
     locks_at: float
 
 
+@frozen
+class Taught:
+    """A place that JPOS or LPOS keeps: what it is, is known only when the program has run."""
+
+
 Named = (
     Amount
     | Table
@@ -194,6 +199,7 @@ Named = (
     | Input
     | Output
     | RackTool
+    | Taught
     | Routine
     | Library
 )
@@ -209,6 +215,7 @@ KINDS: dict[type, str] = {
     Input: "an input",
     Output: "an output",
     RackTool: "a tool",
+    Taught: "a place that is taught when the program runs",
     Routine: "a SUB",
     Library: "a module",
 }

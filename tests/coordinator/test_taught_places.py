@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from programs import checked, codes, compiled, robot_of
 
 import yarclang
-from programs import checked, codes, compiled, robot_of
 from tests.certify.forging import Forger
 from yarclang.certify.certifying import certify
 from yarclang.coordinator.kept_registers import registers_file
@@ -46,10 +46,10 @@ def test_what_is_taught_is_there_until_it_is_forgotten():
 def test_a_broken_database_is_told(tmp_path):
     registers_file().parent.mkdir(parents=True)
     registers_file().write_bytes(b"junk" * 999)
-    with pytest.raises(OSError, match="registers.sqlite"):
+    with pytest.raises(OSError, match=r"registers\.sqlite"):
         teach(robot_of("INDUSTRIAL6"), "ARM", "/cell/box", Teach("joints", "SPOT", np.zeros(6)))
     for use in (places, lambda: forget("/cell/box")):
-        with pytest.raises(Trouble, match="registers.sqlite"):
+        with pytest.raises(Trouble, match=r"registers\.sqlite"):
             use()
 
 

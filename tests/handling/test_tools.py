@@ -456,3 +456,19 @@ def test_what_is_in_place_is_within_reach_and_angle(distance, turn):
     assert apart(rack, flange) == pytest.approx((distance, turn), abs=1e-9)
     if abs(distance - 5e-4) > 1e-8 and abs(turn - np.deg2rad(0.5)) > 1e-8:
         assert is_in_place(rack, flange) == (distance < 5e-4 and turn < np.deg2rad(0.5))
+
+
+@pytest.mark.parametrize("line", ["OUTPUT MINE M1 OFF", "OUTPUT MINE M1..M4 2"])
+def test_no_stop_unlocks_the_changer(tmp_path, line):
+    """A second name of the lock's output may have a value for stops."""
+    found = errors(made(tmp_path, line, take("GRIPPER")))
+    assert any(one.code == "Y0952" and "drops the tool" in one.message for one in found), codes(found)
+    kept = line.replace("OFF", "ON").replace(" 2", " 3")
+    assert "Y0952" not in codes(errors(made(tmp_path, kept, take("GRIPPER"))))
+
+
+def test_a_cell_is_checked_without_its_robot(tmp_path):
+    from yarclang.cell.description import Names, load_cell
+
+    written(tmp_path, {})
+    assert not load_cell(tmp_path / "cell.toml", Names(lambda _: False)).diagnostics

@@ -66,11 +66,13 @@ def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
 
 def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | None:
     """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other frames
-    and grippers.
+    and grippers. Without a robot each such frame counts as one of it.
     """
     robot = around.robot
-    if table.tool is None or robot is None or name.upper() in around.names:
+    if table.tool is None or name.upper() in around.names:
         return None
+    if robot is None:  # any frame may be the robot's
+        return ROOTS["FLANGE"]
     placed = robot.flange_from_frame.get(name.upper())
     return None if placed is None else Mount(placed, True)
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from yarclang import hir
 from yarclang.cell.model import Cell, Parts
-from yarclang.certify.bodies.tools import changed, tool_findings
+from yarclang.certify.bodies.tools import changed, dropped_at_stops, tool_findings
 from yarclang.certify.read.layout import Layout
 from yarclang.certify.read.tools import tools_again
 from yarclang.diagnostics import Diagnostic, grouped
@@ -65,6 +65,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
     findings += tool_findings(handling, found, robot, tools_again(handling, start, ends))
+    findings += dropped_at_stops(program)
     return Handled(program.cell, found.cells, carried), findings
 
 

@@ -102,6 +102,23 @@ def _other_than_said(handling: Handling, found: Followed) -> Iterator[Diagnostic
             yield _finding("Y0951", message, step.origin, "put it back into its place before")
 
 
+def dropped_at_stops(program: hir.Program) -> Iterator[Diagnostic]:
+    """Yield findings about outputs that would unlock the tool changer at each stop."""
+    lock = None if program.cell is None else program.cell.lock
+    if lock is None or lock.grip is None:
+        return
+    for output in program.outputs:
+        if lock.variable not in {one.variable for one in output.signal.bits} or output.safe is None:
+            continue
+        bit = [one.variable for one in output.signal.bits].index(lock.variable)
+        value = output.safe if len(output.signal.bits) == 1 else float(int(output.safe) >> bit & 1)
+        if value != lock.grip.value:
+            name = output.signal.name
+            message = f"{name} ({lock.variable}) unlocks the tool changer at each stop, and drops the tool"
+            help_ = f"declare {name} without a value for stops, or without {lock.variable}"
+            yield Diagnostic("Y0952", message, program.source, help=help_)
+
+
 def _contradicted(
     handling: Handling, before: Mapping[int, Parts], again: Mapping[int, str]
 ) -> Iterator[Diagnostic]:

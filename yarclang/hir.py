@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import field
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -549,11 +550,16 @@ class Dwell:
 
 @frozen
 class SetOutput:
-    """An output that takes a value after the motion before has ended."""
+    """An output that takes a value after the motion before has ended.
+
+    `tool` is set if the output is a tool changer's lock, and TOOL says which tool is on the flange afterwards;
+    empty for none.
+    """
 
     origin: Origin
     output: Signal
     value: float
+    tool: str | None = None
 
 
 @frozen
@@ -592,10 +598,15 @@ class Hold:
 
 @frozen
 class Say:
-    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N."""
+    """A message to the operator, without a wait. `{N}` in the text stands for the value of the register N.
+
+    If `teaches` isn't empty, the text is a name, and what is told, and kept under it, is where the robot stands:
+    its joints, or the pose of {TCP} in {B}.
+    """
 
     origin: Origin
     text: str
+    teaches: Literal["", "joints", "pose"] = ""
 
 
 @frozen(eq=False)

@@ -211,6 +211,12 @@ _LATER: dict[str, object] = {
     "or_less": False,
     "step": None,
     "outside": False,
+    "of_tool": False,
+    "weight": None,
+    "rack": None,
+    "tool": None,
+    "changes": False,
+    "teaches": "",
 }
 """Fields added after programs had been hashed, with their default values.
 

@@ -32,6 +32,7 @@ Kind = Literal[
     "input",
     "register",
     "output",
+    "tool",
     "sub",
     "module",
     "parameter",

@@ -33,7 +33,8 @@ from yarclang.decisions import Register
 from yarclang.hir import Output
 from yarclang.robot.library import list_robots
 from yarclang.semantics.declared.watching import REACTIONS
-from yarclang.semantics.names.scope import Input, JointPosition, Pose, Routine
+from yarclang.semantics.names.scope import Input, JointPosition, Pose, RackTool, Routine
+from yarclang.semantics.names.tools import NO_TOOL
 from yarclang.source import Span
 from yarclang.syntax.words import STATES
 from yarclang.units import UNITS
@@ -188,6 +189,10 @@ class _Maker(NameMaker):
                 yield from self.known(Register, "register")
         elif slot is Slot.REGISTER:
             yield from self.known(Register, "register")
+        elif slot is Slot.TOOL:
+            yield from self.known(RackTool, "tool")
+            text = "no tool is on the flange afterwards"
+            yield self.make(NO_TOOL, "word", text, text, NO_TOOL)
         elif slot is Slot.REACTION:
             for name in REACTIONS:
                 yield self.make(name, "word", REACTIONS[name], REACTIONS[name], name)

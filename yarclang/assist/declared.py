@@ -16,7 +16,17 @@ from yarclang.hir import Array, FrameLink, Gap, Output
 from yarclang.report.inspection.inspected import chain_of
 from yarclang.report.module_text import SubText, describe_module
 from yarclang.report.pose_text import pose_text
-from yarclang.semantics.names.scope import Formula, Frame, Input, JointPosition, Named, Pose, Scope, Table
+from yarclang.semantics.names.scope import (
+    Formula,
+    Frame,
+    Input,
+    JointPosition,
+    Named,
+    Pose,
+    RackTool,
+    Scope,
+    Table,
+)
 from yarclang.semantics.values.amounts import Amount
 from yarclang.syntax.print import print_expression
 
@@ -149,6 +159,8 @@ def _value(view: View, meaning: Named | None) -> list[str]:
         case Output(signal, safe):
             kept = "stays at a stop" if safe is None else f"{safe:g} at any stop, hold or fault"
             return [f"- sets {shown_variable(signal.variable)} of the controller; {kept}"]
+        case RackTool(lock=lock):
+            return [f"- a tool of the cell; {lock.name} ({shown_variable(lock.variable)}) locks it"]
         case _:
             return []
 

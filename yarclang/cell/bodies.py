@@ -10,7 +10,7 @@ from pathlib import Path as FilePath
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import CellFrame, Mount, Obstacle
-from yarclang.cell.schema import BodyTable, CellTable, SensorTable, ZoneTable
+from yarclang.cell.schema import BodyTable, CellTable, RackTable, SensorTable, ZoneTable
 from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Shape
@@ -30,7 +30,7 @@ class Surroundings:
     `measures` has units and findings, `frames` the resolved frames, `names` the names of all frames that the
     file tries to declare. `folder` is the folder of the file. `robot` is None if only the file is checked;
     joint windows are then checked only as far as possible. `dropped` are the places of keys that couldn't be
-    read.
+    read. `tools` are the names of the tools that the file says can be changed.
     """
 
     measures: Measures
@@ -39,6 +39,7 @@ class Surroundings:
     folder: FilePath
     robot: Robot | None
     dropped: frozenset[Path]
+    tools: frozenset[str] = frozenset()
 
 
 def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacle | None:
@@ -98,7 +99,7 @@ def _a(what: str) -> str:
 
 
 def mounted(
-    table: BodyTable | ZoneTable | SensorTable, path: Path, units: Units, around: Surroundings
+    table: BodyTable | ZoneTable | SensorTable | RackTable, path: Path, units: Units, around: Surroundings
 ) -> Mount | None:
     """Return the place of a body's origin; None with findings."""
     pose = around.measures.transform(table, path, units)

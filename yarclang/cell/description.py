@@ -86,6 +86,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     from yarclang.cell.schema import CellTable, spelled_out
     from yarclang.cell.sensors import read_sensor
     from yarclang.cell.starts import read_start
+    from yarclang.cell.tools import read_tools
     from yarclang.cell.zones import read_zone
     from yarclang.toml.draft import read_draft
 
@@ -101,7 +102,8 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     declared = {name.upper() for name in table.frames} | {
         str(path[1]).upper() for path in draft.dropped if path[0] == "frames" and len(path) > 1
     }
-    around = Surroundings(measures, frames, frozenset(declared), folder, names.robot, draft.dropped)
+    racked = frozenset(one.name.upper() for one in table.tools if one.name is not None)
+    around = Surroundings(measures, frames, frozenset(declared), folder, names.robot, draft.dropped, racked)
     obstacles = [read_obstacle(one, ("obstacles", at), around) for at, one in enumerate(table.obstacles)]
     zones = [read_zone(one, ("zones", at), around) for at, one in enumerate(table.zones)]
     joints = _joints(table, measures, names.robot)
@@ -116,6 +118,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         for name, entry in table.outputs.items()
         if (variable := _variable(entry.variable, ("outputs", name, "variable"), file, names.robot))
     }
+    parts += read_tools(table, outputs, around)
     sensors = [
         read_sensor(one, ("sensors", at), around, inputs, outputs) for at, one in enumerate(table.sensors)
     ]
@@ -123,6 +126,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
     findings = in_order(file.findings)
     if names.robot is None:
         return Result(None, findings)
+    is_locked = any(one.grip is not None and one.grip.changes for one in outputs.values())
     cell = Cell(
         source,
         MappingProxyType(frames),
@@ -131,7 +135,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         MappingProxyType(outputs),
         tuple(one for one in obstacles if one is not None),
         tuple(one for one in zones if one is not None),
-        MappingProxyType(_places(file, table)),
+        MappingProxyType(_places(file, table, is_locked=is_locked)),
         MappingProxyType(_zone_places(file, table)),
         tuple(one for one in parts if one is not None),
         tuple(one for one in sensors if one is not None),
@@ -182,6 +186,7 @@ _WHAT = {
     "obstacles": "obstacle",
     "zones": "zone",
     "parts": "part",
+    "tools": "tool",
     "starts": "start zone",
 }
 
@@ -200,7 +205,7 @@ def _check_names(file: TomlFile, draft: Draft[CellTable], names: Names) -> None:
             key
             if key == "frames"
             else "bodies"
-            if key in ("obstacles", "zones", "parts", "starts")
+            if key in ("obstacles", "zones", "parts", "tools", "starts")
             else "names"
         )
         at_key = space != "bodies"
@@ -230,19 +235,25 @@ def _named(table: CellTable) -> Iterator[tuple[Path, str]]:
     """Yield the place and the name of everything that has a name, in the order of the file's tables."""
     for key in ("frames", "joints", "inputs", "outputs"):
         yield from (((key, name), name) for name in getattr(table, key))
-    for key in ("obstacles", "zones", "parts", "starts"):
+    for key in ("obstacles", "zones", "parts", "tools", "starts"):
         for at, entry in enumerate(getattr(table, key)):
             if entry.name is not None:
                 yield (key, at, "name"), entry.name
 
 
-def _places(file: TomlFile, table: CellTable) -> Mapping[tuple[str, str], Span]:
+def _places(file: TomlFile, table: CellTable, *, is_locked: bool) -> Mapping[tuple[str, str], Span]:
     """Return the places of the names that programs can use."""
-    return {
+    places = {
         (str(path[0]), name.upper()): file.places.of_key(path)
         for path, name in _named(table)
         if len(path) == 2
     }
+    places.update(
+        (("tools", name.upper()), file.places.of_value(path))
+        for path, name in _named(table)
+        if path[0] == "tools" and is_locked
+    )
+    return places
 
 
 def _zone_places(file: TomlFile, table: CellTable) -> Mapping[str, Span]:

@@ -62,13 +62,16 @@ class Grip:
 
     At `value` it closes a gripper whose origin is at `flange_from_grip` (4, 4) [m]; at any other value it
     opens it. A gripper that closes takes the part nearest to its origin, if its distance is at most `reach`
-    [m]. `frame` is the name of the gripper's frame.
+    [m]. `frame` is the name of the gripper's frame. `tool` is the tool of which the gripper is a part, if that
+    tool can be changed. `changes` is True for the lock of a tool changer: it holds tools, and no parts.
     """
 
     frame: str
     flange_from_grip: Array
     reach: float
     value: float
+    tool: str | None = None
+    changes: bool = False
 
 
 @frozen(eq=False)
@@ -99,12 +102,23 @@ class CellOutput:
 
 
 @frozen(eq=False)
+class Weight:
+    """The distribution of a body's mass: its centre (3,) [m] and the inertia about that (3, 3) [kg m^2], in the
+    body's frame.
+    """
+
+    center: Array
+    inertia: Array
+
+
+@frozen(eq=False)
 class Obstacle:
     """A body that the robot must not touch, or, with a mount on the flange, a body that it carries.
 
     `margin` [m] is the distance that everything else keeps from it. `is_part` is True for a part that
     grippers take; its `mass` [kg] is None if it isn't known. `is_sure` is False for a part that may be at
-    this place or at another one, depending on decisions at run time.
+    this place or at another one, depending on decisions at run time. `of_tool` is True for a body of a tool that
+    can be changed. `weight` is the distribution of its mass if that isn't the shape's.
     """
 
     name: str
@@ -114,6 +128,37 @@ class Obstacle:
     mass: float | None = None
     is_sure: bool = True
     is_part: bool = False
+    of_tool: bool = False
+    weight: Weight | None = None
+
+
+@frozen(eq=False)
+class RackTool:
+    """A tool of the robot that is taken from its place in a rack, and put back there.
+
+    Attributes:
+        place: base_from_flange (4, 4) [m] where the robot takes it and puts it back.
+        flange_from_body: its first body on the flange (4, 4) [m].
+        more: its other bodies: body_from_shape (4, 4) [m], and the shape.
+        frames: the frames on the flange that are there only with the tool, in alphabetical order.
+        lock: the variable of the changer's output.
+        grippers: the variables of the outputs of the grippers that are parts of the tool.
+        reach: how far the flange may be from `place` when the changer locks or unlocks [m].
+    """
+
+    place: Mount
+    flange_from_body: Array
+    more: tuple[tuple[Array, Shape], ...]
+    frames: tuple[str, ...]
+    lock: str
+    grippers: tuple[str, ...]
+    reach: float
+
+    @property
+    def base_from_body(self) -> Array:
+        """The place of the first body while the tool stands in the rack (4, 4) [m]."""
+        placed: Array = self.place.transform @ self.flange_from_body
+        return placed
 
 
 @frozen(eq=False)
@@ -121,12 +166,13 @@ class Part:
     """A body that grippers take and put down. `body` is its place when a program starts.
 
     `count` parts of the kind come one after the other: the next one lies at this place as soon as the one
-    before it was taken away. `frame` is the name of the frame in which the place is given.
+    before it was taken away. `frame` is the name of the frame in which the place is given. `rack` is set for a tool that a changer takes, of which `body` is the first body.
     """
 
     body: Obstacle
     count: int = 1
     frame: str = field(default="", compare=False)
+    rack: RackTool | None = None
 
 
 @frozen
@@ -165,6 +211,13 @@ class Item:
         """The pose as a matrix (4, 4) [m]."""
         return np.frombuffer(self.pose).reshape(4, 4)
 
+    @property
+    def solids(self) -> tuple[tuple[Array, Shape], ...]:
+        """Its shapes, each with its pose (4, 4) [m]: in {B}, or in {FLANGE} if a gripper holds it."""
+        own = self.transform
+        more = () if self.part.rack is None else self.part.rack.more
+        return (own, self.part.body.shape), *((own @ placed, shape) for placed, shape in more)
+
 
 @frozen
 class Expected:
@@ -190,6 +243,11 @@ class Parts:
     def held(self, gripper: str | None = None) -> tuple[Item, ...]:
         """Return the parts that a gripper holds, or all grippers if it is None."""
         return tuple(one for one in self.items if one.gripper is not None and gripper in (None, one.gripper))
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """The names of the changed tools that are, or may be, on the flange."""
+        return tuple(one.name for one in self.held() if one.part.rack is not None)
 
 
 @frozen
@@ -354,3 +412,13 @@ class Cell:
     def removals(self) -> Mapping[str, Removal]:
         """The machines that remove parts, by the variables of their outputs."""
         return {one.variable: one.removal for one in self.outputs.values() if one.removal is not None}
+
+    @property
+    def lock(self) -> CellOutput | None:
+        """The output of the tool changer's lock; None if the cell has none."""
+        return next((one for one in self.outputs.values() if one.grip is not None and one.grip.changes), None)
+
+    @property
+    def tools(self) -> tuple[str, ...]:
+        """The names of the tools that can be changed."""
+        return tuple(one.body.name for one in self.parts if one.rack is not None)

@@ -8,6 +8,7 @@ from yarclang.cell.bodies import Surroundings, read_obstacle
 from yarclang.cell.frames import ROOTS, known_frame, mount_of
 from yarclang.cell.model import Grip, Part, Removal
 from yarclang.cell.schema import OutputTable, PartTable
+from yarclang.cell.tools import own_frame, read_lock, tool_of
 from yarclang.toml.places import Path
 
 REACH = 0.010
@@ -30,9 +31,16 @@ def read_part(table: PartTable, path: Path, around: Surroundings) -> Part | None
 def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Removal | None:
     """Return the effect of an output on parts; None if it has none, or with findings."""
     file = around.measures.file
+    if table.locks_at is not None:
+        return read_lock(table, path, around)
     key = "grips" if table.grips is not None else "removes"
     name = getattr(table, key)
-    for other, wanted in (("grips_at", "grips"), ("removes_at", "removes"), ("reach", key)):
+    for other, wanted in (
+        ("grips_at", "grips"),
+        ("removes_at", "removes"),
+        ("tool", "grips"),
+        ("reach", key),
+    ):
         if getattr(table, other) is not None and getattr(table, wanted) is None:
             message = f"The output {path[-1]} has {other}, and neither takes parts nor removes them."
             remedy = f'Add {wanted} = "FRAME", where it does so.'
@@ -44,13 +52,16 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
         message = f"The output {path[-1]} has grips and removes: it does one of both."
         file.say("Y1305", (*path, "removes"), message, "Remove one of them.", at_key=True)
         return None
-    frame = known_frame(name, (*path, key), {each: each for each in around.names}, file)
     factor = (
         around.measures.factor(around.measures.common, "length", (*path, "reach")) if table.reach else 1.0
     )
-    if frame is None or factor is None or (frame not in ROOTS and frame not in around.frames):
+    own = own_frame(name, table, around)
+    frame = (
+        name.upper() if own else known_frame(name, (*path, key), {each: each for each in around.names}, file)
+    )
+    if frame is None or factor is None or (own is None and frame not in ROOTS and frame not in around.frames):
         return None
-    mount = mount_of(frame, around.frames)
+    mount = own or mount_of(frame, around.frames)
     if mount.on_flange != (key == "grips"):
         stands = "which the robot carries" if mount.on_flange else "which stands still"
         message = f"The output {path[-1]} {key} at {frame}, {stands}."
@@ -60,5 +71,7 @@ def read_grip(table: OutputTable, path: Path, around: Surroundings) -> Grip | Re
     reach = REACH if table.reach is None else table.reach * factor
     at = getattr(table, f"{key}_at")
     value = 1.0 if at is None else at
-    kind = Grip if mount.on_flange else Removal
-    return kind(frame, mount.transform, reach, value)
+    if not mount.on_flange:
+        return Removal(frame, mount.transform, reach, value)
+    tool = None if table.tool is None else tool_of(table.tool, (*path, "tool"), around)
+    return Grip(frame, mount.transform, reach, value, tool)

@@ -54,13 +54,17 @@ class OutputTable(Table):
     """
 
     required = ("variable",)
-    wanted: ClassVar = dict.fromkeys(("safe", "grips_at", "removes_at"), '"ON", "OFF" or a number')
+    wanted: ClassVar = dict.fromkeys(
+        ("safe", "grips_at", "removes_at", "locks_at"), '"ON", "OFF" or a number'
+    )
     variable: str | None = None
     safe: Number | None = None
     grips: str | None = None
     grips_at: Number | None = None
     removes: str | None = None
     removes_at: Number | None = None
+    locks_at: Number | None = None
+    tool: str | None = None
     reach: Margin | None = None
 
 
@@ -87,6 +91,17 @@ class PartTable(BodyTable):
 
     mass: Positive | None = None
     count: Annotated[int, Field(ge=1, le=MOST_PARTS)] = 1
+
+
+class RackTable(Placed):
+    """`[[tools]]`: a tool of robot.toml that can be changed; its place is where the flange stands then."""
+
+    required = ("name", "frame")
+    name: str | None = None
+    frame: str | None = None
+    on: bool = False
+    frames: list[str] | None = None
+    margin: Margin = 0.0
 
 
 class SensorTable(Placed):
@@ -140,6 +155,7 @@ class CellTable(Document):
     obstacles: list[ObstacleTable] = Field(default=[])
     zones: list[ZoneTable] = Field(default=[])
     parts: list[PartTable] = Field(default=[])
+    tools: list[RackTable] = Field(default=[])
     sensors: list[SensorTable] = Field(default=[])
     starts: list[StartTable] = Field(default=[])
     wanted: ClassVar = {
@@ -147,6 +163,7 @@ class CellTable(Document):
         "parts": "tables, each under [[parts]]",
         "sensors": "tables, each under [[sensors]]",
         "starts": "tables, each under [[starts]]",
+        "tools": "tables, each under [[tools]]",
         "zones": "tables, each under [[zones]]",
         "units": 'a text such as "mm,deg"',
     }
@@ -158,6 +175,7 @@ class CellTable(Document):
         "obstacles": ObstacleTable,
         "zones": ZoneTable,
         "parts": PartTable,
+        "tools": RackTable,
         "sensors": SensorTable,
         "starts": StartTable,
     }
@@ -198,7 +216,7 @@ def spelled_out(data: dict[str, Any]) -> dict[str, Any]:
             }
     outputs = made.get("outputs")
     for entry in outputs.values() if isinstance(outputs, dict) else ():
-        for key in ("safe", "grips_at", "removes_at"):
+        for key in ("safe", "grips_at", "removes_at", "locks_at"):
             state = entry.get(key)
             if isinstance(state, str) and state.upper() in _STATES:
                 entry[key] = _STATES[state.upper()]

@@ -97,6 +97,8 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
         missing.append("which frame is the tool that zones watch ({TCP} was taken)")
     if cell is not None and cell.parts:
         missing.append("its parts, which grippers carry")
+    if cell is not None and cell.tools:
+        missing.append("which tool is on the flange")
     if free := [entry.at for entry in content.entries if entry.any_jerk]:
         missing.append(
             f"the jerk of {len(free)} commands"

@@ -169,6 +169,8 @@ class _Run:
                     err=False,
                 )
             return int(goes is None)
+        if not await self._has_its_tool(program, simulated=robot.welcome.simulated):
+            return 1
         display = Display(self.screen, picture, Axes.of(status), program)
         with await robot.listen() as stream:
             showing = asyncio.create_task(self._show(stream, picture, display))
@@ -224,6 +226,19 @@ class _Run:
             self.screen.say("nothing moved")
             return None
         return True
+
+    async def _has_its_tool(self, program: ProgramDescribed, *, simulated: bool) -> bool:
+        """Return True if the tool with which the program begins is on the flange, as far as people know."""
+        if program.tools is None:
+            return True
+        on = " or ".join(program.tools) or "no tool"
+        self.screen.say(f"it begins with {on} on the flange")
+        if simulated or self.place.served is not None or self.options["yes"]:
+            return True  # a coordinator that runs on knows its tools, and refuses another one
+        if await self.terminal.agrees("Is that so?"):
+            return True
+        self.screen.say("nothing moved: change the tool by hand, or begin elsewhere with --from")
+        return False
 
     async def _show(self, stream: Subscription, picture: Picture, display: Display) -> None:
         async for event in stream:

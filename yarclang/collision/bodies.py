@@ -24,7 +24,7 @@ class Body:
     place with all joints at zero. `margin` [m] is the distance that other bodies keep from it. `is_link` is
     True for a link's shape, `of_robot` for the shape of a link or of a tool of robot.toml, `of_cell` for a
     body that stands in the cell; for an obstacle that the cell mounts on the flange, all three are False.
-    `is_part` is True for a part that grippers take.
+    `is_part` is True for a part that grippers take, or a tool that a changer takes; `of_tool` for the latter.
     """
 
     name: str
@@ -36,6 +36,12 @@ class Body:
     of_robot: bool
     of_cell: bool
     is_part: bool = False
+    of_tool: bool = False
+
+    @property
+    def may_hold(self) -> bool:
+        """True for a body that may touch a part while that is taken: anything but another part."""
+        return not self.is_part or self.of_tool
 
 
 @frozen(eq=False)

@@ -54,6 +54,7 @@ def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result
                     of_robot=False,
                     of_cell=not carried,
                     is_part=one.is_part,
+                    of_tool=one.of_tool,
                 )
             )
     if findings:
@@ -151,7 +152,7 @@ def _least(
         for part, other in ((bodies[first], bodies[second]), (bodies[second], bodies[first])):
             if part.is_part:
                 least = min(least, named.get((part.name, other.name), np.inf))
-                if other.joint == robot.size and not other.is_part:
+                if other.joint == robot.size and other.may_hold:
                     least = min(least, named.get((part.name, None), np.inf))
         found.append(least)
     return np.array(found)
@@ -166,6 +167,8 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
     shaped = sorted({body.joint for body in bodies if body.is_link})
     neighbours = set(pairwise(shaped))
     joint = np.array([body.joint for body in bodies])
+    # a tool from a rack is a tool of robot.toml while it hangs on the flange
+    own = [body.of_robot or (body.of_tool and not body.of_cell) for body in bodies]
     found = []
     # many bodies stand still: these form no pairs with each other
     for one, other in zip(*np.nonzero(np.tril(joint[:, None] != joint[None])), strict=True):
@@ -173,7 +176,7 @@ def _pairs(robot: Robot, bodies: tuple[Body, ...]) -> list[tuple[int, int]]:
         joints = sorted((body.joint, neighbour.joint))
         if body.is_link and neighbour.is_link and (joints[0], joints[1]) in neighbours:
             continue
-        if body.of_robot and neighbour.of_robot:
+        if own[one] and own[other]:
             first, second = sorted((body.name, neighbour.name))
             if (first, second) in robot.allowed:
                 continue

@@ -168,18 +168,36 @@ class ActionForm:
 
 
 @frozen
+class ToolChange:
+    """A change of the tool on the flange.
+
+    Attributes:
+        tool: name of the tool that is on the flange afterwards; empty for none.
+        lock: output of the changer.
+        value: the output's value from then on.
+    """
+
+    tool: str
+    lock: Signal
+    value: float
+
+
+ActionValue = Signal | float | str | ToolChange
+
+
+@frozen
 class ActionArguments:
     """A checked action in SI: the argument of its `build`.
 
     Attributes:
         origin: the command.
-        values: values of its form's slots: a `Signal`, a number for a state, or a str.
+        values: values of its form's slots: a `Signal`, a number for a state, a `ToolChange`, or a str.
         seconds: the time after the values [s]; None without one.
         report: adds a finding at the command, from code, message and help.
     """
 
     origin: Origin
-    values: tuple[Signal | float | str, ...]
+    values: tuple[ActionValue, ...]
     seconds: float | None
     report: Callable[[str, str, str], object]
 
@@ -196,6 +214,7 @@ class ActionSpec:
         build: makes the steps, carried out one after the other. All of them have the origin of the arguments.
         forms: the sets of values that it takes, each with another number of values.
         examples: lines without an index; their signals must be declared first.
+        may_be_a_name: True if other things may be called so: programs had the name before the word was there.
     """
 
     name: str
@@ -205,6 +224,7 @@ class ActionSpec:
     build: Callable[[ActionArguments], tuple[Action, ...]]
     forms: tuple[ActionForm, ...]
     examples: tuple[str, ...]
+    may_be_a_name: bool = False
 
     @property
     def fullest(self) -> ActionForm:

@@ -190,7 +190,14 @@ def program_described(number: int, loaded: Loaded) -> replies.ProgramDescribed:
         by_legs=bool(program.legs),
         not_looped=reason,
         first=rest.commands[0].index if rest.commands else "",
+        tools=_tools_at(loaded),
     )
+
+
+def _tools_at(loaded: Loaded) -> tuple[str, ...] | None:
+    if loaded.around is None or not loaded.around.tools or loaded.assumed is None:
+        return None
+    return loaded.assumed.tools
 
 
 def way_described(way: Way, robot: Robot, start: Array) -> replies.Way:

@@ -371,6 +371,9 @@ class Desk:
         coordinator.around.know(program, loaded.around)
         if coordinator.surroundings is not None:
             coordinator.surroundings.know(program)
+            if loaded.begins_within and loaded.assumed is not None and loaded.around is not None:
+                # a simulated robot begins there with what it would hold there
+                coordinator.surroundings.place(loaded.assumed, loaded.around)
         undertaking = Undertaking(loaded, coordinator, order.times)
         ended = await self.client.motion.undertake(undertaking, approach=order.approach, stops=stops)
         ended, resting = await coordinator.plan(placed, ended, loaded)

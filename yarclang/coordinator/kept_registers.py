@@ -86,7 +86,7 @@ class KeptRegisters:
         place = registers_file()
         try:
             place.parent.mkdir(parents=True, exist_ok=True)
-            with _opened(place) as base, base:
+            with opened(place) as base, base:
                 base.execute(_TABLE)
                 row = self.controller, self.program, name, value
                 base.execute("INSERT OR REPLACE INTO kept VALUES (?, ?, ?, ?)", row)
@@ -104,7 +104,7 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
     if not place.exists():
         return []
     try:
-        with _opened(place) as base:
+        with opened(place) as base:
             base.execute(_TABLE)
             rows = base.execute(
                 "SELECT controller, program, register, value FROM kept WHERE (? = '' OR controller = ?) AND (? = '' OR program = ?) "
@@ -113,7 +113,7 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
             ).fetchall()
         return [Kept(str(where), str(what), str(name), int(value)) for where, what, name, value in rows]
     except (sqlite3.Error, OSError, ValueError) as error:
-        raise _unreadable(place, error) from None
+        raise unreadable(place, error) from None
 
 
 def forget(program: str) -> int:
@@ -126,14 +126,15 @@ def forget(program: str) -> int:
     if not place.exists():
         return 0
     try:
-        with _opened(place) as base, base:
+        with opened(place) as base, base:
             base.execute(_TABLE)
             return base.execute("DELETE FROM kept WHERE program = ?", (program,)).rowcount
     except (sqlite3.Error, OSError) as error:
-        raise _unreadable(place, error) from None
+        raise unreadable(place, error) from None
 
 
-def _unreadable(place: Path, error: Exception) -> Trouble:
+def unreadable(place: Path, error: Exception) -> Trouble:
+    """Return the trouble of a database that can't be used."""
     what = f"{place}, where registers are kept, can't be used: {error}"
     return Trouble(
         what,
@@ -143,7 +144,8 @@ def _unreadable(place: Path, error: Exception) -> Trouble:
 
 
 @contextmanager
-def _opened(place: Path) -> Iterator[sqlite3.Connection]:
+def opened(place: Path) -> Iterator[sqlite3.Connection]:
+    """Open the database; what is committed is on the disk."""
     with closing(sqlite3.connect(place, timeout=_LONGEST_WAIT)) as base:
         base.execute("PRAGMA synchronous = FULL")
         yield base

@@ -10,6 +10,7 @@ from yarclang.cell.model import Item, Leaving, Parts, Present, Touch
 from yarclang.coordinator.kept_parts import Known
 from yarclang.handling.grasp import Grasp
 from yarclang.handling.parts import first_parts
+from yarclang.handling.racks import is_in_place
 from yarclang.handling.walk import flange_pose, handling_of
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
@@ -56,7 +57,8 @@ def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None)
         known: places before, including the robot's position.
         robot: the robot that may hold the part.
         name: name of the part.
-        pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds it.
+        pose: (4, 4) base_from_part [m], or flange_from_part if a gripper holds it. For a tool, the flange
+            where it stands.
         gripper: variable of that gripper's output; None: the part lies.
 
     Raises:
@@ -66,6 +68,17 @@ def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None)
     kind = _kind(known, name)
     number = _number(known, kind, name)
     part = next(one for one in known.cell.parts if one.body.name == kind)
+    if part.rack is not None:
+        held = gripper == part.rack.lock
+        if not held and (gripper is not None or not is_in_place(part.rack, pose)):
+            raise Trouble(
+                f"{name} is a tool: it stands in its place in the rack, or hangs on the flange",
+                f"say .parts put {name} and the frame of its place, or .parts put {name} {{FLANGE}}",
+                _CODE,
+            )
+        pose = part.rack.flange_from_body if held else part.rack.base_from_body
+    elif gripper is not None:
+        _check_gripper(known, gripper)
     item = Item(part, number, np.array(pose, dtype=np.float64).tobytes(), gripper)
     for one in known.present.parts.held(gripper) if gripper is not None else ():
         if one.name != item.name:
@@ -82,6 +95,25 @@ def put(known: Known, robot: Robot, name: str, pose: Array, gripper: str | None)
     return _with(after, parts, (*after.present.leaving, handling.leaving(grasp)))
 
 
+def _check_gripper(known: Known, gripper: str) -> None:
+    """Check that a gripper can hold a part.
+
+    Raises:
+        Trouble: it is a tool changer's lock, or belongs to a tool that isn't on the flange.
+    """
+    grip = known.cell.grips[gripper]
+    if grip.changes:
+        raise Trouble(
+            "the lock of a tool changer holds tools, and no parts", "name the frame of a gripper", _CODE
+        )
+    if grip.tool is not None and grip.tool not in known.present.parts.tools:
+        raise Trouble(
+            f"the gripper belongs to {grip.tool}, which isn't on the flange",
+            f"say first that it is: .parts put {grip.tool} {{FLANGE}}",
+            _CODE,
+        )
+
+
 def _placed(known: Known, kind: str, number: int | None, items: list[Item]) -> Known:
     """Return the places with other items instead of one part, or (None) instead of all parts of a kind."""
     parts = known.present.parts
@@ -95,7 +127,14 @@ def _placed(known: Known, kind: str, number: int | None, items: list[Item]) -> K
         one for one in had if one is not None and all(each.gripper != one for each in kept)
     }
     expected = tuple(one for one in parts.expected if is_other(one.part.body.name, one.number))
+    closed |= {one.gripper for one in items if one.gripper}
     after = Parts((*kept, *items), frozenset(closed), expected)
+    if len(after.tools) > 1:
+        raise Trouble(
+            f"{' and '.join(after.tools)} would both be on the flange",
+            "say first that the other tool stands in its place (.parts put)",
+            _CODE,
+        )
     return _with(known, after, (*known.present.leaving, *_lying(replace(after, items=tuple(items)))))
 
 

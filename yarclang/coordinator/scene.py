@@ -10,7 +10,7 @@ from typing import Any, Literal, assert_never
 
 import numpy as np
 
-from yarclang.cell.model import Cell, HalfSpace, Item, Mount, Obstacle, Parts, ShapeRegion, Zone
+from yarclang.cell.model import Cell, HalfSpace, Mount, Obstacle, Parts, ShapeRegion, Zone
 from yarclang.coordinator.around import Around
 from yarclang.coordinator.engine import Engine
 from yarclang.coordinator.kept_parts import KeptParts
@@ -21,6 +21,7 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.export.moveit.described import described
 from yarclang.export.moveit.package import urdf_of
 from yarclang.handling.parts import first_parts
+from yarclang.handling.surroundings import bodies_of
 from yarclang.handling.switched import Switched, parts_after
 from yarclang.pipeline.cells import CellLoader, cell_loader, is_same_file
 from yarclang.robot.description import load_robot
@@ -183,7 +184,11 @@ def scene_described(
     _, base, flange = found
     items: list[replies.SceneItem] = []
     said, left = [*notes], 0
-    bodies: tuple[Obstacle | Zone | Item, ...] = (*cell.obstacles, *cell.zones, *parts.items)
+    bodies: tuple[Obstacle | Zone, ...] = (
+        *cell.obstacles,
+        *cell.zones,
+        *(body for item in parts.items for body in bodies_of(item)),
+    )
     for one in bodies:
         made = _described(one, base, flange)
         if isinstance(made, str):
@@ -205,14 +210,12 @@ def scene_described(
     )
 
 
-def _described(one: Obstacle | Zone | Item, base: str, flange: str) -> replies.SceneItem | str:
+def _described(one: Obstacle | Zone, base: str, flange: str) -> replies.SceneItem | str:
     """Return a body, zone or part as a message, or why it can't be shown."""
     match one:
         case Obstacle():
-            return _item(one.name, "body", one.shape, one.mount, (base, flange))
-        case Item():
-            mount = Mount(one.transform, one.gripper is not None)
-            return _item(one.name, "part", one.part.body.shape, mount, (base, flange), sure=one.is_sure)
+            kind: Literal["body", "part"] = "part" if one.is_part else "body"
+            return _item(one.name, kind, one.shape, one.mount, (base, flange), sure=one.is_sure)
     match one.region:
         case ShapeRegion(base_from_shape=pose, shape=shape):
             return _item(one.name, "zone", shape, Mount(pose, False), (base, flange), one)

@@ -5,6 +5,7 @@ repeatedly.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 from yarclang.coordinator.backwards import Passed, known_behind_searches, passed
 from yarclang.coordinator.carried_out import taken
@@ -16,6 +17,7 @@ from yarclang.coordinator.programs import Loaded
 from yarclang.coordinator.resting import resting_place
 from yarclang.coordinator.shared import SharedRobot
 from yarclang.coordinator.signals import output_names
+from yarclang.coordinator.taught_places import teach
 from yarclang.pipeline.parts import steps_of
 from yarclang.runtime.actions import Replan, Replanned, Trouble
 from yarclang.runtime.job import Job
@@ -119,7 +121,7 @@ class Undertaking:
         where = "simulated" if coordinator.simulated else f"{session.host}:{session.port}"
         source = loaded.plan.program.source.name if loaded.plan is not None else loaded.name
         if source == "<stdin>":
-            session.keeper = None
+            session.keeper = session.teacher = None
             if names := ", ".join(one.name for one in loaded.program.registers if one.kept):
                 told = f"a program from standard input keeps no registers: {names} begins anew"
                 session.operation.remark(told, warning=True)
@@ -129,6 +131,7 @@ class Undertaking:
         for one in strange:
             session.operation.remark(one, warning=True)
         session.keeper = kept.keep
+        session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str:
         """Return the rest after a search, planned from where the search has ended, or the lines of an OFFSET."""

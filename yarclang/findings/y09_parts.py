@@ -108,4 +108,35 @@ FINDINGS = (
         "a gripper acts where a search has ended",
         "In a cell with parts it is known of each motion where the parts are, and where in the gripper. A part that is taken where a search has ended would lie elsewhere in the gripper each time, and nothing that follows would be proved.",
     ),
+    Finding(
+        "Y0951",
+        "another-tool",
+        "error",
+        "TOOL names a tool that isn't on the flange after it",
+        "TOOL sets the output of the tool changer's lock, which takes the tool in whose place the flange stands: within the lock's reach (0.5 mm if the cell.toml gives none) and 0.5 deg. "
+        "All motions after it are proved with the masses and bodies of the tool that is really there, so it must be the one that the program names. Another tool has to be put back first.",
+    ),
+    Finding(
+        "Y0952",
+        "tool-put-elsewhere",
+        "error",
+        "a tool is put down beside its place, or with a part in its gripper",
+        "A tool that the changer unlocks stands in its place under [[tools]] of the cell.toml, exactly there: the flange must be within the lock's reach of it. Anywhere else it would fall. What its gripper holds would stay in the rack with it.",
+    ),
+    Finding(
+        "Y0953",
+        "ways-with-other-tools",
+        "error",
+        "ways of a program meet with different tools on the flange",
+        "After a WHEN, a CASE or a loop, one tool is on the flange, whichever way was taken: masses, bodies and frames of all that follows depend on it. "
+        "Change the tool back on the way that changes it, or put what needs the tool on that way.",
+    ),
+    Finding(
+        "Y0954",
+        "tool-is-not-on",
+        "error",
+        "a motion leads a frame of a tool that isn't on the flange, or its gripper closes",
+        "A tool of the rack brings its frames along: the frame from which robot.toml describes it, and those under `frames` of its [[tools]] table. While another tool, or none, is on the flange, there is nothing at that frame. "
+        "For a motion of the joints the frame matters only if zones of the cell watch the tool or its tcp. A gripper of a tool (`tool` of its output) takes parts only while the tool is on.",
+    ),
 )

@@ -211,7 +211,7 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the kinematics of the judge and a second reading of the robot disagree",
         "The judge reads robot.toml and URDF with a reader of its own and computes poses and torques with formulas of its own. At some places of every "
-        "motion it asks Pinocchio as well. Where they disagree, one of them has an error, and nothing is proved. Report it, with the robot's files.",
+        "motion it asks Pinocchio as well. It also follows by itself which tool is on the flange. Where two disagree, one of them has an error, and nothing is proved. Report it, with the robot's files.",
     ),
     Finding(
         "Y1196",

@@ -69,4 +69,14 @@ FINDINGS = (
         '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 0.01, 2000]',
         '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 10, 2000]',
     ),
+    Finding(
+        "Y1378",
+        "tool-changer",
+        "error",
+        "tools of a cell and its tool changer don't fit together",
+        "A tool under [[tools]] is one of robot.toml that isn't mounted there and has bodies: the cell says where it stands, and the program when it is on the flange. One output locks the changer (`locks_at`); it has no safe value that would "
+        "drop the tool at each stop. One tool at most is on the flange when a program starts (`on = true`). `tool` of an output with a gripper names one of these tools, and `frames` frames on the flange.",
+        '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"\nsafe = "OFF"',
+        '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"',
+    ),
 )

@@ -6,9 +6,22 @@ from dataclasses import replace
 
 from yarclang.cell.model import Grip, Parts
 from yarclang.frozen import frozen
-from yarclang.handling.parts import NO_PARTS, Nearest
+from yarclang.handling.parts import NO_PARTS
+from yarclang.handling.racks import Nearest
 from yarclang.robot.model import Array
-from yarclang.ways import Ways
+from yarclang.ways import Turn, Ways
+
+
+@frozen(eq=False)
+class Parted:
+    """Ways that meet with different tools on the flange.
+
+    `began` is the step with which the ways began. `tools` are the names of the tools on the one way and on the
+    other, empty for none.
+    """
+
+    began: Turn
+    tools: tuple[str, str]
 
 
 @frozen
@@ -16,11 +29,12 @@ class Whereabouts:
     """The places of the parts between two steps.
 
     `unlike` names a part that, at the end of the last loop's first pass, isn't where it was at the pass's
-    start; empty if all are.
+    start; empty if all are. `parted` is set where ways meet on which different tools are on the flange.
     """
 
     ways: Ways[Parts] = Ways(NO_PARTS)
     unlike: str = ""
+    parted: Parted | None = None
 
     @property
     def parts(self) -> Parts:

@@ -12,11 +12,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from yarclang.cell.model import Cell, Expected, Grip, Item, Parts, Removal
+from yarclang.cell.model import Cell, Expected, Grip, Item, Part, Parts, Removal
 from yarclang.collision.geometry import UnreadableError, geometry_of
-from yarclang.frozen import frozen
+from yarclang.handling.racks import Nearest, locked, nearest_tool, unlocked
 from yarclang.shapes import Array, Shape, Sphere
-from yarclang.transforms import constant
 
 BUILT_IN = ""
 """The gripper of parts that are on the flange from the start and that no output releases."""
@@ -35,28 +34,22 @@ def first_parts(cell: Cell | None) -> Parts:
     items = []
     for part in cell.parts:
         mount = part.body.mount
-        holder = _holder(cell, mount.transform) if mount.on_flange else None
+        holder = _holder(cell, part) if mount.on_flange else None
         items.append(Item(part, 1, mount.transform.tobytes(), holder))
     return Parts(tuple(items), frozenset(one.gripper for one in items if one.gripper))
 
 
-def _holder(cell: Cell, flange_from_part: Array) -> str:
-    """Return the gripper that is nearest to a part on the flange."""
+def _holder(cell: Cell, part: Part) -> str:
+    """Return the lock of a tool, or the gripper that is nearest to a part on the flange."""
+    if part.rack is not None:
+        return part.rack.lock
+    flange_from_part = part.body.mount.transform
     apart = {
         variable: float(np.linalg.norm(grip.flange_from_grip[:3, 3] - flange_from_part[:3, 3]))
         for variable, grip in cell.grips.items()
+        if not grip.changes
     }
     return min(apart, key=apart.__getitem__) if apart else BUILT_IN
-
-
-@frozen
-class Nearest:
-    """The part nearest to a gripper that closes, and the distance of its surface from the gripper's origin
-    [m]; 0 if the origin is inside the part.
-    """
-
-    item: Item
-    distance: float
 
 
 def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest | None:
@@ -73,7 +66,7 @@ def nearest_part(parts: Parts, grip: Grip, base_from_flange: Array) -> Nearest |
             at,
         )
         for at, one in enumerate(parts.items)
-        if one.gripper is None
+        if one.gripper is None and one.part.rack is None
     ]
     if not found:
         return None
@@ -125,8 +118,13 @@ def close(
 
     Returns:
         Where the parts are afterwards, and the part nearest to the gripper, which is held if it was within
-        reach.
+        reach. The lock of a tool changer takes the tool in whose place the flange stands. A gripper of a tool
+        that isn't on the flange takes nothing.
     """
+    if grip.changes:
+        return locked(parts, variable, base_from_flange), nearest_tool(parts, base_from_flange)
+    if grip.tool is not None and grip.tool not in parts.tools:
+        return replace(parts, closed=parts.closed | {variable}), None
     near = nearest_part(parts, grip, base_from_flange)
     closed = parts.closed | {variable}
     if near is None or near.distance > grip.reach:
@@ -146,7 +144,10 @@ def close(
 
 
 def open_(parts: Parts, variable: str, base_from_flange: Array) -> Parts:
-    """Open a gripper at a flange pose (4, 4): the parts that it holds stay where they are."""
+    """Open a gripper at a flange pose (4, 4): the parts that it holds stay where they are. A tool stands in
+    its place if the flange is there.
+    """
+    parts = unlocked(parts, variable, base_from_flange)
     items = tuple(
         replace(one, pose=(base_from_flange @ one.transform).tobytes(), gripper=None)
         if one.gripper == variable
@@ -185,7 +186,9 @@ def remove(parts: Parts, removal: Removal) -> Parts:
     items = tuple(
         one
         for one in parts.items
-        if one.gripper is not None or _distance(one.part.body.shape, one.transform, origin) > removal.reach
+        if one.gripper is not None
+        or one.part.rack is not None
+        or _distance(one.part.body.shape, one.transform, origin) > removal.reach
     )
     return replace(parts, items=items)
 
@@ -198,7 +201,7 @@ def arrive(parts: Parts, leaving: Collection[int]) -> Parts:
         leaving: the SETs that closed a gripper from which the robot is still on its straight way out: these
             places stay empty for now.
     """
-    lying = [one for one in parts.items if one.gripper is None and one.is_sure]
+    lying = [one for one in parts.items if one.gripper is None and one.part.rack is None and one.is_sure]
     here = [
         one
         for one in parts.expected
@@ -289,8 +292,3 @@ def doubtful(parts: Parts) -> Iterator[str]:
     """Yield the names of parts that may be at several places."""
     names = [one.name for one in parts.items]
     yield from dict.fromkeys(name for name in names if names.count(name) > 1)
-
-
-def constant_pose(item: Item) -> Array:
-    """Return an item's pose (4, 4) [m], read-only."""
-    return constant(item.transform.copy())

@@ -86,7 +86,7 @@ def deepest(robot: Robot, cell: Cell, grasp: Grasp, name: str) -> Touch | None:
         grasp.before,
         grasp.base_from_flange,
         lambda still: still.is_part and still.of_cell and still.name == name,
-        lambda moved: moved.joint == robot.size and not moved.is_part,
+        lambda moved: moved.joint == robot.size and moved.may_hold,
     )
     worst = min(found, key=lambda one: one.least, default=None)
     if worst is None or worst.least >= -allowed:

@@ -14,10 +14,11 @@ from yarclang.cell.model import Cell, Item, Mount, Obstacle, Parts, Touch
 from yarclang.collision.geometry import UnreadableError, geometry_of
 from yarclang.collision.placing import Relative, distances, place, relative
 from yarclang.collision.scene import scene_of
-from yarclang.handling.parts import constant_pose, doubtful
+from yarclang.handling.parts import doubtful
 from yarclang.robot.masses import with_load
 from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from yarclang.transforms import constant
 
 PRESSED = 5e-4
 """Distance by which bodies that touch while a part is taken or put down may come nearer on the way in and out
@@ -50,7 +51,7 @@ def without_parts(cell: Cell) -> Cell:
 
 @lru_cache(maxsize=4096)
 def _surroundings(cell: Cell, items: tuple[Item, ...], touches: tuple[Touch, ...]) -> Cell:
-    bodies = tuple(_body(one) for one in items)
+    bodies = tuple(body for one in items for body in bodies_of(one))
     # a part that may be at two places doesn't collide with itself
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
@@ -58,10 +59,15 @@ def _surroundings(cell: Cell, items: tuple[Item, ...], touches: tuple[Touch, ...
 
 
 @lru_cache(maxsize=4096)
-def _body(item: Item) -> Obstacle:
-    body = item.part.body
-    mount = Mount(constant_pose(item), item.gripper is not None)
-    return replace(body, name=item.name, mount=mount, is_sure=item.is_sure)
+def bodies_of(item: Item) -> tuple[Obstacle, ...]:
+    """Return the bodies of a part or tool where it is. The mass of a tool belongs to the first one."""
+    body, held = item.part.body, item.gripper is not None
+    first, *more = item.solids
+    own = replace(body, name=item.name, mount=Mount(constant(first[0].copy()), held), is_sure=item.is_sure)
+    return own, *(
+        replace(own, shape=shape, mount=Mount(constant(placed), held), mass=None, weight=None)
+        for placed, shape in more
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -128,7 +134,7 @@ def hand_is_clear(robot: Robot, cell: Cell, parts: Parts, names: tuple[str, ...]
     if scene is None:
         return True
     lies = np.array([one.is_part and one.name in names and one.of_cell for one in scene.bodies])
-    hangs = np.array([one.joint == robot.size and not one.is_part for one in scene.bodies])
+    hangs = np.array([one.joint == robot.size and one.may_hold for one in scene.bodies])
     pairs = np.flatnonzero(lies[scene.pairs.first] & hangs[scene.pairs.second])
     at = np.zeros_like(pairs)
     apart = distances(scene, pairs, relative(place(scene, q[None]), at, pairs))
@@ -172,8 +178,12 @@ combinations of their masses are computed.
 def _loaded(robot: Robot, dynamics: Dynamics, body: Obstacle) -> Dynamics:
     placed = robot.chain.base_from_flange @ body.mount.transform
     assert body.mass is not None  # only such bodies are loads
-    center, squares = _solid(body.shape)
-    tensor = placed[:3, :3] @ np.diag(body.mass * squares) @ placed[:3, :3].T
+    if body.weight is None:
+        center, squares = _solid(body.shape)
+        inertia = np.diag(body.mass * squares)
+    else:
+        center, inertia = body.weight.center, body.weight.inertia
+    tensor = placed[:3, :3] @ inertia @ placed[:3, :3].T
     return with_load(dynamics, body.mass, placed[:3, :3] @ center + placed[:3, 3], tensor)
 
 

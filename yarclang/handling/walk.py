@@ -9,7 +9,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Leaving, Parts, Touch
 from yarclang.frozen import frozen
-from yarclang.handling.grasp import Grasp, Whereabouts
+from yarclang.handling.grasp import Grasp, Parted, Whereabouts
 from yarclang.handling.parts import (
     arrive,
     close,
@@ -66,15 +66,19 @@ class Handling:
         """
         one = self.steps[step]
         if isinstance(one, Turn):
-            wrong = ""
+            wrong, parted = "", None
 
             def meet(first: Parts, other: Parts, where: Turn) -> Parts:
-                nonlocal wrong
+                nonlocal wrong, parted
                 if isinstance(where, NextPass):
                     wrong = unlike(first, other)
+                elif first.tools != other.tools:
+                    on, off = (" or ".join(parts.tools) for parts in (first, other))
+                    parted = Parted(where, (on, off))
                 return either(first, other)
 
-            return Whereabouts(stand.ways.turned(one, meet), wrong), None
+            ways = stand.ways.turned(one, meet)
+            return Whereabouts(ways, wrong, parted), None
         if isinstance(one, SetOutput):
             removal = self.cell.removals.get(one.output.variable) if self.cell is not None else None
             if removal is not None and one.value == removal.value:
@@ -294,6 +298,8 @@ class Followed:
         cells: the cell as it is during each motion, by its step.
         unlike: a part that isn't where it was at a loop's first pass, by the step at which the loop would
             begin anew.
+        parted: ways that meet with different tools on the flange, by the step where they meet.
+        tools: the tools that are on the flange after each TOOL, by its step, as far as its place is known.
     """
 
     before: Mapping[int, Parts]
@@ -303,6 +309,8 @@ class Followed:
     end: Parts
     cells: Mapping[int, Cell | None]
     unlike: Mapping[int, str] = field(default_factory=dict)
+    parted: Mapping[int, Parted] = field(default_factory=dict)
+    tools: Mapping[int, tuple[str, ...]] = field(default_factory=dict)
 
 
 def followed(
@@ -325,6 +333,8 @@ def followed(
     begins: dict[int, Array] = {}
     grasps: dict[int, Grasp] = {}
     changed: dict[int, str] = {}
+    parted: dict[int, Parted] = {}
+    tools: dict[int, tuple[str, ...]] = {}
     at = Ways[Array | None](start)
     for number, step in enumerate(handling.steps):
         if number in left_out:
@@ -346,6 +356,10 @@ def followed(
         stand, grasp = handling.passed(stand, number, at.state)
         if stand.unlike:
             changed[number] = stand.unlike
+        if stand.parted is not None:
+            parted[number] = stand.parted
+        if isinstance(step, SetOutput) and step.tool is not None and at.state is not None:
+            tools[number] = stand.parts.tools
         if grasp is not None:
             grasps[number] = grasp
         elif isinstance(step, SetOutput) and had != stand.parts:
@@ -361,7 +375,7 @@ def followed(
         step: handling.around(parts, handling.touches(step, grasps.get, clear, coming))
         for step, parts in before.items()
     }
-    return Followed(before, tuple(changes), grasps, removed, stand.parts, cells, changed)
+    return Followed(before, tuple(changes), grasps, removed, stand.parts, cells, changed, parted, tools)
 
 
 def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handling:

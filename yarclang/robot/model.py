@@ -167,7 +167,7 @@ class Tool:
     """A tool on the flange, or, if it isn't `mounted`, one that can be put there.
 
     `mass` is in kg, `center` (3,) its centre of mass [m] and `inertia` (3, 3) about that [kg m^2], in the
-    axes of {FLANGE}.
+    axes of {FLANGE}. `frame` is the name of the frame from which the file describes it.
     """
 
     name: str
@@ -176,6 +176,7 @@ class Tool:
     center: Array
     inertia: Array
     shapes: tuple[ToolShape, ...]
+    frame: str = "FLANGE"
 
 
 @frozen(eq=False)

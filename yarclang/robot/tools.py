@@ -101,7 +101,11 @@ def tools_of(
         inertia = turn @ _tensor(tool.inertia or [0.0] * 6) @ turn.T
         own = tuple(shapes[name.upper()])
         mass = tool.mass or 0.0
-        found.append(Tool(name.upper(), tool.mounted, mass, constant(center), constant(inertia), own))
+        found.append(
+            Tool(
+                name.upper(), tool.mounted, mass, constant(center), constant(inertia), own, tool.frame.upper()
+            )
+        )
     return tuple(found)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from dataclasses import dataclass
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, Literal, TypeAlias, TypeVar
 
 from yarclang.robot.model import Array
 from yarclang.runtime.job import Job
@@ -68,6 +68,25 @@ class Keep:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Teach:
+    """Keep a place from run to run: where the robot stands, `joints` (n,) [rad or m].
+
+    Answered by `Told` once the place is on the disk, or by the reason why it can't be kept (str).
+    """
+
+    teaches: Literal["joints", "pose"]
+    name: str
+    joints: Array
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """The line of a program that declares a place which was kept."""
+
+    line: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class Replan:
     """Replan and prove the rest of the program after an input has ended a motion, or the lines of an OFFSET.
 
@@ -92,7 +111,7 @@ class Replanned:
 
 
 Action: TypeAlias = Any
-"""`Wait`, `Connect`, `Keep`, `Replan`, or a request of the controller's kind
+"""`Wait`, `Connect`, `Keep`, `Teach`, `Replan`, or a request of the controller's kind
 (`yarclang.runtime.scripts.Exchange`).
 """
 Outcome: TypeAlias = Any

@@ -19,6 +19,8 @@ from yarclang.runtime.actions import (
     Outcome,
     Replan,
     Script,
+    Teach,
+    Told,
     Unreachable,
     Violation,
     Wait,
@@ -87,6 +89,8 @@ class Session:
     Attributes:
         keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is
             kept.
+        teacher: keeps a place, and returns the line that declares it; raises OSError if it can't. None: places
+            can't be kept here.
         replanner: plans the rest after a search, from where the search has ended; None: the program isn't
             known here.
     """
@@ -112,6 +116,7 @@ class Session:
         self._reply_time = reply_time
         self.connector = connector
         self.keeper: Callable[[str, int], None] | None = None
+        self.teacher: Callable[[Teach], str] | None = None
         self.replanner: Callable[[Replan], Outcome] | None = None
         self._listeners: list[Listener] = []
         self._woken = asyncio.Event()
@@ -165,6 +170,8 @@ class Session:
                         outcome = await self._connect()
                     case Keep(register=register, value=value):
                         outcome = await self._keep(register, value)
+                    case Teach():
+                        outcome = await self._teach(action)
                     case Replan():
                         outcome = await self._replan(action)
                     case _:
@@ -260,6 +267,15 @@ class Session:
         except OSError as error:
             return str(error)
         return None
+
+    async def _teach(self, wanted: Teach) -> Outcome:
+        """Keep a place. A disk may be slow: everything else continues meanwhile."""
+        if self.teacher is None:
+            return "places are kept for programs in files"
+        try:
+            return Told(await asyncio.get_running_loop().run_in_executor(None, self.teacher, wanted))
+        except OSError as error:
+            return str(error)
 
     async def _replan(self, wanted: Replan) -> Outcome:
         """Have the rest after a search planned, or an OFFSET. The robot stands, and everything else continues

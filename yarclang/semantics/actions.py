@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from yarclang.commands.registry import actions
-from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec
+from yarclang.commands.spec import ActionArguments, ActionForm, ActionSpec, ActionValue
 from yarclang.decisions import (
     Between,
     Constant,
@@ -33,6 +33,8 @@ from yarclang.semantics.files import values_of
 from yarclang.semantics.motions.to_hir import origin_of
 from yarclang.semantics.names.scope import KINDS, Input, Scope
 from yarclang.semantics.names.signals import input_named, output_named
+from yarclang.semantics.names.taught import taught_name
+from yarclang.semantics.names.tools import tool_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
 from yarclang.semantics.values.amounts import AmountError, missing_unit
 from yarclang.semantics.values.deciding import condition_of, number_of
@@ -78,19 +80,21 @@ def read_action(
         return None
     steps = spec.build(ActionArguments(origin, known, seconds, report))
     if all(
-        _says_registers(step, given[0], scope, statement, findings) for step in steps if isinstance(step, Say)
+        _says_registers(step, given[0], scope, statement, findings)
+        for step in steps
+        if isinstance(step, Say) and not step.teaches
     ):
         return steps
     return None
 
 
 def _in_steps(
-    values: tuple[Signal | float | str, ...],
+    values: tuple[ActionValue, ...],
     given: Sequence[Value],
     scope: Scope,
     statement: Statement,
     findings: Collector,
-) -> tuple[Signal | float | str, ...] | None:
+) -> tuple[ActionValue, ...] | None:
     """Convert an action's numbers for an analogue output or input to steps of that signal.
 
     Returns:
@@ -129,7 +133,7 @@ def _says_registers(step: Say, value: Value, scope: Scope, statement: Statement,
 
 
 def _keeps_to_groups(
-    statement: Statement, form: ActionForm, values: tuple[Signal | float | str, ...], findings: Collector
+    statement: Statement, form: ActionForm, values: tuple[ActionValue, ...], findings: Collector
 ) -> bool:
     """Return True if groups of bits are only set, to numbers that they can hold; otherwise add a finding."""
     groups = [one for one in values if isinstance(one, Signal) and is_group(one.variable)]
@@ -354,7 +358,7 @@ def _may_be(slot: Slot, value: Value) -> bool:
 
 def _value(
     slot: Slot, value: Value, scope: Scope, statement: Statement, findings: Collector
-) -> Signal | float | str | None:
+) -> ActionValue | None:
     match slot:
         case Slot.INPUT:
             return input_named(value, scope, statement, findings)
@@ -362,6 +366,10 @@ def _value(
             return output_named(value, scope, statement, findings)
         case Slot.STATE:
             return state_value(value, scope, statement, findings)
+        case Slot.TOOL:
+            return tool_named(value, scope, statement, findings)
+        case Slot.TAUGHT:
+            return taught_name(value, scope, statement, findings)
         case Slot.TEXT:
             return value.text.strip('"')
         case Slot.REACTION:

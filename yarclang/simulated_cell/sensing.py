@@ -154,8 +154,12 @@ class Sensing:
         scene, moved, joints = self._scene, self._moved(q), self._joints
         flange = self.flange(q)
         middles = (moved[joints] @ self._middles)[:, :3, 0]
-        items = [(one, geometry) for one in self.parts.items if (geometry := _geometry(one.part.body.shape))]
-        poses = [flange @ one.transform if one.gripper is not None else one.transform for one, _ in items]
+        solids = [
+            (geometry, flange @ pose if one.gripper is not None else pose)
+            for one in self.parts.items
+            for pose, shape in one.solids
+            if (geometry := _geometry(shape))
+        ]
         for region in self._regions:
             there = flange @ region.transform if region.on_flange else region.transform
             middle = there[:3, :3] @ region.geometry.middle + there[:3, 3]
@@ -165,7 +169,7 @@ class Sensing:
             near = np.sqrt((apart * apart).sum(axis=1)) <= scene.boxes.bound + region.geometry.bound
             sees = any(
                 _overlap(region.geometry, there, geometry, pose)
-                for (_, geometry), pose in zip(items, poses, strict=True)
+                for geometry, pose in solids
                 if math.dist(pose[:3, :3] @ geometry.middle + pose[:3, 3], middle)
                 <= geometry.bound + region.geometry.bound
             ) or any(

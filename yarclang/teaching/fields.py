@@ -271,6 +271,8 @@ _SLOTS: dict[Slot, tuple[str, str, FieldKind]] = {
     Slot.STATE: ("value", "Value", "choice"),
     Slot.TEXT: ("text", "Text", "text"),
     Slot.REGISTER: ("register", "Register that gets an answer (none: it just goes on)", "choice"),
+    Slot.TAUGHT: ("name", "Name of the place", "signal"),
+    Slot.TOOL: ("tool", "Tool on the flange afterwards", "choice"),
     Slot.REACTION: ("reaction", "What the robot does", "choice"),
 }
 """Name, label and kind of the field for each kind of value."""

@@ -17,7 +17,8 @@ from yarclang.pipeline.modules import library_folder
 from yarclang.report.module_text import ModuleText, ParameterText, SubText, describe_module
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.semantics.names.scope import Input, JointPosition, Pose
+from yarclang.semantics.names.scope import Input, JointPosition, Pose, RackTool
+from yarclang.semantics.names.tools import NO_TOOL
 from yarclang.syntax.ast import Module
 from yarclang.teaching.declaring import check_name, place_of_declarations, units_part
 from yarclang.teaching.edits import Draft, Edited
@@ -72,6 +73,7 @@ class Known:
     poses: tuple[str, ...] = ()
     registers: tuple[str, ...] = ()
     subs: Mapping[str, ModuleText] | None = None
+    tools_of_cell: tuple[str, ...] = ()
 
 
 def known(around: Around) -> Known:
@@ -95,6 +97,7 @@ def known(around: Around) -> Known:
         tuple(scope.names(Pose)),
         tuple(scope.names(Register)),
         texts,
+        tuple(scope.names(RackTool)),
     )
 
 
@@ -122,6 +125,7 @@ def _of_action(spec: ActionSpec, names: Known) -> Form:
             Slot.INPUT: names.inputs,
             Slot.OUTPUT: names.outputs,
             Slot.REGISTER: ("", *names.registers),
+            Slot.TOOL: (*names.tools_of_cell, NO_TOOL),
         }
         choices = known_ones.get(slot, field.choices)
         proposed = "look, then resume" if slot is Slot.TEXT else "" if is_optional else _first(choices)

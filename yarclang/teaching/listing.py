@@ -218,7 +218,7 @@ def kind_of(one: Statement) -> ListedKind:
 
 
 def _kind_of_action(spec: ActionSpec) -> ListedKind:
-    if Slot.OUTPUT in spec.fullest.slots:
+    if {Slot.OUTPUT, Slot.TOOL} & {*spec.fullest.slots}:
         return "set"
     return "wait" if spec.takes_time or Slot.INPUT in spec.fullest.slots else "hold"
 

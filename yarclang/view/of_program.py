@@ -249,6 +249,8 @@ def _action_facts(step: Step) -> tuple[tuple[str, str], ...]:
             return (("goes on", "with the next pass of the loop"),)
         case Exit():
             return (("leaves", "the loop" if step.origin.name != "RETURN" else "the SUB"),)
+        case Say(text=name, teaches=teaches) if teaches:
+            return (("keeps", f"{'its joints' if teaches == 'joints' else 'the pose of {TCP}'} as {name}"),)
         case Say(text=text):
             return (("tells", text),)
         case Finish(fails=fails, text=text):

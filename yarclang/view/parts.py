@@ -12,7 +12,7 @@ from yarclang.cell.model import Item as Placed
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.executed import Executed
 from yarclang.report.carried import Carried, State, begins_in_text
-from yarclang.robot.model import Robot
+from yarclang.robot.model import Array, Robot
 from yarclang.view import colours
 from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Item, Scenes, Stage
@@ -77,7 +77,7 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
         for one, following in zip(moments, [*moments[1:], None], strict=True)
         if following is None or following.begins > one.begins
     ]
-    solids: dict[int, Solid | None] = {}
+    solids: dict[int, tuple[Solid | None, ...]] = {}
     items: list[Item] = []
     notes: list[str] = []
     since: dict[Placed, float] = {}
@@ -85,12 +85,12 @@ def shown_parts(robot: Robot, moments: Sequence[Moment], carried: Carried) -> Sh
     def end(placed: Placed, ends: float) -> None:
         begins = since.pop(placed)
         if id(placed.part) not in solids:
-            solids[id(placed.part)] = solid_of(placed.part.body.shape)
-        solid = solids[id(placed.part)]
-        if solid is None:
-            notes.append(_unread(placed))
-            return
-        items.append(_item(robot, placed, solid, begins, ends))
+            solids[id(placed.part)] = tuple(solid_of(shape) for _, shape in placed.solids)
+        for (pose, _), solid in zip(placed.solids, solids[id(placed.part)], strict=True):
+            if solid is None:
+                notes.append(_unread(placed))
+            else:
+                items.append(_item(robot, placed, pose, solid, begins, ends))
 
     for moment in moments:
         here = dict.fromkeys(moment.state.parts.items)
@@ -116,11 +116,12 @@ def standing_parts(robot: Robot, parts: Parts) -> tuple[tuple[Item, ...], tuple[
     items: list[Item] = []
     notes: list[str] = []
     for placed in parts.items:
-        solid = solid_of(placed.part.body.shape)
-        if solid is None:
-            notes.append(_unread(placed))
-        else:
-            items.append(_item(robot, placed, solid, -np.inf, np.inf))
+        for pose, shape in placed.solids:
+            solid = solid_of(shape)
+            if solid is None:
+                notes.append(_unread(placed))
+            else:
+                items.append(_item(robot, placed, pose, solid, -np.inf, np.inf))
     return tuple(items), tuple(dict.fromkeys(notes))
 
 
@@ -128,9 +129,10 @@ def _unread(placed: Placed) -> str:
     return f"the shape of {placed.part.body.name} can't be read and isn't shown"
 
 
-def _item(robot: Robot, placed: Placed, solid: Solid, begins: float, ends: float) -> Item:
+def _item(robot: Robot, placed: Placed, pose: Array, solid: Solid, begins: float, ends: float) -> Item:
     is_held = placed.gripper is not None
-    pose = robot.chain.base_from_flange @ placed.transform if is_held else placed.transform
+    if is_held:
+        pose = robot.chain.base_from_flange @ pose
     is_first = placed.pose == placed.part.body.mount.transform.tobytes()
     return Item(
         placed.name,
@@ -138,7 +140,7 @@ def _item(robot: Robot, placed: Placed, solid: Solid, begins: float, ends: float
         robot.size if is_held else 0,
         pose,
         solid,
-        colours.PART,
+        colours.PART if placed.part.rack is None else colours.TOOL,
         SURE if placed.is_sure else UNSURE,
         begins,
         ends,

@@ -25,6 +25,10 @@ class Slot(Enum):
     REGISTER = "register"
     REACTION = "reaction"
     """Reaction to a watched input: HOLD."""
+    TAUGHT = "taught"
+    """Name of a place that is taught while the program runs."""
+    TOOL = "tool"
+    """A tool of the cell that can be changed, or NONE."""
 
     @property
     def is_signal(self) -> bool:

@@ -6,7 +6,9 @@ from collections.abc import Mapping
 
 from yarclang import hir
 from yarclang.cell.model import Cell, Parts
+from yarclang.certify.bodies.tools import changed, dropped_at_stops, tool_findings
 from yarclang.certify.read.layout import Layout
+from yarclang.certify.read.tools import tools_again
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.frozen import frozen
 from yarclang.handling.grasp import Grasp
@@ -62,6 +64,8 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     findings += _computed(handling)
     findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
+    findings += tool_findings(handling, found, robot, tools_again(handling, start, ends))
+    findings += dropped_at_stops(program)
     return Handled(program.cell, found.cells, carried), findings
 
 
@@ -78,7 +82,9 @@ def _findings(
             does = "closes" if grasp.closes else "opens"
             message = f"the gripper {does} while the robot flows from one motion into the next"
             found.append(_finding("Y0944", message, origin, _REST))
-        if grasp.closes and not grasp.moved:
+        if grasp.grip.changes:
+            found += changed(handling, grasp, origin)
+        elif grasp.closes and not grasp.moved:
             found.append(_nothing(grasp, origin))
         elif grasp.closes:
             found += _taken(handling, grasp, origin)
@@ -139,6 +145,11 @@ def _finding(code: str, message: str, origin: hir.Origin, help_: str) -> Diagnos
 
 def _nothing(grasp: Grasp, origin: hir.Origin) -> Diagnostic:
     frame, near = grasp.grip.frame, grasp.near
+    tool = grasp.grip.tool
+    if tool is not None and tool not in grasp.before.tools:
+        on = ", ".join(grasp.before.tools) or "no tool"
+        message = f"the gripper at {{{frame}}} belongs to {tool}, and {on} is on the flange"
+        return _finding("Y0954", message, origin, f"take {tool} first: TOOL {tool} in its place")
     if near is None:
         message = f"the gripper at {{{frame}}} closes, and no part lies anywhere: all are taken"
     else:
@@ -205,6 +216,8 @@ def _left_over(handling: Handling, grasps: Mapping[int, Grasp], end: Parts) -> l
     if handling.cell is not None and handling.cell.present is not None and handling.cell.present.goes_on:
         return []  # the next line of the session may put them down
     for item in end.held():
+        if item.part.rack is not None:
+            continue  # the next program begins with the tool
         taken = [one for one in grasps.values() if one.closes and item.name in one.moved]
         if not taken:
             continue  # the robot has carried the part from the start

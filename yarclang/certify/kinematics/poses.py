@@ -58,7 +58,7 @@ def wrong_poses(program: hir.Program, robot: Robot) -> Iterator[tuple[int | None
                 "its pose isn't the one that was written: frame, position or rotation were converted otherwise",
             )
     if program.cell is not None:
-        yield from ((None, reason) for reason in _wrong_places(program.cell))
+        yield from ((None, reason) for reason in _wrong_places(program.cell, robot))
 
 
 class _Frames:
@@ -99,7 +99,7 @@ class _Frames:
             link = link.parent
 
 
-def _wrong_places(cell: Cell) -> Iterator[str]:
+def _wrong_places(cell: Cell, robot: Robot) -> Iterator[str]:
     """Yield the bodies, frames and zones of a cell that are not where their numbers put them."""
     bodies = [*cell.obstacles, *(part.body for part in cell.parts)]
     mounts: list[tuple[str, Mount]] = [(one.name, one.mount) for one in bodies]
@@ -125,10 +125,41 @@ def _wrong_places(cell: Cell) -> Iterator[str]:
             off = np.append(normal - border.normal, normal @ own[:3, 3] - border.offset)
             if np.abs(off).max() > SAME * max(1.0, float(np.abs(own[:3, 3]).max())):
                 yield f"the border of the zone {zone.name} isn't where its numbers put it"
+    yield from _wrong_tools(cell, robot)
     for grip in cell.grips.values():
         frame = cell.frames.get(grip.frame)
-        if frame is not None and not _are_one(grip.flange_from_grip, frame.mount.transform):
+        hangs = robot.flange_from_frame.get(grip.frame) if frame is None else frame.mount.transform
+        if hangs is not None and not _are_one(grip.flange_from_grip, hangs):
             yield f"the gripper in {{{grip.frame}}} isn't where its frame is"
+
+
+def _wrong_tools(cell: Cell, robot: Robot) -> Iterator[str]:
+    """Yield the tools of a cell that aren't where its numbers put them, or aren't those of the robot."""
+    known = {one.name: one for one in robot.tools}
+    for part in cell.parts:
+        rack, body = part.rack, part.body
+        if rack is None:
+            continue
+        tool = known.get(body.name)
+        if tool is None or tool.mounted or len(tool.shapes) != 1 + len(rack.more):
+            yield f"the tool {body.name} of the cell isn't the robot's"
+            continue
+        if rack.place.told is not None and not _are_one(_followed(rack.place.told), rack.place.transform):
+            yield f"the place of the tool {body.name} isn't where its numbers put it"
+        first, *others = (one.flange_from_shape for one in tool.shapes)
+        stands = first if body.mount.on_flange else rack.place.transform @ first
+        placed = [(rack.flange_from_body, first), (body.mount.transform, stands)]
+        placed += [(first @ own, other) for (own, _), other in zip(rack.more, others, strict=True)]
+        if not all(_are_one(one, other) for one, other in placed):
+            yield f"a body of the tool {body.name} isn't where its numbers put it"
+        weight, turn = body.weight, first[:3, :3]
+        if weight is None or abs((body.mass or 0.0) - tool.mass) > SAME * max(1.0, tool.mass):
+            yield f"the tool {body.name} has another mass"
+            continue
+        off = np.abs(turn @ weight.center + first[:3, 3] - tool.center).max()
+        off = max(off, np.abs(turn @ weight.inertia @ turn.T - tool.inertia).max())
+        if off > SAME:
+            yield f"the mass of the tool {body.name} isn't where its numbers put it"
 
 
 def _followed(told: tuple[Array, ...]) -> Array:

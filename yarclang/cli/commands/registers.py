@@ -11,23 +11,29 @@ from yarclang.cli.address import trouble_is_said
 @click.argument("file", required=False, metavar="[FILE.yarc]")
 @click.option("--forget", is_flag=True, help="Forget what they hold: a run begins with their first values.")
 def command(file: str | None, forget: bool) -> None:
-    """Say what KEPT registers held last, of one program or of all, on each controller."""
+    """Say what KEPT registers held last, and which places were taught (JPOS, LPOS), of one program or of all, on
+    each controller.
+    """
     if forget and file is None:
         raise click.UsageError("--forget: say of which program")
     with trouble_is_said():
-        from yarclang.coordinator import kept_registers
+        from yarclang.coordinator import kept_registers, taught_places
 
         program = "" if file is None else kept_registers.program_of(file)
         if forget:
-            count = kept_registers.forget(program)
+            count = kept_registers.forget(program) + taught_places.forget(program)
             click.echo(f"{file}: {count} value{'s' * (count != 1)} forgotten")
             return
         found = kept_registers.listed(program=program)
-    if not found:
+        places = taught_places.places(program)
+    if not found and not places:
         click.echo("no register is kept" + (f" of {file}" if file else ""))
-    before = None
+    lines: dict[tuple[str, str], list[str]] = {}
     for one in found:
-        if (one.controller, one.program) != before:
-            before = one.controller, one.program
-            click.echo(f"{one.program} on {one.controller}")
-        click.echo(f"  {one.register} is {one.value}")
+        lines.setdefault((one.program, one.controller), []).append(f"{one.register} is {one.value}")
+    for place in places:
+        lines.setdefault((place.program, place.controller), []).append(place.line)
+    for (program, controller), said in lines.items():
+        click.echo(f"{program} on {controller}")
+        for line in said:
+            click.echo(f"  {line}")

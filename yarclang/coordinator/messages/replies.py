@@ -426,6 +426,8 @@ class ProgramDescribed(Message):
     """Why it can't be carried out again and again; empty: it can."""
     first: str
     """The index of the command that is run first."""
+    tools: tuple[str, ...] | None
+    """The tools that are on the flange where what is run begins, of a cell with tools that are changed; null: the cell has none."""
 
 
 class Loaded(Reply):

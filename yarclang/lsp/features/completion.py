@@ -24,6 +24,7 @@ _KINDS = {
     "table": types.CompletionItemKind.Variable,
     "joints": types.CompletionItemKind.EnumMember,
     "register": types.CompletionItemKind.Variable,
+    "tool": types.CompletionItemKind.Value,
     "pose": types.CompletionItemKind.EnumMember,
     "input": types.CompletionItemKind.Property,
     "output": types.CompletionItemKind.Property,

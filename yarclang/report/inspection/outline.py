@@ -191,6 +191,8 @@ def _text(step: Step) -> str:
             return f"{step.origin.name} UNTIL {name}"
         case MotionHead() | Dwell() | Exit() | Stop():
             return step.origin.name
+        case SetOutput(tool=str(tool)):
+            return f"TOOL {tool or 'NONE'}"
         case SetOutput(output=output, value=value):
             return f"SET {output.name} {value:.9g}"
         case Assign(target=target, value=value):
@@ -201,6 +203,8 @@ def _text(step: Step) -> str:
             return f"WAIT {in_words(condition)}"
         case Hold(text=text):
             return f'HOLD "{text}"' if text else "HOLD"
+        case Say(text=name, teaches=teaches) if teaches:
+            return f"{step.origin.name} {name}"
         case Say(text=text):
             return f'SAY "{text}"'
         case Finish(fails=fails, text=text):

@@ -141,6 +141,9 @@ def _told(inspected: Inspected, step: Step) -> str | None:
             return "the loop begins anew"
         case Exit():
             return "the SUB is left" if step.origin.name == "RETURN" else "the loop is left"
+        case Say(text=name, teaches=teaches) if teaches:
+            what = "its joints are" if teaches == "joints" else "the pose of {TCP} in {B} is"
+            return f"where the robot stands is taught: {what} kept as {name}"
         case Say(text=text):
             return f"the operator is told: {printable(text)}"
         case Finish(fails=fails, text=text):

@@ -25,6 +25,7 @@ from yarclang.runtime.pmac.outputs import Outputs
 from yarclang.runtime.pmac.rest import leave, stands_at
 from yarclang.runtime.pmac.searching import found_at
 from yarclang.runtime.pmac.shifting import shifted_by
+from yarclang.runtime.pmac.teaching import TEACHING, teach
 from yarclang.runtime.pmac.waiting import awaited, obey, wait_for_input, wait_for_operator, wait_until
 from yarclang.runtime.signals import state_text
 from yarclang.runtime.state import Event
@@ -113,7 +114,7 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                 anew = yield from found_at(operation, job, place, stands, held)
             if leg.barrier.offset is not None:
                 anew = yield from shifted_by(operation, job, place, stands, held)
-            before, place = place, (yield from _pass(operation, job, place, leg.barrier, held))
+            before, place = place, (yield from _pass(operation, job, place, leg.barrier, held, stands))
         except Stopped as stopped:
             ended = yield from _ended(operation, job, here, Event.STOP, Trouble(str(stopped), code=""))
         except Trouble as trouble:
@@ -151,8 +152,11 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
         )
 
 
-def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: Held) -> Script[int]:
-    """Pass a barrier: wait, decide, begin a loop anew, or change a register.
+def _pass(
+    operation: Operation, job: Job, place: int, barrier: Barrier, held: Held, stands: Array
+) -> Script[int]:
+    """Pass a barrier at which the robot stands (n,) [rad or m]: wait, decide, begin a loop anew, teach, or change
+    a register.
 
     Returns:
         The number of the next leg.
@@ -178,6 +182,8 @@ def _pass(operation: Operation, job: Job, place: int, barrier: Barrier, held: He
             return place + 1 if holds else _behind(job.legs, place, "when", "else", "end")
         case "set":
             yield from assign(operation, job, barrier, held)
+        case "say" if barrier.word in TEACHING:
+            yield from teach(operation, barrier, stands)
         case "say":
             operation.remark(f"{title(barrier)}: {filled(barrier.name, held.registers)}")
         case "abort":

@@ -13,7 +13,7 @@ from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register, RegisterValue, Watch
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Step, Stop
+from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Say, Step, Stop
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import (
     assigns,
@@ -396,6 +396,10 @@ class _Unroller:
             steps = () if waits is None else (waits,)
         elif (action := actions().get(word)) is not None:
             steps = read_action(statement, action, scope, file.defaults, file.findings) or ()
+            if any(isinstance(one, Say) and one.teaches for one in steps) and not self._context.index_needed:
+                message = f"{statement.name.name} belongs into a program: what it keeps belongs to a file"
+                file.findings.add("Y0208", message, statement.head_span, "write a file, and run it")
+                steps = ()
         else:
             name = self._names.resolved(statement, file.findings)
             step = None if name is None else self._read(statement, name, file, scope, is_alone=not place)

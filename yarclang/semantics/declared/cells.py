@@ -15,7 +15,15 @@ from yarclang.robot.model import Robot
 from yarclang.semantics.context import Context, GivenCell
 from yarclang.semantics.declared.meanings import declared_already
 from yarclang.semantics.declared.variables import Signals
-from yarclang.semantics.names.scope import Frame, Input, JointPosition, Named, Scope, Where
+from yarclang.semantics.names.scope import (
+    Frame,
+    Input,
+    JointPosition,
+    Named,
+    RackTool,
+    Scope,
+    Where,
+)
 from yarclang.semantics.parts import refuse_parts
 from yarclang.source import Span
 from yarclang.syntax.ast import Statement, Text
@@ -188,6 +196,13 @@ def _meaning(cell: Cell, table: str, name: str, robot: Robot) -> Named:
     match table:
         case "joints":
             return JointPosition(cell.joints.get(name, robot.home))
+        case "tools":
+            lock, locks_at = next(
+                (Signal(other, one.variable), one.grip.value)
+                for other, one in cell.outputs.items()
+                if one.grip is not None and one.grip.changes
+            )
+            return RackTool(name, lock, locks_at)
         case "inputs":
             return Input(Signal(name, cell.inputs.get(name, "")))
         case _:

@@ -49,7 +49,8 @@ def is_word(name: str, *, of_pose: bool = False) -> bool:
         name: the name in upper case.
         of_pose: True for the name of a pose, which may look like an index.
     """
-    if name in RESERVED or name in commands() or name in actions():
+    action = actions().get(name)
+    if name in RESERVED or name in commands() or (action is not None and not action.may_be_a_name):
         return True
     return not of_pose and _INDEX.fullmatch(name) is not None
 

@@ -11,7 +11,7 @@ from yarclang.hir import Array, JointDelta, JointGoal, PoseDelta, PoseGoal, Told
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.motions.moved import meaning_of, named_poses, takes_names
 from yarclang.semantics.names.commands import ResolvedName
-from yarclang.semantics.names.scope import KINDS, Frame, JointPosition, Pose
+from yarclang.semantics.names.scope import KINDS, Frame, JointPosition, Pose, Taught
 from yarclang.semantics.values.evaluate import EvaluationError, place_named
 from yarclang.semantics.values.numbers import numbers_of
 from yarclang.semantics.values.poses import check_limits, rotation_of
@@ -111,7 +111,7 @@ def _named_goal(
         span = line.statement.span(waypoint.place)
         if not isinstance(found, JointPosition) or not takes_names(line.name):
             message = f"{waypoint.values[0].text} is {KINDS[type(found)]}, and {line.name.full} takes none"
-            line.findings.add("Y0209", message, span)
+            line.findings.add("Y0209", message, span, _TAUGHT if isinstance(found, Taught) else "")
             return JointGoal(line.robot.home)
         return JointGoal(found.q)
     if not takes_names(line.name):
@@ -161,7 +161,8 @@ def _joint_position(line: Line, word: Word) -> JointPosition | None:
         return found
     span = line.statement.span(word.place)
     if found is not None:
-        line.findings.add("Y0209", f"{word.text} is {KINDS[type(found)]}, not a joint position", span)
+        message = f"{word.text} is {KINDS[type(found)]}, not a joint position"
+        line.findings.add("Y0209", message, span, _TAUGHT if isinstance(found, Taught) else "")
         return None
     known = sorted(set(line.scope.names(JointPosition, Pose)))
     subject = unknown(word.text, known)
@@ -237,3 +238,6 @@ _UNMOVED = np.eye(4)
 
 def _example(name: ResolvedName) -> str:
     return f"for example: {name.spec.examples[0].splitlines()[0]}"
+
+
+_TAUGHT = "a motion is proved before it runs: run the program, then put the line that `yarc registers` prints above its first command"

@@ -168,8 +168,40 @@ class Where:
         return line if source.name == self.source.name else f"{line} of {self.source.called}"
 
 
+@frozen
+class RackTool:
+    """A tool of the cell that can be changed.
+
+    Attributes:
+        name: the tool.
+        lock: the output of the changer.
+        locks_at: its value while it holds a tool.
+    """
+
+    name: str
+    lock: Signal
+    locks_at: float
+
+
+@frozen
+class Taught:
+    """A place that JPOS or LPOS keeps: what it is, is known only when the program has run."""
+
+
 Named = (
-    Amount | Table | Places | Formula | JointPosition | Pose | Register | Input | Output | Routine | Library
+    Amount
+    | Table
+    | Places
+    | Formula
+    | JointPosition
+    | Pose
+    | Register
+    | Input
+    | Output
+    | RackTool
+    | Taught
+    | Routine
+    | Library
 )
 
 KINDS: dict[type, str] = {
@@ -182,6 +214,8 @@ KINDS: dict[type, str] = {
     Pose: "a pose",
     Input: "an input",
     Output: "an output",
+    RackTool: "a tool",
+    Taught: "a place that is taught when the program runs",
     Routine: "a SUB",
     Library: "a module",
 }

@@ -1,0 +1,120 @@
+"""Places that programs have taught while they ran (JPOS, LPOS), in the database of KEPT registers."""
+
+from __future__ import annotations
+
+import sqlite3
+
+import numpy as np
+
+from yarclang.collision.zones.watched import tool_frame
+from yarclang.coordinator.kept_registers import opened, registers_file, unreadable
+from yarclang.frozen import frozen
+from yarclang.robot.kinematics.fk import tool_poses
+from yarclang.robot.model import Array, Robot
+from yarclang.runtime.actions import Teach
+from yarclang.transforms import roll_pitch_yaw
+from yarclang.units import DEG, MM
+
+_TABLE = (
+    "CREATE TABLE IF NOT EXISTS taught (controller TEXT NOT NULL, program TEXT NOT NULL, name TEXT NOT NULL, "
+    "line TEXT NOT NULL, PRIMARY KEY (controller, program, name))"
+)
+
+
+@frozen
+class Place:
+    """A place that was taught last under a name: the line that declares it in a program."""
+
+    controller: str
+    program: str
+    name: str
+    line: str
+
+
+def line_of(robot: Robot, teaches: str, name: str, joints: Array) -> str:
+    """Return the line of a program that declares a place.
+
+    Args:
+        robot: the robot.
+        teaches: `joints`, or `pose` for that of {TCP}, or of {FLANGE} without one, in {B}.
+        name: the name.
+        joints: where the robot stands (n,) [rad or m].
+    """
+    if teaches == "joints":
+        values = joints / robot.axis_units
+        units = ",".join(dict.fromkeys(robot.axis_unit_names))
+        return f"JOINTS {name} {_numbers(values)} ({units})"
+    moving = tool_frame(robot)
+    pose = tool_poses(robot.chain, np.asarray(joints)[None], moving.flange_from_moving)[0]
+    values = np.append(pose[:3, 3] / MM, roll_pitch_yaw(pose[:3, :3]) / DEG)
+    return f"POSE {name} {_numbers(values)} (mm,deg) {{B}}"
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(f"{value:.4f}".rstrip("0").rstrip(".") for value in np.round(values, 4) + 0.0)
+
+
+def teach(robot: Robot, controller: str, program: str, wanted: Teach) -> str:
+    """Keep a place; when this returns, it is on the disk.
+
+    Args:
+        robot: the robot.
+        controller: robot and address; a simulated one has places of its own.
+        program: as `yarclang.coordinator.kept_registers.program_of` returns it.
+        wanted: the place.
+
+    Returns:
+        The line that declares it.
+
+    Raises:
+        OSError: it can't be kept, and why.
+    """
+    line, place = line_of(robot, wanted.teaches, wanted.name, wanted.joints), registers_file()
+    try:
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with opened(place) as base, base:
+            base.execute(_TABLE)
+            row = controller, program, wanted.name, line
+            base.execute("INSERT OR REPLACE INTO taught VALUES (?, ?, ?, ?)", row)
+    except (sqlite3.Error, OSError) as error:
+        raise OSError(f"{place}: {error}") from None
+    return line
+
+
+def places(program: str = "") -> list[Place]:
+    """Return the taught places, in the order of programs and names; an empty argument matches all.
+
+    Raises:
+        Trouble: the database can't be read.
+    """
+    place = registers_file()
+    if not place.exists():
+        return []
+    try:
+        with opened(place) as base:
+            base.execute(_TABLE)
+            rows = base.execute(
+                "SELECT controller, program, name, line FROM taught WHERE (? = '' OR program = ?) "
+                "ORDER BY controller, program, name",
+                (program, program),
+            ).fetchall()
+        return [Place(*map(str, row)) for row in rows]
+    except (sqlite3.Error, OSError) as error:
+        raise unreadable(place, error) from None
+
+
+def forget(program: str) -> int:
+    """Delete the taught places of a program on all controllers, and return how many there were.
+
+    Raises:
+        Trouble: the database can't be read or written.
+    """
+    place = registers_file()
+    if not place.exists():
+        return 0
+    try:
+        with opened(place) as base, base:
+            base.execute(_TABLE)
+            return base.execute("DELETE FROM taught WHERE program = ?", (program,)).rowcount
+    except (sqlite3.Error, OSError) as error:
+        raise unreadable(place, error) from None

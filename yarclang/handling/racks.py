@@ -1,0 +1,87 @@
+"""Compute which tool is on the flange after a tool changer has locked or unlocked."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from yarclang.cell.model import Item, Parts, RackTool
+from yarclang.frozen import frozen
+from yarclang.shapes import Array
+from yarclang.units import DEG
+
+MOST_TURN = 0.5 * DEG
+"""Largest angle between the flange and a tool's place at which the changer locks or unlocks [rad]."""
+
+
+@frozen
+class Nearest:
+    """The part nearest to a gripper that closes, and the distance of its surface from the gripper's origin
+    [m]; 0 if the origin is inside the part. For a tool, the distance of the flange from the tool's place.
+    """
+
+    item: Item
+    distance: float
+
+
+def apart(tool: RackTool, base_from_flange: Array) -> tuple[float, float]:
+    """Return how far a flange pose (4, 4) is from a tool's place [m], and the angle between both [rad]."""
+    away = np.linalg.inv(tool.place.transform) @ base_from_flange
+    cosine = np.clip((np.trace(away[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
+    # the cosine alone would lose half of the digits of a small angle
+    sine = np.linalg.norm(away[:3, :3] - away[:3, :3].T) / np.sqrt(8.0)
+    return float(np.linalg.norm(away[:3, 3])), float(np.arctan2(sine, cosine))
+
+
+def is_in_place(tool: RackTool, base_from_flange: Array) -> bool:
+    """Return True if the flange stands in a tool's place."""
+    distance, turn = apart(tool, base_from_flange)
+    return distance <= tool.reach and turn <= MOST_TURN
+
+
+def nearest_tool(parts: Parts, base_from_flange: Array) -> Nearest | None:
+    """Return the standing tool whose place is nearest to the flange; None if no tool stands anywhere."""
+    found = [
+        Nearest(one, apart(one.part.rack, base_from_flange)[0])
+        for one in parts.items
+        if one.part.rack is not None and one.gripper is None
+    ]
+    return min(found, key=lambda one: one.distance, default=None)
+
+
+def locked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
+    """Lock a tool changer at a flange pose (4, 4): it takes the tool that stands in its place there."""
+    items = tuple(
+        replace(one, pose=one.part.rack.flange_from_body.tobytes(), gripper=lock)
+        if one.part.rack is not None and not parts.held(lock) and _stands_there(one, base_from_flange)
+        else one
+        for one in parts.items
+    )
+    return replace(parts, items=items, closed=parts.closed | {lock})
+
+
+def _stands_there(item: Item, base_from_flange: Array) -> bool:
+    rack = item.part.rack
+    assert rack is not None  # looked at by the caller
+    stands = item.gripper is None and item.pose == rack.base_from_body.tobytes()
+    return stands and is_in_place(rack, base_from_flange)
+
+
+def unlocked(parts: Parts, lock: str, base_from_flange: Array) -> Parts:
+    """Unlock a tool changer at a flange pose (4, 4): a tool whose place this is stands exactly there; another
+    one stays where it is. What the tool's grippers hold stays there, too.
+    """
+    left = [one for one in parts.held(lock) if one.part.rack is not None]
+    if not left:
+        return parts
+    open_now = {variable for one in left if one.part.rack is not None for variable in one.part.rack.grippers}
+
+    def after(one: Item) -> Item:
+        if one in left and one.part.rack is not None and is_in_place(one.part.rack, base_from_flange):
+            return replace(one, pose=one.part.rack.base_from_body.tobytes(), gripper=None)
+        if one in left or one.gripper in open_now:
+            return replace(one, pose=(base_from_flange @ one.transform).tobytes(), gripper=None)
+        return one
+
+    return replace(parts, items=tuple(map(after, parts.items)))

@@ -1,0 +1,32 @@
+"""Keep where the robot stands, under a name that the program gives. No I/O."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from yarclang.robot.model import Array
+from yarclang.runtime.actions import Script, Teach, Told, Trouble
+from yarclang.runtime.job import Barrier
+from yarclang.runtime.pmac.held import title
+from yarclang.runtime.pmac.operation import Operation
+
+TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
+"""What a command keeps, by its word."""
+
+
+def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:
+    """Keep where the robot stands. It stands until the place is on the disk.
+
+    Args:
+        operation: the run.
+        barrier: the JPOS or LPOS that is carried out.
+        stands: where the robot stands (n,) [rad or m].
+
+    Raises:
+        Trouble: the place can't be kept.
+    """
+    told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
+    if not isinstance(told, Told):
+        what = f"{title(barrier)} can't keep {barrier.name}: {told}"
+        raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
+    operation.remark(f"{title(barrier)}: {told.line}")

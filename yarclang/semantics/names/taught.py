@@ -1,0 +1,38 @@
+"""Resolve the name of a place that is taught while the program runs."""
+
+from __future__ import annotations
+
+import re
+
+from yarclang.decisions import LONGEST_NAME
+from yarclang.diagnostics import Collector
+from yarclang.semantics.names.frames import Placed
+from yarclang.semantics.names.scope import KINDS, JointPosition, Pose, Scope, Taught
+from yarclang.syntax.ast import Value, Word
+from yarclang.syntax.words import RESERVED
+
+_NAME = re.compile(r"[A-Z_][A-Z0-9_]*")
+
+
+def taught_name(value: Value, scope: Scope, statement: Placed, findings: Collector) -> str | None:
+    """Return the name under which JPOS or LPOS keeps a place; None with a finding.
+
+    The name of joints or of a pose that the program declares may be taught: what is kept is for the next change
+    of its line. Another name becomes known as a taught one.
+    """
+    span = statement.span(value.place)
+    if not isinstance(value, Word) or not _NAME.fullmatch(value.name) or value.name in RESERVED:
+        findings.add("Y0211", f"{value.text} is no name for a place", span, "for example JPOS FOUND_AT")
+        return None
+    if len(value.name) > LONGEST_NAME:
+        message = f"the name of a place has at most {LONGEST_NAME} characters"
+        findings.add("Y0211", message, span, "shorten it")
+        return None
+    found = scope.name(value.name)
+    if found is None:
+        scope.declare(value.name, Taught())
+    elif not isinstance(found, JointPosition | Pose | Taught):
+        message = f"{value.text} is {KINDS[type(found)]}, and no place can be kept under its name"
+        findings.add("Y0209", message, span, "choose another name")
+        return None
+    return value.name

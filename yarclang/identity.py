@@ -126,6 +126,8 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
         _feed(digest.update, program.registers)
     if program.watches:
         _feed(digest.update, program.watches)
+    if program.ways_out:
+        _feed(digest.update, program.ways_out)
     if program.cell is not None:
         # The cell's names need no hash of their own: the steps contain those that are used.
         _feed(digest.update, program.cell.obstacles)
@@ -207,6 +209,7 @@ _LATER: dict[str, object] = {
     "or_less": False,
     "step": None,
     "outside": False,
+    "then": "",
 }
 """Fields added after programs had been hashed, with their default values.
 

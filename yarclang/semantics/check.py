@@ -31,6 +31,12 @@ def check(module: Module, context: Context) -> Result[Program]:
     if not commands and not module.unreadable_lines:
         findings.add("Y0104", "the file has no command", Span.on_line(1, 1, 2), "was another file meant?")
     bound_searches(unrolled.steps, unrolled.cell, findings)
+    if unrolled.cell is not None and unrolled.cell.parts:
+        for way in unrolled.ways_out:
+            message = (
+                f"in a cell with parts it isn't known what the robot carries when it leaves by {way.name}"
+            )
+            findings.add("Y0476", message, way.origin.span, "write HOLD instead of CALL")
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
     steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)
@@ -43,5 +49,6 @@ def check(module: Module, context: Context) -> Result[Program]:
         unrolled.is_cut,
         registers=tuple(unrolled.registers),
         watches=tuple(unrolled.watches),
+        ways_out=tuple(unrolled.ways_out),
     )
     return Result(program, (*findings.found, *unrolled.findings))

@@ -4,6 +4,7 @@ import asyncio
 
 import numpy as np
 import pytest
+from conftest import EXAMPLES
 from coordinator.test_programs import loaded
 from coordinator.virtual import SPY, coordinating, run
 from hypothesis import Phase, given, settings
@@ -238,3 +239,29 @@ def test_a_way_back_that_fails_leaves_the_robot_where_it_stands(monkeypatch):
 
     monkeypatch.setattr("yarclang.pipeline.leaving._back", lambda *_: "it breaks a limit")
     carried_out(work)
+
+
+@pytest.mark.parametrize(("place", "after"), [("P0120", 0.3), ("P0150", 0.0), ("P0160", 1.0), ("P0190", 0.5)])
+def test_the_example_leaves_from_anywhere(place, after):
+    """Along the rim all lines are one motion without a stop: the robot goes back along all of it."""
+
+    async def work(it):
+        command = next(one for one in it.loaded.program.commands if one.index == place)
+        since = it.world.machine.now
+        await it.state(State.MOVE)
+        await it.world.until(lambda: it.coordinator.progress is not None and it.coordinator.progress.line == command.source_line)
+        before = it.value("M1")
+        await it.opened(after)
+        assert (before, it.value("M1")) == (float(place not in ("P0120", "P0190")), 0.0)
+        stopped = it.world.machine.now
+        it.say("M11=1")
+        it.resume()
+        await it.world.until(lambda: it.value("M2") == 1.0)
+        assert went_back(it, stopped, it.world.machine.now - 0.1) < counts(it, 1e-4) + 1.0
+        ended = await it.running
+        assert "left by LEAVE" in ended.what, ended
+        assert it.world.stands() == pytest.approx([-60.0, 0.0, -30.0, 0.0, 60.0, 0.0], abs=1e-3)
+        assert it.value("M1") == 0.0
+        assert it.world.machine.now - since < 90.0
+
+    carried_out(work, (EXAMPLES / "28_curtain_with_return.yarc").read_text(), record=True)

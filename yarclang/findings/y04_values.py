@@ -310,6 +310,7 @@ FINDINGS = (
         "A way out is planned and proved as a whole while the robot stands, and ends the program. So it has motions, SET of outputs and DWELL; "
         "what waits, asks, decides or searches stands in a program of its own. In a cell with parts it isn't known which of them the robot carries when it leaves: write HOLD there.",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 STOP\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
         "Y0477",
@@ -318,6 +319,7 @@ FINDINGS = (
         "the way of an ON can't be planned from each place at which it may begin",
         "After ON ... CALL has held a motion, the robot goes back to where that motion has begun, and leaves from there. So the way is planned from where each motion begins; the message says from where it fails, and why.",
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
     ),
     Finding(
         "Y0475",

@@ -28,6 +28,7 @@ from yarclang.hir import (
     Reading,
     Signal,
     Step,
+    WayOut,
     When,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
@@ -141,6 +142,13 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
     return digest.hexdigest()
 
 
+def way_fingerprint(way: WayOut) -> str:
+    """Compute a hash of what the robot does on a way out, as 16 hex digits."""
+    digest = hashlib.sha256()
+    _feed(digest.update, way.steps)
+    return digest.hexdigest()[:16]
+
+
 def _fed(step: Motion, memory: Memory) -> bytes:
     """Return the bytes that a motion contributes to the hash, cached by the identity of its fields.
 
@@ -210,6 +218,7 @@ _LATER: dict[str, object] = {
     "step": None,
     "outside": False,
     "then": "",
+    "way": "",
 }
 """Fields added after programs had been hashed, with their default values.
 

@@ -9,8 +9,8 @@ from coordinator.test_programs import loaded
 from coordinator.virtual import SPY, coordinating, run
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
-
 from runtime.virtual import path_of
+
 from tests.floors import exercises
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.state import State
@@ -249,7 +249,11 @@ def test_the_example_leaves_from_anywhere(place, after):
         command = next(one for one in it.loaded.program.commands if one.index == place)
         since = it.world.machine.now
         await it.state(State.MOVE)
-        await it.world.until(lambda: it.coordinator.progress is not None and it.coordinator.progress.line == command.source_line)
+        await it.world.until(
+            lambda: (
+                it.coordinator.progress is not None and it.coordinator.progress.line == command.source_line
+            )
+        )
         before = it.value("M1")
         await it.opened(after)
         assert (before, it.value("M1")) == (float(place not in ("P0120", "P0190")), 0.0)

@@ -5,7 +5,7 @@ from programs import compiled
 from semantics.test_searches import errors
 
 from yarclang.certify.certifying import certify
-from yarclang.identity import fingerprint
+from yarclang.identity import fingerprint, way_fingerprint
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.description import load_robot
 from yarclang.source import SourceFile
@@ -62,7 +62,9 @@ def test_what_is_taken():
     program, _ = compiled(text)
     assert [one.origin.label for one in program.program.ways_out[0].steps] == ["AWAY>P0010", "AWAY>P0020"]
     assert [one.origin.label for one in program.program.steps] == ["P0100", "P0110"]
-    assert "; watch M11=0 CURTAIN then AWAY\n" in program.text
+    (watch,) = program.program.watches
+    assert watch.way == way_fingerprint(program.program.ways_out[0])
+    assert f"; watch M11=0 CURTAIN then AWAY {watch.way}\n" in program.text
 
 
 def found(moves, way, calls=CALLS):
@@ -112,20 +114,34 @@ def test_the_hash_of_a_program_knows_its_ways_out():
 
 @pytest.mark.parametrize(
     "told",
-    ["", " then HOME", " then", " then AWAY AWAY", " then away", " leaves AWAY", "  then AWAY"],
+    [
+        "",
+        " then AWAY",
+        " then",
+        " then AWAY 0123456789abcdef",
+        " then HOME @",
+        " then away @",
+        " leaves AWAY @",
+        "  then AWAY @",
+        " then AWAY @ ",
+        " then AWAY @0",
+        " then @",
+    ],
 )
 def test_the_certificate_refuses_a_text_that_leads_elsewhere(told, industrial6):
     program, _ = compiled(INPUTS + AWAY + CALLS + MOVES)
-    line = "; watch M11=0 CURTAIN"
-    assert program.text.count(f"{line} then AWAY\n") == 1
-    changed = program.text.replace(f"{line} then AWAY\n", f"{line}{told}\n")
+    line, way = "; watch M11=0 CURTAIN", program.program.watches[0].way
+    assert program.text.count(f"{line} then AWAY {way}\n") == 1
+    changed = program.text.replace(f"{line} then AWAY {way}\n", f"{line}{told.replace('@', way)}\n")
     judged = certify(changed, program.program, industrial6, industrial6.tolerance)
     assert any(one.is_error for one in judged.diagnostics)
 
 
 def test_a_text_that_leads_away_without_being_asked_to_is_refused(industrial6):
     program, _ = compiled(INPUTS + AWAY + "ON CURTAIN OFF HOLD\n" + MOVES)
-    changed = program.text.replace("; watch M11=0 CURTAIN\n", "; watch M11=0 CURTAIN then AWAY\n")
+    changed = program.text.replace(
+        "; watch M11=0 CURTAIN\n", "; watch M11=0 CURTAIN then AWAY 0123456789abcdef\n"
+    )
     assert changed != program.text
     judged = certify(changed, program.program, industrial6, industrial6.tolerance)
     assert any("and leaves by AWAY" in one.message for one in judged.diagnostics)

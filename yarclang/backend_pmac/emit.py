@@ -62,7 +62,7 @@ class Emitted:
             for one in self.registers
         ]
         head += [
-            f"; watch {one.variable}={_number(one.value)} {one.name}{f' then {one.then}' if one.then else ''}"
+            f"; watch {one.variable}={_number(one.value)} {one.name}{f' then {one.then} {one.way}' if one.then else ''}"
             for one in self.watches
         ]
         head += [

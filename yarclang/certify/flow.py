@@ -68,7 +68,7 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 def _watched(watches: tuple[Watch, ...]) -> str:
     """Return in words the inputs that hold a motion, and where they lead."""
     told = (
-        f"{one.name} ({one.variable}) for {one.value:g}{f' and leaves by {one.then}' if one.then else ''}"
+        f"{one.name} ({one.variable}) for {one.value:g}{f' and leaves by {one.then} ({one.way})' if one.then else ''}"
         for one in watches
     )
     return ", ".join(told) or "nothing"

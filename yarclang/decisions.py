@@ -129,11 +129,25 @@ class Watch:
         variable: the controller's variable.
         value: the input's value at which the motion is held.
         name: the input's name in the program.
+        then: name of the SUB on whose way the robot leaves; empty: the motion goes on.
+        way: hash of that way, 16 hex digits.
     """
 
     variable: str
     value: float
     name: str
+    then: str = ""
+    way: str = ""
+
+    @property
+    def reaction(self) -> str:
+        """What the robot does, in words."""
+        return f"hold, then leave by {self.then}" if self.then else "hold"
+
+
+def only_holding(watches: Iterable[Watch]) -> tuple[Watch, ...]:
+    """Return watched inputs that hold the motion, and lead nowhere afterwards: those of ways beside a program."""
+    return tuple(Watch(one.variable, one.value, one.name) for one in watches)
 
 
 MOST_WATCHES = 8

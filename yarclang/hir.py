@@ -775,6 +775,23 @@ Step = Motion | Action | Stop | Gap
 
 
 @frozen(eq=False)
+class WayOut:
+    """A way on which the robot leaves after a watched input has held a motion.
+
+    It begins at rest, where the motion has begun, and ends the program.
+
+    Attributes:
+        name: the SUB with its commands; `Watch.then` of the inputs.
+        origin: the first ON that calls it.
+        steps: motions, outputs and dwells.
+    """
+
+    name: str
+    origin: Origin
+    steps: tuple[Step, ...]
+
+
+@frozen(eq=False)
 class Program:
     """A checked program: the initial position of the robot, and the steps.
 
@@ -790,6 +807,7 @@ class Program:
         cells: for a part of another program: the cell during each motion, by the index of its step.
         registers: the declared registers.
         watches: the inputs that hold a motion.
+        ways_out: the ways on which the robot leaves after an input has held a motion.
     """
 
     source: SourceFile
@@ -801,6 +819,7 @@ class Program:
     cells: Mapping[int, Cell | None] | None = None
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
+    ways_out: tuple[WayOut, ...] = ()
 
 
 def searches_of(program: Program) -> tuple[Searched, ...]:

@@ -28,6 +28,7 @@ from yarclang.hir import (
     Reading,
     Signal,
     Step,
+    WayOut,
     When,
 )
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
@@ -128,6 +129,8 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
         _feed(digest.update, program.registers)
     if program.watches:
         _feed(digest.update, program.watches)
+    if program.ways_out:
+        _feed(digest.update, program.ways_out)
     if program.cell is not None:
         # The cell's names need no hash of their own: the steps contain those that are used.
         _feed(digest.update, program.cell.obstacles)
@@ -139,6 +142,13 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
             parts = present.parts
             _feed(digest.update, (parts.items, tuple(sorted(parts.closed)), parts.expected, present.leaving))
     return digest.hexdigest()
+
+
+def way_fingerprint(way: WayOut) -> str:
+    """Compute a hash of what the robot does on a way out, as 16 hex digits."""
+    digest = hashlib.sha256()
+    _feed(digest.update, way.steps)
+    return digest.hexdigest()[:16]
 
 
 def _fed(step: Motion, memory: Memory) -> bytes:
@@ -217,6 +227,8 @@ _LATER: dict[str, object] = {
     "tool": None,
     "changes": False,
     "teaches": "",
+    "then": "",
+    "way": "",
 }
 """Fields added after programs had been hashed, with their default values.
 

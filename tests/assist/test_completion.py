@@ -45,6 +45,9 @@ def behind(half: str, view_of=looked_at) -> list[str]:
     [
         ("", ["MOVEJ", "MOVEL", "CALL", "FRAME", "REPEAT", "END"], ["{TABLE}", "MOVEL_POLY5"]),
         ("P0100 ", ["MOVEJ", "WAIT", "HOLD"], ["FRAME", "LET"]),
+        ("ON DOOR OFF ", ["HOLD", "CALL"], ["GO", "DOOR"]),
+        ("ON DOOR OFF CALL ", ["GO"], ["HOLD", "CALL"]),
+        ("ON DOOR OFF HOLD ", [], ["GO"]),
         ("P0100 MOVEJ_RPY", ["MOVEJ_RPY_AVOID", "MOVEJ_RPY_AVOID_TOPP"], ["MOVEJ_AVOID_RPY", "MOVEL_AVOID"]),
         (
             "P0100 MOVEL",

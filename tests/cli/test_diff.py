@@ -90,3 +90,49 @@ def test_wrong_usage():
     assert run(LINES).exit_code == 2
     assert run("-", "-").exit_code == 2
     assert run(LINES, LINES, "--tolerance", "x").exit_code == 2
+
+
+ON = """ROBOT INDUSTRIAL6
+INPUT CURTAIN M11
+SUB AWAY
+  P0001 MOVEJ 10 0 0 0 0 0 [2] (deg,s)
+END
+ON CURTAIN OFF HOLD
+P0010 MOVEJ 0 0 0 0 30 0 [2] (deg,s)
+"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            (("OFF HOLD", "OFF CALL AWAY"),),
+            "~ when CURTAIN (M11) is OFF: CURTAIN: hold -> CURTAIN: hold, then leave by AWAY",
+        ),
+        ((("ON CURTAIN OFF HOLD\n", ""),), "- when CURTAIN (M11) is OFF: removed: hold"),
+        ((("OFF HOLD", "OFF HOLD\nON CURTAIN ON HOLD"),), "+ when CURTAIN (M11) is ON: added: hold"),
+        ((("CURTAIN", "GATE"),), "~ when GATE (M11) is OFF: CURTAIN: hold -> GATE: hold"),
+    ],
+)
+def test_what_holds_the_motions(tmp_path, changes, told):
+    first, second = tmp_path / "a.yarc", tmp_path / "b.yarc"
+    first.write_text(ON)
+    text = ON
+    for old, new in changes:
+        text = text.replace(old, new)
+    second.write_text(text)
+    result = run(first, second)
+    assert result.exit_code == 1
+    assert told in result.stdout.splitlines()
+    assert result.stdout.splitlines()[-1].startswith("1 same; ")
+    held = json.loads(run(first, second, "--format", "json").stdout)["held_by"]
+    assert held[0] == [{"input": "CURTAIN", "variable": "M11", "value": 0.0, "then": "", "way": ""}]
+
+
+def test_another_way_out(tmp_path):
+    first, second = tmp_path / "a.yarc", tmp_path / "b.yarc"
+    first.write_text(ON.replace("OFF HOLD", "OFF CALL AWAY"))
+    second.write_text(first.read_text().replace("MOVEJ 10", "MOVEJ 11"))
+    result = run(first, second)
+    assert result.exit_code == 1
+    assert result.stdout.startswith("~ when CURTAIN (M11) is OFF: AWAY is another way\n1 same; ")

@@ -11,7 +11,7 @@ from yarclang.pipeline.modules import loader
 
 LANGUAGE_FAMILIES = {"02", "03", "04", "10"}
 YARC_FAMILIES = {"01", "02", "03", "04", "05", "06", "10", "12"}
-CERTIFIED = {"Y0610"}
+CERTIFIED = {"Y0479", "Y0610"}
 """Findings of the certificate about a program that is right in all else."""
 WITH_EXAMPLE = [
     one for one in CATALOGUE.values() if one.family in YARC_FAMILIES and one.example and one.code != "Y1391"

@@ -178,6 +178,9 @@ class _Maker(NameMaker):
     def _slots(self, slots: tuple[Slot, ...]) -> Iterator[Candidate]:
         """Yield inputs, outputs or states, whichever the value at this place is."""
         at = len(self.cursor.before) - 1
+        if self.cursor.head == "ON" and at == len(slots) and self.cursor.before[-1].name == "CALL":
+            yield from self.known(Routine, "sub")
+            return
         slot = slots[at] if at < len(slots) else None
         if slot is Slot.INPUT:
             yield from self.known(Input, "input")

@@ -62,7 +62,10 @@ class Emitted:
             f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}{' outside' * one.outside}"
             for one in self.registers
         ]
-        head += [f"; watch {one.variable}={_number(one.value)} {one.name}" for one in self.watches]
+        head += [
+            f"; watch {one.variable}={_number(one.value)} {one.name}{f' then {one.then} {one.way}' if one.then else ''}"
+            for one in self.watches
+        ]
         head += [
             f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} {one.depth or '-'}"
             for one in searches

@@ -70,8 +70,12 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
 
 
 def _watched(watches: tuple[Watch, ...]) -> str:
-    """Return in words the inputs that hold a motion."""
-    return ", ".join(f"{one.name} ({one.variable}) for {one.value:g}" for one in watches) or "nothing"
+    """Return in words the inputs that hold a motion, and where they lead."""
+    told = (
+        f"{one.name} ({one.variable}) for {one.value:g}{f' and leaves by {one.then} ({one.way})' if one.then else ''}"
+        for one in watches
+    )
+    return ", ".join(told) or "nothing"
 
 
 def check_rests(text: ControllerText, start: Array, slack: Array) -> Iterator[Fault]:

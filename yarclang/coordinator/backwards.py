@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from yarclang.decisions import only_holding
 from yarclang.diagnostics import Diagnostic
 from yarclang.hir import (
     ArcMove,
@@ -128,7 +129,9 @@ def backwards(robot: Robot, group: tuple[Passed, ...], program: Program) -> Prog
         if isinstance(step, Diagnostic):
             return step
         steps.append(replace(step, origin=_origin(one.step, program.source), blend=blend))
-    return Program(program.source, group[-1].end, tuple(steps), (), program.cell, watches=program.watches)
+    return Program(
+        program.source, group[-1].end, tuple(steps), (), program.cell, watches=only_holding(program.watches)
+    )
 
 
 def _backwards(robot: Robot, one: Passed) -> Motion | Diagnostic:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-from yarclang.coordinator.programs import Loaded, behind_search, load_program
+from yarclang.coordinator.programs import Loaded, behind_search, load_program, ways_out
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.handling.parts import first_parts
 from yarclang.motion.plan import MotionPlan
@@ -147,6 +147,7 @@ def _judged(source: Source) -> Result[Loaded]:
         assumed=assumed,
         text_plan=judged.plan,
         behind=None if judged.plan is None else behind_search(judged.plan, Request(judged.robot)),
+        leave=None if judged.plan is None else ways_out(judged.plan, Request(judged.robot)),
     )
     return Result(loaded, diagnostics)
 

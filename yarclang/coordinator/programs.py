@@ -16,6 +16,7 @@ from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.inputs import Opened
 from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.leaving import leaving
 from yarclang.pipeline.origins import Origins
 from yarclang.pipeline.parts import (
     approach,
@@ -64,6 +65,8 @@ class Loaded:
         text_plan: plan for a controller text, from which its effect on parts is derived.
         behind: plans the rest after a motion that an input has ended, or the lines of an OFFSET; None:
             impossible.
+        leave: plans the way back and out after an input has held a motion, from the way's name, the motion's
+            number, the time of the plan [s] and the robot's position (n,) [rad or m]; None: impossible.
         again: compiles the same program with its parts elsewhere; None: impossible.
     """
 
@@ -80,6 +83,7 @@ class Loaded:
     text_plan: MotionPlan | None = None
     again: Callable[[CellNow], Result[Loaded]] | None = None
     behind: Behind | None = None
+    leave: Callable[[str, int, float, Array], tuple[Job, ...] | str] | None = None
 
     @property
     def around(self) -> Cell | None:
@@ -163,6 +167,7 @@ def load_program(
         assumed=assumed,
         first_step=step if first is not None else None,
         behind=behind_search(plan, asked),
+        leave=ways_out(plan, asked),
     )
     return Result(loaded, found)
 
@@ -178,6 +183,11 @@ def behind_search(plan: MotionPlan, request: Request) -> Behind:
         return shifted(plan, number, here, values, request)
 
     return planned
+
+
+def ways_out(plan: MotionPlan, request: Request) -> Callable[[str, int, float, Array], tuple[Job, ...] | str]:
+    """Return a function that plans the way back and out after an input has held a motion."""
+    return lambda name, number, time, here: leaving(plan, name, number, time, here, request)
 
 
 def _assumed(

@@ -27,6 +27,9 @@ from yarclang.runtime.state import Event
 TO_THE_START = "to the start"
 """Name of an approach's command."""
 
+BACK_ON_PATH = "back to where the motion began"
+"""Name of the way back along the path of a motion that is left."""
+
 _SAME_TIME = 1e-6
 """Tolerance when a command is searched by the time at which it begins [s]."""
 
@@ -95,6 +98,8 @@ class Undertaking:
             self._tell(job, number + 1, len(steps) or self.times)
             ended = await self._perform(job, number)
             self._note(number, ended)
+            if ended.leaves:
+                return await self._leave(ended)
             number += 1
             if not ended.well or (steps and ended.finished):
                 break
@@ -104,6 +109,58 @@ class Undertaking:
                     return renewed
                 self.loaded = renewed
         return ended
+
+    async def _leave(self, held: Ended) -> Ended:
+        """Carry out the way back and out after an input has held a motion. All of it is proved before any of it moves.
+
+        Args:
+            held: the outcome of the part whose motion was held.
+        """
+        loaded, way, here = self.loaded, held.leaves, held.joints
+        operation = self._session.operation
+        plan = loaded.plan or loaded.text_plan
+        there = None if plan is None or here is None else resting_place(plan, loaded.program, here, held.done)
+        made: tuple[Job, ...] | str = (
+            f"only the program says where {way} leads, and the text was run without it"
+        )
+        if plan is not None and here is not None and loaded.leave is not None:
+            made = "it isn't known where on its path the robot stands"
+            if there is not None:
+                at = loaded.program.commands.index(there.command)
+                time = float(plan.begins[at]) + there.done - there.command.begins
+                made = await self._coordinator.plan(loaded.leave, way, at, time, here)
+        if isinstance(made, str):
+            what = f"the robot can't leave by {way}: {made}"
+            remedy = "the robot stands on its path; move it from there by hand, or go on with --from"
+            operation.go(Event.FAULT, what, "Y1638", remedy)
+            return replace(held, what=what, remedy=remedy, code="Y1638", leaves="")
+        operation.remark(f"the way back and {way} are planned and proved from where the robot stands")
+        self._done.clear()  # where the robot will be, none of these motions ends
+        for number, job in enumerate(made, 1):
+            coordinator, name = self._coordinator, way if number == len(made) else BACK_ON_PATH
+            coordinator.behind = sum(one.lasting.most for one in made[number:])
+            coordinator.announce(
+                PartBegan(
+                    time_s=coordinator.time,
+                    name=name,
+                    to_the_start=False,
+                    offset_s=0.0,
+                    duration_s=job.lasting.most,
+                    number=number,
+                    of=len(made),
+                )
+            )
+            ended = await coordinator.carrying.perform(job, loaded.program)
+            if not ended.well:
+                what = f"on the way {'of' if number == len(made) else 'back, before'} {way}: {ended.what}"
+                return replace(ended, what=what, command="", command_index="", done=0.0, concerns=None)
+        return Ended(
+            False,
+            f"the program was left by {way}, and has ended there",
+            "look why; then run it again from its start",
+            ended.joints,
+            registers=held.registers,
+        )
 
     def remember(self, history: History) -> None:
         """Add the motions that were carried out to the history, so that they can be taken back."""

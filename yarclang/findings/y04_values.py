@@ -303,6 +303,25 @@ FINDINGS = (
         "INPUT JOB M70..M72\nINPUT STROBE M73\nP0010 WAIT STROBE ON [5] (s)",
     ),
     Finding(
+        "Y0476",
+        "no-way-out",
+        "error",
+        "the SUB that an ON calls isn't a way on which the robot can leave",
+        "A way out is planned and proved as a whole while the robot stands, and ends the program. So it has motions, SET of outputs and DWELL; "
+        "what waits, asks, decides or searches stands in a program of its own. In a cell with parts it isn't known which of them the robot carries when it leaves: write HOLD there.",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 STOP\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
+    ),
+    Finding(
+        "Y0477",
+        "no-way-out-from-here",
+        "error",
+        "the way of an ON can't be planned from each place at which it may begin",
+        "After ON ... CALL has held a motion, the robot goes back to where that motion has begun, and leaves from there. So the way is planned from where each motion begins; the message says from where it fails, and why.",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 DMOVEJ 100 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
+        "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ 90 0 0 0 0 0 [5] (deg,s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 160 0 0 0 30 0 [6] (deg,s)\nP0030 MOVEJ HOME [6] (s)",
+    ),
+    Finding(
         "Y0475",
         "unknown-place-behind-search",
         "error",
@@ -313,7 +332,7 @@ FINDINGS = (
         "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
-        "Y0476",
+        "Y0478",
         "unshiftable-frame",
         "error",
         "a frame can't be shifted like that",
@@ -323,7 +342,7 @@ FINDINGS = (
         "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
     ),
     Finding(
-        "Y0477",
+        "Y0479",
         "unplannable-in-offset",
         "error",
         "the lines of an OFFSET can't be planned as a whole when the program runs",

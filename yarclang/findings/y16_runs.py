@@ -219,8 +219,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1638",
         "not-from-here",
         "error",
-        "what follows a search can't be done from where it has ended",
-        "A motion with UNTIL ends where its input is found. What follows is planned and proved from there before it moves; where that can't be done the robot stands on its line, and the run ends.",
+        "what follows can't be done from where an input has ended a motion",
+        "A motion with UNTIL ends where its input is found. What follows is planned and proved from there before it moves; where that can't be done the robot stands on its line, and the run ends. So it is with the way back and the way out of ON ... CALL.",
     ),
     Finding(
         "Y1650",

@@ -29,7 +29,7 @@ from yarclang.pipeline.guarding import failure
 from yarclang.pipeline.inputs import Opened, Options, open_source
 from yarclang.pipeline.project import Project, find_project
 from yarclang.pipeline.sources import STANDARD_INPUT, read_source
-from yarclang.pipeline.stages import Compiled, certified, check_program, plan_checked
+from yarclang.pipeline.stages import Compiled, certified_whole, check_program, plan_checked
 from yarclang.progress import each, go_on, tell
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import forget
@@ -203,7 +203,7 @@ def _planned(begun: Begun, early: Callable[[Checked], None] | None) -> Checked:
         if not has_errors(begun.found):
             if early is not None:
                 early(_before_the_proof(begun, planned.value, found, said))
-            made = certified(planned.value, request)
+            made = certified_whole(planned.value, request)
             found, compiled = (*found, *made.diagnostics), made.value
             if compiled is not None:
                 tell("looking for what else is worth saying", 0)

@@ -14,6 +14,7 @@ import numpy as np
 
 from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
+from yarclang.decisions import Watch
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting
@@ -73,13 +74,16 @@ class Act:
 
 @frozen(eq=False)
 class Executed:
-    """All actions of a text, in order, from joint positions `start` (n,) [rad or m], and their duration."""
+    """All actions of a text, in order, from joint positions `start` (n,) [rad or m], their duration, and the
+    inputs that hold its motions.
+    """
 
     name: str
     robot: Robot
     start: Array
     acts: tuple[Act, ...]
     lasting: Lasting = NO_TIME
+    watches: tuple[Watch, ...] = ()
 
     @property
     def duration(self) -> float:
@@ -115,7 +119,7 @@ def executed(
         acts = tuple(
             replace(act, carries=carried.get(act.step, ())) if act.curve is not None else act for act in acts
         )
-    return Result(Executed(name, robot, start, acts, content.schedule.lasting))
+    return Result(Executed(name, robot, start, acts, content.schedule.lasting, content.watches))
 
 
 def _acts(content: ControllerText, mapped: LineMap, robot: Robot, start: Array) -> list[Act]:

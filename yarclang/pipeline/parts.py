@@ -10,7 +10,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Leaving, Parts
 from yarclang.collision.zones.watched import tool_frame
-from yarclang.decisions import Watch
+from yarclang.decisions import Watch, only_holding
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.handling.parts import first_parts
 from yarclang.handling.present import around_start, is_same
@@ -90,7 +90,9 @@ def approach(
     duration = float(np.ceil(max(_SHORTEST, by_speed.max(), by_acceleration.max()) * 20.0) / 20.0)
     source, origin = _line(robot, f"MOVEJ_{DEFAULT_PROFILE}", [there], f"{duration:g}")
     move = JointMove(origin, JointGoal(there), DEFAULT_PROFILE, Timing(duration))
-    return compiled_part(Program(source, here, (move,), cell=cell, watches=watches), Request(robot))
+    return compiled_part(
+        Program(source, here, (move,), cell=cell, watches=only_holding(watches)), Request(robot)
+    )
 
 
 def _round(
@@ -101,7 +103,9 @@ def _round(
     source, origin = _line(robot, f"MOVEJ_SPLINE_{DEFAULT_PROFILE}", points, f"{100.0 * share:g}%")
     goals = tuple(JointGoal(q) for q in points)
     move = SplineMove(origin, goals, DEFAULT_PROFILE, Timing(None, share=share))
-    made = compiled_part(Program(source, here, (move,), cell=cell, watches=watches), Request(robot))
+    made = compiled_part(
+        Program(source, here, (move,), cell=cell, watches=only_holding(watches)), Request(robot)
+    )
     # Notes about its motion matter only for commands that someone has written.
     return Result(made.value, tuple(one for one in made.diagnostics if one.is_error))
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from yarclang.cell.model import Present
+from yarclang.decisions import only_holding
 from yarclang.diagnostics import has_errors
 from yarclang.handling.present import presently
 from yarclang.hir import (
@@ -100,7 +101,7 @@ def _job(plan: MotionPlan, begin: int, steps: tuple[Step, ...], here: Array, req
     cell, parts = whole.cell, parts_before(plan, begin)
     if cell is not None and parts is not None:
         cell = presently(cell, Present(parts))
-    program = Program(whole.source, here, steps, whole.outputs, cell, watches=whole.watches)
+    program = Program(whole.source, here, steps, whole.outputs, cell, watches=only_holding(whole.watches))
     made = compiled_part(program, request)
     if made.value is None or has_errors(made.diagnostics):
         return next((one.message for one in made.diagnostics if one.is_error), "it can't be planned")

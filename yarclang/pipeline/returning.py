@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from yarclang.cell.model import Cell, Parts, Present
+from yarclang.decisions import only_holding
 from yarclang.diagnostics import has_errors
 from yarclang.handling.present import is_same, presently
 from yarclang.handling.surroundings import surroundings
@@ -129,9 +130,9 @@ def _program(plan: MotionPlan, number: int, here: Array, there: Array, cell: Cel
             here,
             (JointMove(origin, JointGoal(there), DEFAULT_PROFILE, timing),),
             cell=cell,
-            watches=plan.program.watches,
+            watches=only_holding(plan.program.watches),
         )
     flange_from_moving = step.goal.flange_from_moving
     goal = PoseGoal(flange_pose(robot, there) @ flange_from_moving, flange_from_moving)
     line = LineMove(origin, goal, DEFAULT_PROFILE, timing)
-    return Program(source, here, (line,), cell=cell, watches=plan.program.watches)
+    return Program(source, here, (line,), cell=cell, watches=only_holding(plan.program.watches))

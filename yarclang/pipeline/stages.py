@@ -26,6 +26,7 @@ from yarclang.memory import NO_MEMORY, Memory
 from yarclang.motion.plan import MotionPlan
 from yarclang.motion.planner import Settings, plan, plan_in_part
 from yarclang.motion.profile import profile_names
+from yarclang.pipeline.stands import unreachable_ways_out
 from yarclang.progress import tell
 from yarclang.robot.model import Robot, Tolerance
 from yarclang.semantics.check import check
@@ -175,8 +176,29 @@ def compile_module(module: Module, request: Request) -> Result[Compiled]:
     planned = plan_module(module, request)
     if planned.value is None:
         return Result(None, planned.diagnostics)
-    made = certified(planned.value, request)
+    made = certified_whole(planned.value, request)
     return Result(made.value, in_order((*planned.diagnostics, *made.diagnostics)))
+
+
+def certified_whole(planned: MotionPlan, request: Request) -> Result[Compiled]:
+    """Certify a program as a whole: its text, and the ways out of its ONs from wherever they may begin."""
+    made = certified(planned, request)
+    if made.value is None:
+        return made
+
+    asked = Request(
+        request.robot, tm=request.tm, tolerance=request.tolerance, avoid_effort=request.avoid_effort
+    )
+
+    def refused(program: Program) -> str:
+        plan = plan_program(program, asked)
+        found = plan.diagnostics
+        if plan.value is not None:
+            found = (*found, *certified(plan.value, asked).diagnostics)
+        return next((one.message for one in found if one.is_error), "")
+
+    found = tuple(unreachable_ways_out(planned, refused))
+    return Result(None, (*made.diagnostics, *found)) if found else made
 
 
 def certified(planned: MotionPlan, request: Request) -> Result[Compiled]:

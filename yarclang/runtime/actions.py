@@ -153,6 +153,14 @@ class Found(Exception):  # noqa: N818 - an event that scripts unwind for
     """The input that ends a motion early has the value that is searched for; the motion is held."""
 
 
+class Left(Exception):  # noqa: N818 - an event that scripts unwind for
+    """A person lets the robot leave after an input has held the motion: `way` is the program's way out."""
+
+    def __init__(self, way: str) -> None:
+        super().__init__(way)
+        self.way = way
+
+
 class Stopped(Exception):  # noqa: N818 - an event that scripts unwind for
     """A person ends the run; with `abort`, without regard to the path."""
 

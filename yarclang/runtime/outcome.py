@@ -47,7 +47,8 @@ class Ended:
     `ways` states for each passed WHEN, in order, if its first branch was taken. `barriers` counts the passed
     barriers at which legs end, and `at_barrier` is True if the robot stands at the next of them. `registers`
     are the names and values of registers. `finished` is True if the program has ended in one of its branches:
-    nothing after it is carried out. `found` is True if an input has ended a motion early.
+    nothing after it is carried out. `found` is True if an input has ended a motion early. `leaves` is the way
+    on which the robot is to leave from where it stands on its path; empty: none.
     """
 
     well: bool
@@ -67,6 +68,7 @@ class Ended:
     registers: tuple[tuple[str, int], ...] = ()
     finished: bool = False
     found: bool = False
+    leaves: str = ""
 
     @property
     def reached(self) -> float:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from yarclang.diagnostics import Collector, Result
 from yarclang.hir import Program
+from yarclang.identity import way_fingerprint
 from yarclang.semantics.context import Context
 from yarclang.semantics.control.unroll import unroll
 from yarclang.semantics.indices import check_indices, commands_of
@@ -31,9 +34,16 @@ def check(module: Module, context: Context) -> Result[Program]:
     if not commands and not module.unreadable_lines:
         findings.add("Y0104", "the file has no command", Span.on_line(1, 1, 2), "was another file meant?")
     bound_searches(unrolled.steps, unrolled.cell, findings)
+    if unrolled.cell is not None and unrolled.cell.parts:
+        for way in unrolled.ways_out:
+            message = (
+                f"in a cell with parts it isn't known what the robot carries when it leaves by {way.name}"
+            )
+            findings.add("Y0478", message, way.origin.span, "write HOLD instead of CALL")
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
     steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)
+    ways = {one.name: way_fingerprint(one) for one in unrolled.ways_out}
     program = Program(
         module.source,
         start,
@@ -42,6 +52,9 @@ def check(module: Module, context: Context) -> Result[Program]:
         unrolled.cell,
         unrolled.is_cut,
         registers=tuple(unrolled.registers),
-        watches=tuple(unrolled.watches),
+        watches=tuple(
+            replace(one, way=ways[one.then]) if one.then in ways else one for one in unrolled.watches
+        ),
+        ways_out=tuple(unrolled.ways_out),
     )
     return Result(program, (*findings.found, *unrolled.findings))

@@ -232,6 +232,9 @@ class Reader:
             yield _value("range", "Range", "text", values[1])
             for value in values[2:3]:
                 yield _value("first", "Begins with", "number", value)
+        elif word == "ON" and len(values) == len(word_specs()[word].slots) + 1:
+            yield from slot_fields(word_specs()[word].slots, values[:-1])
+            yield _value("sub", "SUB", "choice", values[-1])
         elif word in word_specs() and values and len(values) == len(word_specs()[word].slots):
             yield from slot_fields(word_specs()[word].slots, values)
         elif statement.expression is not None:

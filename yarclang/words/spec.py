@@ -24,7 +24,7 @@ class Slot(Enum):
     """Text in quotes."""
     REGISTER = "register"
     REACTION = "reaction"
-    """Reaction to a watched input: HOLD."""
+    """Reaction to a watched input: HOLD; or CALL, with the name of a SUB after it."""
     TAUGHT = "taught"
     """Name of a place that is taught while the program runs."""
     TOOL = "tool"

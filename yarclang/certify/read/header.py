@@ -64,6 +64,7 @@ _REGISTER = re.compile(
 
 _WATCH = re.compile(
     r"; watch ([MPQ][0-9]{1,4})=(0|-?(?!0 )(?:0|[1-9][0-9]{0,9})(?:\.[0-9]{0,8}[1-9])?) ([A-Z_][A-Z0-9_.]{0,79})"
+    r"(?: then ([A-Z_][A-Z0-9_.]{0,79}) ([0-9a-f]{16}))?"
 )
 
 _SEARCH = re.compile(
@@ -311,7 +312,7 @@ def _read_watches(lines: Lines) -> tuple[Watch, ...]:
         found = _WATCH.fullmatch(lines.peek())
         if found is None:
             lines.refuse(f"is no line of the map of watches: {shown(lines.peek())}")
-        watch = Watch(found[1], float(found[2]), found[3])
+        watch = Watch(found[1], float(found[2]), found[3], found[4] or "", found[5] or "")
         if len(watches) == MOST_WATCHES or any(
             (one.variable, one.value) == (watch.variable, watch.value) for one in watches
         ):

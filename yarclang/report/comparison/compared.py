@@ -84,9 +84,16 @@ class Comparison:
         return bool((np.abs(self.start) > _allowed(self.first.robot, self.tolerance)).any())
 
     @property
+    def holds_otherwise(self) -> bool:
+        """True if other inputs hold the motions, or the robot leaves on another way then."""
+        return self.first.watches != self.second.watches
+
+    @property
     def equal(self) -> bool:
         """True if there is no difference beyond the tolerance."""
-        return not self.starts_elsewhere and all(one.status == "same" for one in self.commands)
+        return not (self.starts_elsewhere or self.holds_otherwise) and all(
+            one.status == "same" for one in self.commands
+        )
 
     def count(self, status: Status) -> int:
         """Return the number of commands with a status."""

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
 
+from yarclang.decisions import Watch
 from yarclang.pipeline.executed import Act, Executed
 from yarclang.report.comparison.compared import Compared, Comparison
 from yarclang.report.comparison.path_difference import PathDifference
 from yarclang.robot.model import Robot
+from yarclang.runtime.signals import state_text
 from yarclang.units import DEG, MM
 
 _SIGNS = {"same": " ", "changed": "~", "added": "+", "removed": "-"}
@@ -30,6 +32,8 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
             if abs(value) > 1e-9
         ]
         yield "~", f"~ the second starts elsewhere: {', '.join(parts)}"
+    if comparison.holds_otherwise:
+        yield from _watched_lines(comparison.first.watches, comparison.second.watches)
     shown = [one for one in comparison.commands if all_commands or one.status != "same"]
     titles = [_title(one) for one in shown]
     width = max((len(title) for title in titles), default=0)
@@ -37,6 +41,36 @@ def compared_lines(comparison: Comparison, *, all_commands: bool = False) -> Ite
         sign = _SIGNS[one.status]
         yield sign, f"{sign} {title:{width}}  {difference_text(comparison, one)}"
     yield "", totals_text(comparison)
+
+
+def _watched_lines(first: Sequence[Watch], second: Sequence[Watch]) -> Iterator[tuple[str, str]]:
+    """Yield the differences of the inputs that hold the motions."""
+    before, behind = ({(one.variable, one.value): one for one in watches} for watches in (first, second))
+    yielded = False
+    for key in dict.fromkeys((*before, *behind)):
+        old, new = before.get(key), behind.get(key)
+        if old == new:
+            continue
+        yielded = True
+        one = new or old
+        assert one is not None
+        name = f"{one.name} ({one.variable}) is {state_text(one.value)}"
+        if old is None or new is None:
+            sign, word = ("+", "added") if old is None else ("-", "removed")
+            yield sign, f"{sign} when {name}: {word}: {one.reaction}"
+        elif old.then == new.then and old.name == new.name:
+            yield "~", f"~ when {name}: {new.then} is another way"
+        else:
+            yield "~", f"~ when {name}: {old.name}: {old.reaction} -> {new.name}: {new.reaction}"
+    if not yielded:
+        yield "~", "~ the inputs that hold the motions are watched in another order"
+
+
+def _watched_json(watches: Sequence[Watch]) -> list[dict[str, object]]:
+    return [
+        {"input": one.name, "variable": one.variable, "value": one.value, "then": one.then, "way": one.way}
+        for one in watches
+    ]
 
 
 def _title(one: Compared) -> str:
@@ -123,6 +157,7 @@ def compared_json(comparison: Comparison) -> dict[str, Any]:
             "angle_deg": comparison.tolerance.angle / DEG,
             "frame": comparison.frame,
         },
+        "held_by": [_watched_json(one.watches) for one in (comparison.first, comparison.second)],
         "start_differs": {
             f"{name}_{unit}": float(np.round(value, 9))
             for name, value, unit in zip(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from yarclang.pmac.controller import turbo_pmac
-from yarclang.runtime.actions import Script, Trouble
+from yarclang.runtime.actions import Left, Script, Trouble
 from yarclang.runtime.job import Job
 from yarclang.runtime.notices import Hold, Resume
 from yarclang.runtime.pmac.operation import Operation
@@ -27,11 +27,13 @@ class Holding:
 
     Attributes:
         refilling: whether the job is held only until its rotary is full again.
+        way_out: the way on which the robot leaves when a person resumes; empty: the motion goes on.
     """
 
     def __init__(self, operation: Operation, job: Job, rotary: Rotary) -> None:
         self.operation = operation
         self.refilling = False
+        self.way_out = ""
         self._again = False
         self._job = job
         self._rotary = rotary
@@ -147,11 +149,12 @@ class Holding:
         yield from come_to_rest(operation, self._job.robot)
         self.refilling = True
 
-    def for_input(self, told: str, *, moves: bool = True) -> Script[None]:
+    def for_input(self, told: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
         """Hold the motion for a watched input, or don't begin it, until the input allows it and a person resumes.
 
         Args:
             told: the input and its state, in words.
+            way_out: the way on which the robot leaves then instead of going on; empty: none.
             moves: True if the program has begun.
 
         Raises:
@@ -167,7 +170,9 @@ class Holding:
             raise Trouble(
                 f"the program holds: {told}", "nobody is here to resume it: run the program again", "Y1637"
             )
-        self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` goes on", warning=True)
+        self.way_out = way_out
+        goes_on = f"leads back to where the motion began, and away by {way_out}" if way_out else "goes on"
+        self.operation.remark(f"{told}; when that is over, Enter or `yarc resume` {goes_on}", warning=True)
 
     def by_nobody(self) -> None:
         """Report that nothing moves although lines are ahead; a person has to resume.
@@ -190,7 +195,11 @@ class Holding:
             raise Trouble(why, "nobody is here to resume it: run the program again", "Y1605")
 
     def go_on(self) -> Script[None]:
-        """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R."""
+        """Resume at rest: compare the settings, refill the buffer, restore guard and outputs, and send R.
+
+        Raises:
+            Left: an input has held the motion, and the robot leaves instead.
+        """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
         # An order that came while an input holds the motion stays refused, even if the input changes meanwhile.
         if self._job.watches and self._stays_held((yield from self._rotary.ask())):
@@ -199,6 +208,10 @@ class Holding:
         raise_trouble(self._job.robot, motors)
         if told := (yield from supervision.compare(all_=True)):
             yield from self._stay_held(told)
+            return
+        if self.way_out:
+            if not self._stays_held((yield from self._rotary.ask())):
+                raise Left(self.way_out)
             return
         yield from self._rotary.ask()
         yield from self._rotary.check_full()

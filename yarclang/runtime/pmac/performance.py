@@ -11,6 +11,7 @@ from yarclang.runtime.actions import (
     Connect,
     Connected,
     Found,
+    Left,
     Lost,
     Script,
     Stopped,
@@ -22,7 +23,7 @@ from yarclang.runtime.actions import (
 from yarclang.runtime.inspection import Inspection, Item
 from yarclang.runtime.job import Job
 from yarclang.runtime.live import Live
-from yarclang.runtime.notices import Abort, Fail, Stop
+from yarclang.runtime.notices import Abort, Fail, Hold, Stop
 from yarclang.runtime.operation import Interrupted
 from yarclang.runtime.outcome import Concerned, Ended
 from yarclang.runtime.pmac.inspection import inspect
@@ -164,8 +165,8 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
     """Run a stream to its end, or to rest."""
     try:
         yield from stream.run()
-    except Found:
-        ended = yield from _found(operation, stream)
+    except (Found, Left) as reason:
+        ended = yield from _left_at_rest(operation, stream, reason.way if isinstance(reason, Left) else "")
         operation.watch, operation.patience = (), PATIENCE
         return ended
     except Stopped as stopped:
@@ -183,15 +184,22 @@ def _carried_out(operation: Operation, stream: Stream | LiveStream) -> Script[En
     return ended
 
 
-def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
-    """Come to rest on the path after an input has ended the motion, and discard the remaining lines."""
+def _left_at_rest(operation: Operation, stream: Stream | LiveStream, way: str) -> Script[Ended]:
+    """Come to rest on the path after an input has ended the motion, and discard the remaining lines.
+
+    Args:
+        operation: the run.
+        stream: the motion.
+        way: the way on which the robot leaves; empty: a search has found its input.
+    """
     try:
         joints, aborted = yield from _end_at_rest(operation, stream.job.robot)
     except Trouble as trouble:
         return (yield from _settle(operation, stream, Event.FAULT, trouble))
     except Lost as lost:
         return (yield from _recover(operation, stream, str(lost)))
-    if aborted or joints is None or any(isinstance(order, Stop | Abort | Fail) for order in operation.orders):
+    ends = Stop | Abort | Fail | Hold if way else Stop | Abort | Fail
+    if aborted or joints is None or any(isinstance(order, ends) for order in operation.orders):
         operation.orders.clear()
         return (
             yield from _settle(
@@ -201,6 +209,11 @@ def _found(operation: Operation, stream: Stream | LiveStream) -> Script[Ended]:
                 Trouble(_ABORTED if aborted else "stopped on its path", code=""),
             )
         )
+    if way:
+        operation.orders.clear()
+        what = f"the motion is left: back along its path, then away by {way}"
+        operation.go(Event.STOP, what)
+        return replace(_ended(stream, what, "", joints, Trouble("", code="")), leaves=way)
     operation.go(Event.END)
     return replace(_ended(stream, "", "", joints, Trouble("", code="")), well=True, found=True)
 

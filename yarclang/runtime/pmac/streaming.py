@@ -295,7 +295,7 @@ class Stream:
             yield from self.holding.hold(self._found, secure=False)
             raise Found
         if moving and (watched := self.supervision.held_by(flow)):
-            yield from self.holding.for_input(watched)
+            yield from self.holding.for_input(watched, self.supervision.way_out(flow))
         elif moving and HELD in (flow.armed, flow.watched):
             yield from self.holding.by_guard(flow)
         elif told := self.supervision.changed(flow, moving=moving):

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import cycle
 
+from yarclang.decisions import Watch
 from yarclang.pmac.controller import TurboPmac, turbo_pmac
 from yarclang.pmac.variables import (
     ARMED,
@@ -373,14 +374,24 @@ class Supervision:
     def held_by(self, flow: Flow) -> str:
         """Return the input whose state forbids motion, according to an answer; empty if there is none."""
         read = dict(zip(self._inputs, flow.inputs, strict=True))
+        return ", ".join(
+            f"{one.name} ({one.variable}) is {state_text(read[one.variable])}" for one in self._open(flow)
+        )
+
+    def way_out(self, flow: Flow) -> str:
+        """Return the way out that the first such input with one calls; empty if there is none."""
+        return next((one.then for one in self._open(flow) if one.then), "")
+
+    def _open(self, flow: Flow) -> list[Watch]:
+        """Return the watched inputs whose state forbids motion."""
+        read = dict(zip(self._inputs, flow.inputs, strict=True))
         # Only the other state allows motion: a variable that is no bit holds, too.
-        held = [
+        return [
             one
             for one in self._watches
             if read[one.variable] == one.value
             or (one.value in (0.0, 1.0) and read[one.variable] != 1.0 - one.value)
         ]
-        return ", ".join(f"{one.name} ({one.variable}) is {state_text(read[one.variable])}" for one in held)
 
     def found(self, flow: Flow) -> bool:
         """Return True if the input that ends this motion has the value that is searched for."""

@@ -13,7 +13,7 @@ from yarclang.cell.model import Cell
 from yarclang.commands.registry import actions
 from yarclang.decisions import Register, RegisterValue, Watch
 from yarclang.diagnostics import Diagnostic, has_errors
-from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Say, Step, Stop
+from yarclang.hir import Array, Exit, Finish, Gap, JointMove, LineMove, Output, Say, Step, Stop, WayOut
 from yarclang.memory import Forgetful
 from yarclang.semantics.actions import (
     assigns,
@@ -41,6 +41,7 @@ from yarclang.semantics.control.places import Place, at, index_of, looped, shown
 from yarclang.semantics.control.repeats import counted, repeats
 from yarclang.semantics.declared.declaring import Declaring
 from yarclang.semantics.declared.meanings import may_be_declared
+from yarclang.semantics.declared.watching import check_way_out
 from yarclang.semantics.files import File, Sub
 from yarclang.semantics.motions.to_hir import origin_of, to_step
 from yarclang.semantics.names.commands import CommandNames, ResolvedName
@@ -66,6 +67,7 @@ class Unrolled:
         is_cut: True if some rounds of loops or some calls were not carried out.
         registers: declared registers, and those of loops and searches.
         watches: inputs that hold the motion.
+        ways_out: the ways on which the robot leaves then.
     """
 
     steps: list[Step]
@@ -76,6 +78,7 @@ class Unrolled:
     is_cut: bool
     registers: list[Register]
     watches: list[Watch]
+    ways_out: list[WayOut]
 
 
 def unroll(module: Module, context: Context) -> Unrolled:
@@ -138,6 +141,7 @@ class _Unroller:
         self._place: Place = ()
         """Place of the block that is being carried out."""
         self._is_too_much = False
+        self._ways_out: list[WayOut] = []
 
     def program(self, module: Module) -> Unrolled:
         """Carry out the whole program."""
@@ -163,6 +167,7 @@ class _Unroller:
             self._extent.is_reached,
             declaring.registers,
             declaring.watches,
+            self._ways_out,
         )
 
     def _nodes(self, nodes: tuple[Node, ...], file: File, scope: Scope, place: Place) -> None:
@@ -183,7 +188,10 @@ class _Unroller:
             elif isinstance(node, Block):
                 self._block(node, file, scope, place)
             elif node.index is None and node.name.name in DECLARATIONS:
+                watches = len(self._declaring.watches)
                 self._declaring.declare(node, file, scope)
+                for watch in self._declaring.watches[watches:]:
+                    self._way_out(node, watch.then, file, scope)
             else:
                 self._command(node, file, scope, place)
 
@@ -340,7 +348,18 @@ class _Unroller:
         self._is_too_much = True
         self._extent.reach()
 
-    def _call(self, statement: Statement, file: File, scope: Scope, place: Place) -> None:
+    def _call(
+        self, statement: Statement, file: File, scope: Scope, place: Place, within: Place | None = None
+    ) -> None:
+        """Carry out a SUB.
+
+        Args:
+            statement: the CALL.
+            file: the file of the CALL.
+            scope: the names that are known there.
+            place: place of the block with the CALL.
+            within: place of the commands of the SUB; None: that of the CALL.
+        """
         findings = file.findings
         findings.place = shown(at(place, statement)) if place else ""
         refuse_parts(statement, NOT_FOR_BLOCKS, findings)
@@ -359,10 +378,38 @@ class _Unroller:
                 with self._decided.called(
                     lambda: replace(origin_of(statement, "CALL", findings), place=where)
                 ):
-                    self._nodes(sub.block.body, sub.file, inner, (*at(place, statement), ""))
+                    self._nodes(sub.block.body, sub.file, inner, within or (*at(place, statement), ""))
                 self._depth -= 1
         finally:
             self._calls.end()
+
+    def _way_out(self, statement: Statement, name: str, file: File, scope: Scope) -> None:
+        """Carry out the SUB of an ON, once for all inputs that call it. Its commands are none of the program's.
+
+        Args:
+            statement: the ON.
+            name: the SUB; empty: the ON calls none.
+            file: the file of the ON.
+            scope: the names that are known there.
+        """
+        if not name or any(one.name == name for one in self._ways_out):
+            return
+        (head,) = statement.waypoints
+        called = replace(
+            statement,
+            name=replace(statement.name, text="CALL"),
+            waypoints=(replace(head, values=head.values[3:]),),
+        )
+        begin, seen = len(self._steps), file.command_seen
+        self._call(called, file, scope, (), within=(name, ""))
+        file.command_seen = seen
+        steps = tuple(self._steps[begin:])
+        del self._steps[begin:]
+        self._decided.ended = None
+        if not check_way_out(steps, name, statement.whole_span, file.findings):
+            self._steps.append(Gap())
+            return
+        self._ways_out.append(WayOut(name, origin_of(statement, "ON", file.findings), steps))
 
     def _is_left_out(self, sub: Sub, statement: Statement, file: File) -> bool:
         """Return True if a SUB isn't carried out: the limit of lines is reached, or it is nested too deep."""

@@ -7,22 +7,29 @@ from types import MappingProxyType
 
 from yarclang.decisions import DECIMALS, MOST_WATCHES, Watch, is_group
 from yarclang.diagnostics import Collector
+from yarclang.hir import Dwell, Gap, JointMove, LineMove, Motion, SetOutput, Step
 from yarclang.semantics.declared.signals import state_value
 from yarclang.semantics.files import values_of
 from yarclang.semantics.names.scope import Scope
 from yarclang.semantics.names.signals import input_named
 from yarclang.semantics.parts import NOT_FOR_BLOCKS, refuse_parts
+from yarclang.source import Span
 from yarclang.syntax.ast import Statement, Word
 from yarclang.words.registry import word_specs
 
-REACTIONS = MappingProxyType({"HOLD": "the motion is held on its path, and a person says when it goes on"})
-"""Reactions of the robot while a watched input is in its state."""
+REACTIONS = MappingProxyType(
+    {
+        "HOLD": "the motion is held on its path, and a person says when it goes on",
+        "CALL": "the motion is held on its path; when a person says so, the robot goes back to where the motion began, and leaves on the way of a SUB",
+    }
+)
+"""Reactions of the robot to a watched input in its state."""
 
 
 def declare_watch(
     statement: Statement, scope: Scope, watches: Sequence[Watch], findings: Collector
 ) -> Watch | None:
-    """Read ON CURTAIN OFF HOLD.
+    """Read ON CURTAIN OFF HOLD, or ON CURTAIN OFF CALL AWAY.
 
     Args:
         statement: the line.
@@ -36,9 +43,11 @@ def declare_watch(
     before = len(findings.found)
     refuse_parts(statement, NOT_FOR_BLOCKS, findings)
     spec, values = word_specs()["ON"], values_of(statement)
-    last = values[-1] if values else None
-    if len(values) != len(spec.slots) or not isinstance(last, Word) or last.name not in REACTIONS:
-        message, help_ = f"ON wants {spec.wants}", f"for example {spec.example}"
+    reaction, *named = [one.name if isinstance(one, Word) else "" for one in values[2:]] or [""]
+    if reaction not in REACTIONS or len(named) != (reaction == "CALL") or not all(named):
+        message, help_ = f"ON wants {spec.wants}", f"for example {spec.example}, or ON CURTAIN OFF CALL AWAY"
+        if reaction == "CALL" and named:
+            help_ = "the SUB gets no values: what it needs stands in it"
         findings.add("Y0401", message, statement.whole_span, help_)
         return None
     signal = input_named(values[0], scope, statement, findings)
@@ -50,7 +59,7 @@ def declare_watch(
         message = f"{signal.name} is a group of {len(signal.bits)} bits, and ON watches a single one"
         findings.add("Y0471", message, span, "declare the bit by a name of its own")
         return None
-    watch = Watch(signal.variable, round(value, DECIMALS) + 0.0, signal.name)
+    watch = Watch(signal.variable, round(value, DECIMALS) + 0.0, signal.name, *named)
     if any((one.variable, one.value) == (watch.variable, watch.value) for one in watches):
         message = f"{signal.name} is watched for this state already"
         findings.add("Y0206", message, span, "leave one of both lines")
@@ -62,3 +71,36 @@ def declare_watch(
         )
         return None
     return watch
+
+
+def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collector) -> bool:
+    """Check that a way on which the robot leaves can be planned as a whole from where it stands.
+
+    Args:
+        steps: steps of the way.
+        name: its SUB.
+        span: the ON that calls it.
+        findings: receives the findings.
+
+    Returns:
+        False with a finding if it can't.
+    """
+    if any(isinstance(step, Gap) for step in steps):
+        return False  # it was said what is wrong with them
+    for step in steps:
+        is_search = isinstance(step, JointMove | LineMove) and step.search is not None
+        if is_search or not isinstance(step, Motion | SetOutput | Dwell):
+            what = f"{step.origin.label} " if step.origin.label else ""
+            what += "UNTIL" if is_search else step.origin.name
+            message = (
+                f"on the way of {name} stands {what}, and it has only motions, SET of outputs, and DWELL"
+            )
+            findings.add(
+                "Y0478", message, span, "what waits or decides stands in the program that is run next"
+            )
+            return False
+    if not any(isinstance(step, Motion) for step in steps):
+        message = f"{name} leads nowhere: it has no motion"
+        findings.add("Y0478", message, span, "write HOLD instead of CALL, or a motion into the SUB")
+        return False
+    return True

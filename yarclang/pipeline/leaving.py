@@ -1,0 +1,120 @@
+"""The way on which a robot leaves after a watched input has held a motion: back along its path to where the
+motion began, then the steps of the SUB that its ON calls.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.decisions import only_holding
+from yarclang.diagnostics import has_errors
+from yarclang.hir import Array, Origin, Program, TimedMove, Timetable, Timing, WayOut
+from yarclang.motion.plan import MotionPlan
+from yarclang.pipeline.jobs import job_of_compiled
+from yarclang.pipeline.parts import compiled_part
+from yarclang.pipeline.stages import Compiled, Request
+from yarclang.pipeline.stands import stand_before, start_of, title_of, way_out_from
+from yarclang.robot.actuation import to_counts
+from yarclang.runtime.job import Job
+from yarclang.source import SourceFile, Span
+from yarclang.transforms import constant
+
+BACK = "<back>"
+"""Name of the program that leads back along a path."""
+
+_WITHIN = 1e-4
+"""Largest deviation of each joint from the path on the way back [rad or m], as of MOVEJ_TIMED."""
+
+_SLOWER = 2.0
+"""Time of the way back, in times of the way there."""
+
+_SHORTEST = 1.0
+"""Shortest time of the way back [s]."""
+
+_TRIES = 4
+"""Most times of the way back that are tried; each is twice the one before."""
+
+_ROW_EACH = 0.02
+_MOST_ROWS = 2000
+
+
+def leaving(
+    plan: MotionPlan, name: str, number: int, time: float, here: Array, request: Request
+) -> tuple[Job, ...] | str:
+    """Return what leads a robot out that stands on the path of a motion: the way back, if it is one, and the way out.
+
+    Args:
+        plan: the program.
+        name: the way out.
+        number: the motion on whose path the robot stands.
+        time: where it stands [s of the plan].
+        here: (n,) where it stands [rad or m].
+        request: the settings with which the program was planned.
+
+    Returns:
+        A text with the reason instead, if it can't be done.
+    """
+    way = next((one for one in plan.program.ways_out if one.name == name), None)
+    if way is None:
+        return f"the program has no way {name}"
+    begin = stand_before(plan, number)
+    there = start_of(plan, begin)
+    jobs: list[Job] = []
+    if (np.abs(to_counts(plan.robot, here) - to_counts(plan.robot, there)) > 1.0).any():
+        back = _back(plan, begin, time, here, request)
+        if isinstance(back, str):
+            title = title_of(plan, begin)
+            return f"the way back to where {title} begins can't be done: {back}"
+        jobs.append(job_of_compiled(back, BACK))
+        there = jobs[0].end
+    out = _out(plan, way, there, request)
+    if isinstance(out, str):
+        return f"{name} can't be carried out: {out}"
+    return (*jobs, job_of_compiled(out, plan.program.source.name))
+
+
+def _out(plan: MotionPlan, way: WayOut, here: Array, request: Request) -> Compiled | str:
+    return _compiled(way_out_from(plan, way, here), request)
+
+
+def _back(plan: MotionPlan, begin: int, time: float, here: Array, request: Request) -> Compiled | str:
+    """Return the way back along the path, from rest to rest; it isn't quicker than the robot came."""
+    whole, watches = plan.program, only_holding(plan.program.watches)
+    since = float(plan.begins[begin])
+    done = max(time - since, 0.0)
+    lasts = max(_SHORTEST, _SLOWER * done)
+    made: Compiled | str = ""
+    for _ in range(_TRIES):
+        table = _table(plan, since, done, lasts)
+        within = constant(np.full(len(here), _WITHIN))
+        text = f"P0001 MOVEJ_TIMED [{lasts:g}]"
+        source = SourceFile(BACK, text)
+        origin = Origin("P0001", "MOVEJ_TIMED", source, Span.on_line(1, 1, len(text) + 1))
+        move = TimedMove(origin, table, within, 1.0, Timing(lasts))
+        made = _compiled(Program(source, here, (move,), whole.outputs, whole.cell, watches=watches), request)
+        if not isinstance(made, str):
+            return made
+        lasts *= 2.0
+    return made
+
+
+def _table(plan: MotionPlan, since: float, done: float, lasts: float) -> Timetable:
+    """Return the way from `done` [s after `since`] back to `since`, as a timetable of `lasts` [s] from rest to rest."""
+    count = int(np.clip(np.ceil(lasts / _ROW_EACH), 4, _MOST_ROWS))
+    share = np.arange(1, count + 1) / count
+    # Hermite's smoothest step: it and its first two derivatives.
+    step = share**3 * (10.0 + share * (6.0 * share - 15.0))
+    slope = 30.0 * share**2 * (1.0 - share) ** 2 / lasts
+    bend = 60.0 * share * (1.0 - share) * (1.0 - 2.0 * share) / lasts**2
+    q, v, a = plan.sample(since + done * (1.0 - step))
+    speed, change = (-done * slope)[:, None], (-done * bend)[:, None]
+    velocities, accelerations = v * speed, a * speed**2 + v * change
+    velocities[-1] = accelerations[-1] = 0.0
+    return Timetable(constant(lasts * share), constant(q), constant(velocities), constant(accelerations))
+
+
+def _compiled(program: Program, request: Request) -> Compiled | str:
+    made = compiled_part(program, request)
+    if made.value is None or has_errors(made.diagnostics):
+        return next((one.message for one in made.diagnostics if one.is_error), "it can't be planned")
+    return made.value

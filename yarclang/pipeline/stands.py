@@ -1,0 +1,78 @@
+"""Places at which the way out of an ON may begin: where the robot stands before its motions."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from yarclang.decisions import only_holding
+from yarclang.diagnostics import Diagnostic
+from yarclang.hir import Array, Program, WayOut, searches_of
+from yarclang.motion.plan import MotionPlan
+
+
+def stand_before(plan: MotionPlan, number: int) -> int:
+    """Return the motion at whose start the robot has last stood before it reached motion `number`."""
+    while number and plan.motions[number - 1].flows:
+        number -= 1
+    return number
+
+
+def start_of(plan: MotionPlan, number: int) -> Array:
+    """Return where a motion begins (n,) [rad or m]."""
+    return plan.motions[number].curve.points[0]
+
+
+def title_of(plan: MotionPlan, number: int) -> str:
+    """Return the label and name of a motion, for people."""
+    origin = plan.origin_of(number)
+    return f"{origin.label} {origin.name}" if origin.label else origin.name
+
+
+def way_out_from(plan: MotionPlan, way: WayOut, here: Array) -> Program:
+    """Return a way out as a program of its own, from where the robot stands (n,) [rad or m].
+
+    On it, the watched inputs hold the motion, and lead nowhere.
+    """
+    whole = plan.program
+    return Program(
+        whole.source, here, way.steps, whole.outputs, whole.cell, watches=only_holding(whole.watches)
+    )
+
+
+def unreachable_ways_out(plan: MotionPlan, refused: Callable[[Program], str]) -> Iterator[Diagnostic]:
+    """Try each way out from each place at which it may begin; yield a finding for each that fails somewhere.
+
+    Args:
+        plan: the program.
+        refused: plans and proves a program; returns the first error, or an empty text.
+    """
+    if not plan.program.ways_out:
+        return
+    stands = list(_stands(plan))
+    for way in plan.program.ways_out:
+        tried = ((number, refused(way_out_from(plan, way, start_of(plan, number)))) for number in stands)
+        failed = [(number, why) for number, why in tried if why]
+        if not failed:
+            continue
+        number, why = failed[0]
+        more = f", and from {len(failed) - 1} more of {len(stands)} places" if len(failed) > 1 else ""
+        message = f"{way.name} can't be carried out from where {title_of(plan, number)} begins{more}: {why}"
+        help_ = "let it begin with a motion that is free from each of these places, such as MOVEJ_AVOID"
+        yield Diagnostic("Y0479", message, way.origin.source, way.origin.span, help=help_)
+
+
+def _stands(plan: MotionPlan) -> Iterator[int]:
+    """Yield the first motion that begins from rest at each place, without those after a search.
+
+    After a search the inputs only hold: where the next motion begins isn't known.
+    """
+    searched = {one.step for one in searches_of(plan.program)}
+    known: set[bytes] = set()
+    for number in range(len(plan.motions)):
+        before = plan.motions[number - 1] if number else None
+        if before is not None and (before.flows or before.step in searched):
+            continue
+        place = (start_of(plan, number).round(9) + 0.0).tobytes()
+        if place not in known:
+            known.add(place)
+            yield number

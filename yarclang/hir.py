@@ -208,6 +208,18 @@ class Timing:
 Goal = JointGoal | JointDelta | PoseGoal | PoseDelta
 
 
+@frozen
+class Allowed:
+    """Two bodies that may touch during a motion, as the command names them (ALLOW), in upper case.
+
+    `first` and `second` are in alphabetical order. `span` is the place of the names in the command.
+    """
+
+    first: str
+    second: str
+    span: Span | None = field(default=None, compare=False)
+
+
 class MotionHead:
     """Common interface of all motions.
 
@@ -220,6 +232,7 @@ class MotionHead:
         tolerance: largest distance of the moving frame from the path [m]; None for the robot's default.
         blend: distance or angle from the end at which the path may be left, to flow into the next motion
             without a stop; None if the motion ends at rest.
+        allowed: pairs of bodies that may touch during the motion.
     """
 
     __slots__ = ()
@@ -278,6 +291,7 @@ class JointMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     search: Search | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
@@ -299,6 +313,7 @@ class AvoidMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal]:
@@ -318,6 +333,7 @@ class LineMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     search: Search | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:
@@ -343,6 +359,7 @@ class ArcMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal]:
@@ -374,6 +391,7 @@ class PoseSplineMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal, ...]:
@@ -398,6 +416,7 @@ class SplineMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal, ...]:
@@ -475,6 +494,7 @@ class TimedMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     file: str = ""
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def asked(self) -> Timetable:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Register, Searched, Watch
+from yarclang.decisions import Permitted, Register, Searched, Watch
+from yarclang.emitted.quoting import allow_line
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -34,17 +35,19 @@ class Emitted:
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
+    allows: tuple[Permitted, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches and searches as
-        comments, then the lines that the controller reads.
+        The header lines come first, then the map of commands, barriers, registers, watches, searches and bodies
+        that may touch as comments, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
-        maps += len(searches)
+        allows = [one for one in self.allows if one.step in self.places]
+        maps += len(searches) + len(allows)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -66,6 +69,7 @@ class Emitted:
             f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} {one.depth or '-'}"
             for one in searches
         ]
+        head += map(allow_line, allows)
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
@@ -113,6 +117,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         program.registers,
         program.watches,
         program.searches,
+        program.allows,
     )
 
 

@@ -18,6 +18,7 @@ from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.certify.read.ways import Standing
 from yarclang.decisions import Watch, called, in_words, inputs_of
+from yarclang.handling.allowing import permitted
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -54,6 +55,12 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     moving = {entry.step for entry in text.entries if entry.first}
     if text.searches != tuple(one for one in hir.searches_of(program) if one.step in moving):
         yield None, "other motions than the program's are ended by inputs, or by other inputs"
+    allows = tuple(one for one in permitted(program) if one.step in moving)
+    if text.allows != allows:
+        wrong = min({*text.allows} ^ {*allows}, key=lambda one: (one.step, one.first, one.second))
+        lets = "lets" if wrong in text.allows else "doesn't let"
+        other = "doesn't" if wrong in text.allows else "does"
+        yield wrong.step, f"the text {lets} {wrong.first} and {wrong.second} touch, and the program {other}"
     told = list(_told(text))
     deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):

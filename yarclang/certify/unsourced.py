@@ -115,6 +115,9 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
         missing.append(f"what it watches ({_listed([one.name for one in content.watches])})")
     if content.searches:
         missing.append(f"what it searches for ({_listed([one.name for one in content.searches])})")
+    if content.allows:
+        pairs = dict.fromkeys(f"{one.first} and {one.second}" for one in content.allows)
+        missing.append(f"which bodies may touch ({_listed([*pairs])})")
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [

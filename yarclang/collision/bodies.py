@@ -103,6 +103,8 @@ class Scene:
         boxes: the same bodies, as arrays.
         at_home: names of the pairs of links that touch in the robot's HOME. Since the robot can stand there,
             their shapes are too large, and they aren't among the pairs.
+        allowed: the pairs that may touch because the program or the cell allows it; they aren't among
+            `pairs`.
     """
 
     chain: Chain
@@ -110,6 +112,7 @@ class Scene:
     pairs: Pairs
     boxes: Boxes
     at_home: frozenset[tuple[str, str]]
+    allowed: Pairs | None = None
 
     def names(self, pair: int) -> tuple[str, str]:
         """Return the names of the two bodies of a pair for messages, the one that moves more first."""

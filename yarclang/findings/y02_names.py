@@ -133,4 +133,13 @@ FINDINGS = (
         "LET HOME = 5\nP0010 STOP",
         "LET SPAN = 5\nP0010 STOP",
     ),
+    Finding(
+        "Y0217",
+        "unknown-body",
+        "error",
+        "ALLOW names a body that isn't there",
+        "ALLOW takes the names of two bodies: links and mounted tools of the robot that have shapes, obstacles and parts of the cell. A body that isn't there would allow nothing.",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {STACK} ALLOW GRIPER BOX",
+        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {STACK} ALLOW GRIPPER BOX",
+    ),
 )

@@ -51,7 +51,7 @@ class Act:
     For a command that moves nothing, `what` describes it, for people and for comparison. `curve` is the
     executed motion [rad or m], and `duration` its known duration [s]. `step` is the number of the command in
     the program, -1 if the text doesn't contain it. `carries` are the parts that grippers hold during a
-    motion, None if unknown.
+    motion, None if unknown. `may_touch` are the pairs of bodies that may touch on it.
     """
 
     kind: Kind
@@ -63,6 +63,7 @@ class Act:
     duration: float = 0.0
     step: int = -1
     carries: tuple[str, ...] | None = None
+    may_touch: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -114,6 +115,13 @@ def executed(
         acts = tuple(
             replace(act, carries=carried.get(act.step, ())) if act.curve is not None else act for act in acts
         )
+    allowed = {one.step: [each for each in content.allows if each.step == one.step] for one in content.allows}
+    acts = tuple(
+        replace(act, may_touch=tuple(f"{one.first} and {one.second}" for one in allowed[act.step]))
+        if act.step in allowed and act.curve is not None
+        else act
+        for act in acts
+    )
     return Result(Executed(name, robot, start, acts, content.schedule.lasting))
 
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Searched, Watch
+from yarclang.decisions import Permitted, Register, Searched, Watch
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -126,8 +126,8 @@ class PmacProgram:
     low below this many. `rotary_words` is the size to define. `safe_outputs` are the variables of outputs and
     the values that they get after the guard has held the motion. `rapid` is True if a rotary program begins
     with a slow RAPID to the start; otherwise the motion begins at the commanded positions of the motors.
-    `registers` are kept by the runtime, `watches` are the inputs that it observes, and `searches` are the
-    inputs that end a step early.
+    `registers` are kept by the runtime, `watches` are the inputs that it observes, `searches` are the inputs
+    that end a step early, and `allows` are the bodies that may touch on a step.
     """
 
     target: Target
@@ -149,3 +149,4 @@ class PmacProgram:
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
+    allows: tuple[Permitted, ...] = ()

@@ -7,6 +7,7 @@ from yarclang.hir import Program
 from yarclang.semantics.context import Context
 from yarclang.semantics.control.unroll import unroll
 from yarclang.semantics.indices import check_indices, commands_of
+from yarclang.semantics.motions.allowing import check_allowed
 from yarclang.semantics.motions.searching import bound_searches
 from yarclang.source import Span
 from yarclang.syntax.ast import Module
@@ -31,6 +32,7 @@ def check(module: Module, context: Context) -> Result[Program]:
     if not commands and not module.unreadable_lines:
         findings.add("Y0104", "the file has no command", Span.on_line(1, 1, 2), "was another file meant?")
     bound_searches(unrolled.steps, unrolled.cell, findings)
+    check_allowed(unrolled.steps, context.robot, unrolled.cell, findings)
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
     steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)

@@ -84,6 +84,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
         preamble.registers,
         preamble.watches,
         preamble.searches,
+        preamble.allows,
     )
 
 

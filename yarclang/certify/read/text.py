@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Searched, Value, Watch
+from yarclang.decisions import Permitted, Register, Searched, Value, Watch
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -214,6 +214,7 @@ class ControllerText:
         registers: integers that the runtime keeps, with their ranges and first values.
         watches: inputs that hold the motion while they have a value.
         searches: motions that an input ends.
+        allows: bodies that may touch on motions.
         own: further content for rooms of the controller's kind only.
     """
 
@@ -228,6 +229,7 @@ class ControllerText:
     registers: tuple[Register, ...] = ()
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
+    allows: tuple[Permitted, ...] = ()
 
     @property
     def target(self) -> str:

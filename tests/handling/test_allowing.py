@@ -120,7 +120,7 @@ def test_another_frame_allows_nothing(run, program):
 
 
 def test_a_frame_that_is_handed_over_counts(run):
-    program = "SUB GO {F}\nP0020 MOVEL_RPY 0 0 -35 0 0 0 [2] {F}\nEND\n" + OVER + "P0030 CALL GO {FEEDER}\n"
+    program = "SUB GO {F}\nP0005 MOVEL_RPY 0 0 -35 0 0 0 [2] {F}\nEND\n" + OVER + "P0030 CALL GO {FEEDER}\n"
     assert codes(run(program)) == ["Y0901"]
     assert codes(run(program, LEADS)) == []
 

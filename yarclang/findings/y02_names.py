@@ -139,7 +139,7 @@ FINDINGS = (
         "error",
         "ALLOW names a body that isn't there",
         "ALLOW takes the names of two bodies: links and mounted tools of the robot that have shapes, obstacles and parts of the cell. A body that isn't there would allow nothing.",
-        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {STACK} ALLOW GRIPER BOX",
-        "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {STACK} ALLOW GRIPPER BOX",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_9",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_6",
     ),
 )

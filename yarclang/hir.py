@@ -212,12 +212,25 @@ Goal = JointGoal | JointDelta | PoseGoal | PoseDelta
 class Allowed:
     """Two bodies that may touch during a motion, as the command names them (ALLOW), in upper case.
 
-    `first` and `second` are in alphabetical order. `span` is the place of the names in the command.
+    Attributes:
+        first: name of one body.
+        second: name of the other body, in alphabetical order after the first.
+        row: row of the names in the command, from 0.
+        start: first column of the names.
+        end: column after the names.
+        cell_line: line of the cell's file that allows it in place of the command.
     """
 
     first: str
     second: str
-    span: Span | None = field(default=None, compare=False)
+    row: int = field(default=0, compare=False)
+    start: int = field(default=1, compare=False)
+    end: int = field(default=1, compare=False)
+    cell_line: int | None = field(default=None, compare=False)
+
+    def span(self, origin: Origin) -> Span:
+        """Return the place of the names in the source of their command."""
+        return Span.on_line(origin.span.line + self.row, self.start, self.end)
 
 
 class MotionHead:

@@ -18,8 +18,11 @@ from yarclang.collision.scene import allowed_name, scene_of
 from yarclang.diagnostics import Result
 from yarclang.handling.parts import first_parts
 from yarclang.handling.surroundings import surroundings
+from yarclang.memory import Recent
 from yarclang.pipeline.cells import cell_loader
 from yarclang.pipeline.proofs import proof_of
+from yarclang.pipeline.replanning import replanned
+from yarclang.pipeline.stages import Request
 from yarclang.robot.description import load_robot
 from yarclang.verify.verdict import verify
 
@@ -41,11 +44,11 @@ def run(tmp_path):
     """Compile a program in the cell, whose box lies at {PUT}."""
     robot = load_robot("INDUSTRIAL6").value
 
-    def one(program, more="", head=carrying.HEAD):
+    def one(program, more="", head=carrying.HEAD, **request):
         text = carrying.CELL.format(**carrying.GIVEN)
         text = text.replace('shape = "box"\nframe = "FEEDER"\nsize', 'shape = "box"\nframe = "PUT"\nsize')
         (tmp_path / "cell.toml").write_text(text + more)
-        return Result(*compiled(head + program, load_cell=cell_loader(tmp_path, robot)))
+        return Result(*compiled(head + program, load_cell=cell_loader(tmp_path, robot), **request))
 
     return one
 
@@ -276,3 +279,69 @@ def test_exactly_the_allowed_pairs_are_left_out(tally, data):
     assert {allowed_name(scene.bodies, pair[:2]) for pair in rows(scene.allowed)} == chosen
     assert not {allowed_name(scene.bodies, pair[:2]) for pair in rows(scene.pairs)} & chosen
     tally.count("dropped", bool(chosen))
+
+
+@pytest.mark.parametrize("up", [" ALLOW FINGERS TRACK", ""])
+@pytest.mark.parametrize("leaves", [LEAVES, ""])
+def test_what_follows_a_search_may_touch_where_its_line_says_so(run, up, leaves):
+    """It is planned anew, from where the search has ended: here with the fingers in the track."""
+    program = OVER + DOWN.format(depth=INTO_TRACK, more=" UNTIL GOOD ALLOW FINGERS TRACK")
+    program += UP.format(more=up).replace("{FEEDER}", "{B}").replace("0 0 120 0 0 0", "300 850 770 0 0 0")
+    found = run(program, leaves)
+    assert bool(up or leaves) == (
+        found.value is not None and not any(one.is_error for one in found.diagnostics)
+    )
+    if found.value is None or not (up or leaves):
+        return
+    plan = found.value.plan
+    rests = plan.motions[1].curve.points[-1]
+    answer = replanned(plan, 1, rests, Request(plan.robot))
+    assert answer.jobs, answer
+    assert "; allow 0 FINGERS TRACK\n" in answer.jobs[0].text
+
+
+def test_in_a_corner_each_line_counts_for_its_half(run):
+    """Only the way down may touch: the corner flows through the track, and its second half is refused."""
+    corner = OVER + "P0020 MOVEL_RPY 0 0 -45 0 0 0 [4] {FEEDER} BLEND 5%s\n"
+    corner += "P0030 MOVEL_RPY 60 0 -45 0 0 0 [4] {FEEDER}%s\nP0040 MOVEJ READY\n"
+    allow = " ALLOW FINGERS TRACK"
+    assert "Y0901" in codes(run(corner % (allow, "")))
+    assert "Y0901" in codes(run(corner % ("", allow)))
+
+
+def test_in_a_loop_it_holds_in_every_pass(run):
+    program = OVER + "LOOP\n" + DOWN.format(depth=INTO_TRACK, more=" ALLOW FINGERS TRACK")
+    program += UP.format(more=" ALLOW FINGERS TRACK") + "UNTIL GOOD ON\n"
+    assert codes(run(program)) == []
+    # the first pass comes from the frame, and the others don't
+    left = (
+        OVER
+        + "LOOP\nP0020 MOVEL_RPY 300 850 615 0 0 0 [2] {B}\nP0030 MOVEJ_RPY 300 850 770 0 0 0 {B}\nUNTIL GOOD ON\n"
+    )
+    assert "Y0901" in codes(run(left, LEAVES))
+
+
+def test_what_was_proved_before_is_proved_for_these_pairs_alone(tmp_path):
+    """An editor keeps proofs: one that was made with an ALLOW isn't taken for the motion without it, and lines that move are told anew."""
+    (tmp_path / "cell.toml").write_text(
+        carrying.CELL.format(**carrying.GIVEN).replace('"FEEDER"\nsize', '"PUT"\nsize')
+    )
+    load, memory = cell_loader(tmp_path, load_robot("INDUSTRIAL6").value), Recent(1000)
+
+    def look(program):
+        return Result(*compiled(carrying.HEAD + program, load_cell=load, memory=memory))
+
+    allow = " ALLOW FINGERS TRACK"
+    for _ in range(2):
+        assert codes(look(down(more=allow, up=allow))) == []
+        assert codes(look(down(up=allow))) == ["Y0901"]
+    moved = look("! a line more\n" + down(more=allow, up=allow))
+    assert [one.giver for row in moved.value.certificate.commands for one in row.may_touch] == [
+        "line 6",
+        "line 7",
+    ]
+    again = look(down(more=allow, up=allow))
+    assert [one.giver for row in again.value.certificate.commands for one in row.may_touch] == [
+        "line 5",
+        "line 6",
+    ]

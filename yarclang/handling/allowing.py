@@ -10,7 +10,7 @@ from types import MappingProxyType
 from yarclang.cell.model import Cell, CellAllowance
 from yarclang.decisions import Permitted
 from yarclang.frozen import frozen
-from yarclang.hir import Gap, Loop, Motion, PoseGoal, Program, Step
+from yarclang.hir import Allowed, Gap, Loop, Motion, PoseGoal, Program, Step
 from yarclang.source import SourceFile
 from yarclang.ways import Turn, Ways
 
@@ -79,7 +79,7 @@ def _allowances(
 ) -> Allowances:
     found: dict[int, tuple[Allowance, ...]] = {}
     for number, step, there, left in _with_frames(steps, source):
-        own = [Allowance(one.first, one.second, (one.span or step.origin.span).line) for one in step.allowed]
+        own = [_by_line(one, step) for one in step.allowed]
         own += [
             Allowance(one.first, one.second, one.line, in_cell=True)
             for one in of_cell
@@ -91,6 +91,24 @@ def _allowances(
     return MappingProxyType(found)
 
 
+def _by_line(one: Allowed, step: Motion) -> Allowance:
+    if one.cell_line is not None:
+        return Allowance(one.first, one.second, one.cell_line, in_cell=True)
+    return Allowance(one.first, one.second, one.span(step.origin).line)
+
+
+def kept(step: Motion, own: Sequence[Allowance]) -> tuple[Allowed, ...]:
+    """Return what a motion allows where it stands alone: what its line says, and what the cell allows in its
+    place in a program.
+
+    Args:
+        step: the motion.
+        own: all that is allowed on it in its program.
+    """
+    of_cell = [Allowed(one.first, one.second, cell_line=one.line) for one in own if one.in_cell]
+    return (*step.allowed, *of_cell)
+
+
 def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
     """Return the names of the frame in which a motion's goal is given, and of those under which it hangs.
 
@@ -100,10 +118,12 @@ def frames_led_to(step: Motion, source: SourceFile | None) -> frozenset[str]:
     goal = step.end if step.goals else None
     if not isinstance(goal, PoseGoal):
         return frozenset()
-    link = step.origin.base if goal.told is None else goal.told.base
+    link = step.origin.base
+    if goal.told is not None and (link is None or link.name != goal.told.base.name):
+        link = goal.told.base  # the last of several poses may be given in another frame than the first
     names = set()
-    while link is not None:
-        if link.source is not None and link.source == source:
+    while link is not None and source is not None:
+        if link.source is not None and link.source.name == source.name:
             names.add(link.name.upper())
         link = link.parent
     return frozenset(names)

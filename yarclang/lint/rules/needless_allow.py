@@ -21,7 +21,7 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
     places: dict[tuple[SourceFile, Span], tuple[Allowed, bool]] = {}
     for step, motion in enumerate(around.steps):
         for one in motion.allowed if isinstance(motion, Motion) else ():
-            place = motion.origin.source, one.span or motion.origin.span
+            place = motion.origin.source, one.span(motion.origin)
             _, before = places.get(place, (one, False))
             places[place] = one, before or (step, one.first, one.second) in needed
     for (source, span), (one, is_needed) in places.items():

@@ -27,7 +27,7 @@ def allowed_by(line: Line) -> tuple[Allowed, ...]:
         one = _allowed(line, option)
         if one is not None and one in found:
             message = f"ALLOW {one.first} {one.second} stands twice"
-            line.findings.add("Y0412", message, one.span or _span(line, option), "leave one of them")
+            line.findings.add("Y0412", message, _span(line, option), "leave one of them")
         elif one is not None:
             found[one] = one
     return tuple(found)
@@ -39,16 +39,17 @@ def _allowed(line: Line, option: Option) -> Allowed | None:
         line.findings.add("Y0412", "ALLOW takes the names of two bodies", _span(line, option), help_)
         return None
     first, second = sorted((option.argument.name, option.state.name))
-    return Allowed(first, second, _span(line, option))
+    word, end = option.word.place, option.state.place
+    # names in another row than ALLOW are shown by their last one
+    begin = word if word.row == end.row else end
+    return Allowed(first, second, end.row, begin.start, end.end)
 
 
 def _span(line: Line, option: Option) -> Span:
     """Return the place of an option; only its word, if its names stand in another row."""
     begin, end = option.word.place, (option.state or option.argument or option.word).place
     first = line.statement.span(begin)
-    if end.row != begin.row:
-        return first
-    return Span(first.line, begin.start, first.line, end.end)
+    return first if end.row != begin.row else Span.on_line(first.line, begin.start, end.end)
 
 
 def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findings: Collector) -> None:
@@ -64,7 +65,7 @@ def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findin
     seen: set[tuple[SourceFile, Span]] = set()
     for step in steps:
         for one in step.allowed if isinstance(step, Motion) else ():
-            source, span = step.origin.source, one.span or step.origin.span
+            source, span = step.origin.source, one.span(step.origin)
             if (source, span) in seen:
                 continue
             seen.add((source, span))

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import settings
 
 from yarclang.robot.description import load_robot
+from yarclang.meshes.kept import FOLDER
 from yarclang.runtime.transports.lock import SPACE
 
 HERE = Path(__file__).parent
@@ -40,6 +41,7 @@ def place_of_locks():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))
         patch.setenv(SPACE, path.name)
+        patch.setenv(FOLDER, str(path / "cache"))  # and no meshes that somebody has kept
         yield path
     shutil.rmtree(path, ignore_errors=True)
 

@@ -71,7 +71,7 @@ class Boxes:
         core: half of the edges of its hull's core (M, 3) [m].
         disc: radius of its hull's disc (M,) [m].
         cornered: the bodies whose hull is given by corners instead.
-        of_coal: the shapes themselves.
+        solids: the shapes themselves: coal's, or large meshes in tiles.
         own_middle: the middle of the box in the shape's frame (M, 3) [m].
         closed: True for meshes that enclose a volume (M,).
         hollow: True for meshes that aren't their hulls (M,).
@@ -86,7 +86,7 @@ class Boxes:
     core: Array
     disc: Array
     cornered: tuple[int, ...]
-    of_coal: tuple[Any, ...]
+    solids: tuple[Any, ...]
     own_middle: Array
     closed: NDArray[np.bool_]
     hollow: NDArray[np.bool_]
@@ -196,7 +196,7 @@ def _boxes(bodies: Sequence[Body]) -> Boxes:
         core=np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
         disc=np.array([body.geometry.disc for body in bodies]),
         cornered=tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
-        of_coal=tuple(body.geometry.of_coal for body in bodies),
+        solids=tuple(body.geometry.solid for body in bodies),
         own_middle=middle,
         closed=np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
         hollow=np.array([body.geometry.is_hollow for body in bodies], dtype=np.bool_),

@@ -20,7 +20,9 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
     }
     places: dict[tuple[SourceFile, Span], tuple[Allowed, bool]] = {}
     for step, motion in enumerate(around.steps):
-        for one in motion.allowed if isinstance(motion, Motion) else ():
+        if not isinstance(motion, Motion):
+            continue
+        for one in motion.allowed:
             place = motion.origin.source, one.span(motion.origin)
             _, before = places.get(place, (one, False))
             places[place] = one, before or (step, one.first, one.second) in needed

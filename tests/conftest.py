@@ -10,8 +10,8 @@ import one_thread  # noqa: F401 - before numpy is imported
 import pytest
 from hypothesis import settings
 
-from yarclang.robot.description import load_robot
 from yarclang.meshes.kept import FOLDER
+from yarclang.robot.description import load_robot
 from yarclang.runtime.transports.lock import SPACE
 
 HERE = Path(__file__).parent

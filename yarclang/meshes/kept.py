@@ -26,7 +26,7 @@ MOST_BYTES = 1_000_000_000
 """Size of all entries together [bytes]; beyond it, those that were used least lately are removed."""
 _MAGIC = b"yarclang mesh 1\n"
 _SUFFIX = ".mesh"
-_HEAD = np.dtype([("corners", "<i8"), ("faces", "<i8"), ("closed", "<i8")])
+_HEAD = np.dtype([("corners", np.int64), ("faces", np.int64), ("closed", np.int64)])
 
 
 @frozen(eq=False)

@@ -91,8 +91,10 @@ def find_clearances(
         ]
         kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
         for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
-            told = (_clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0))
-            apart[place.step] = Apart(*told, touching.get(row, frozenset()))
+            around, itself = (
+                _clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0)
+            )
+            apart[place.step] = Apart(around, itself, touching.get(row, frozenset()))
         for row, meetings in _by_motion(found.meetings):
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))

@@ -61,10 +61,13 @@ def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findin
         cell: its obstacles and parts are bodies; None without a cell.
         findings: receives the findings.
     """
+    allowing = [step for step in steps if isinstance(step, Motion) and step.allowed]
+    if not allowing:
+        return
     names, repeated = body_names(robot, cell), repeated_parts(cell)
     seen: set[tuple[SourceFile, Span]] = set()
-    for step in steps:
-        for one in step.allowed if isinstance(step, Motion) else ():
+    for step in allowing:
+        for one in step.allowed:
             source, span = step.origin.source, one.span(step.origin)
             if (source, span) in seen:
                 continue

@@ -345,3 +345,21 @@ def test_what_was_proved_before_is_proved_for_these_pairs_alone(tmp_path):
         "line 5",
         "line 6",
     ]
+
+
+def test_all_pairs_may_touch():
+    """Nothing is left to be checked, and all of it is listed."""
+    scene = scene_of(load_robot("INDUSTRIAL6").value, None).value
+    pairs = sorted(
+        {
+            allowed_name(scene.bodies, pair)
+            for pair in zip(scene.pairs.first.tolist(), scene.pairs.second.tolist(), strict=True)
+        }
+    )
+    allow = " ".join(f"ALLOW {first} {second}" for first, second in pairs)
+    value, found = compiled(f"P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) {allow}\n")
+    assert not any(one.is_error for one in found), found
+    (row,) = value.certificate.commands
+    assert [(may.first, may.second) for may in row.may_touch] == pairs
+    assert row.own_clearance is None
+    assert not any(may.needed for may in row.may_touch)

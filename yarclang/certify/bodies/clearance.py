@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -80,10 +80,16 @@ def find_clearances(
             continue
         sweep = sweep_of(layout, places)
         scene_at = dict(zip(dict.fromkeys(cells), scenes, strict=True))
-        touching = dict[int, frozenset[tuple[str, str]]]()
+        touching: Mapping[int, frozenset[tuple[str, str]]] = {}
         if lets:
             touching, told_of = find_touching(sweep, [scene_at[cell] for cell in cells])
             findings += told_of
+            if not len(scene.pairs.first):  # all pairs may touch
+                apart |= {
+                    place.step: Apart(None, None, touching.get(row, frozenset()))
+                    for row, place in enumerate(places)
+                }
+                continue
         chosen = own if len(scenes) > 1 else None
         found = clearances(scene, sweep.course, sweep.spans, chosen)
         findings += [
@@ -91,10 +97,10 @@ def find_clearances(
         ]
         kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
         for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
-            around, itself = (
+            from_cell, from_itself = (
                 _clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0)
             )
-            apart[place.step] = Apart(around, itself, touching.get(row, frozenset()))
+            apart[place.step] = Apart(from_cell, from_itself, touching.get(row, frozenset()))
         for row, meetings in _by_motion(found.meetings):
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))

@@ -10,6 +10,7 @@ import one_thread  # noqa: F401 - before numpy is imported
 import pytest
 from hypothesis import settings
 
+from yarclang.meshes.kept import FOLDER
 from yarclang.robot.description import load_robot
 from yarclang.runtime.transports.lock import SPACE
 
@@ -40,7 +41,10 @@ def place_of_locks():
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("XDG_RUNTIME_DIR", str(path))
         patch.setenv(SPACE, path.name)
-        patch.setenv("YARCLANG_NO_CACHE", "1")  # every test does its work itself; those of the cache say otherwise
+        patch.setenv(
+            "YARCLANG_NO_CACHE", "1"
+        )  # every test does its work itself; those of the cache say otherwise
+        patch.setenv(FOLDER, str(path / "cache"))  # and no meshes that somebody has kept
         yield path
     shutil.rmtree(path, ignore_errors=True)
 

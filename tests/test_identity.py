@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from programs import checked
 
 from yarclang.hir import (
+    Allowed,
     ArcMove,
     LineMove,
     Motion,
@@ -86,6 +87,7 @@ OTHERS = {
     "blend": (None, Reading(1e-3, None)),
     "search": (None, Search("M12", 1.0, "TOUCH")),
     "file": ("", "path.csv"),
+    "allowed": ((), (Allowed("BOX", "GRIPPER"),)),
 }
 """Two values of each field of a motion. A new field needs a pair here."""
 

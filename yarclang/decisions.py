@@ -196,6 +196,21 @@ class Shifted:
     registers: tuple[str, ...]
 
 
+@frozen
+class Permitted:
+    """Two bodies that may touch on a motion.
+
+    Attributes:
+        step: index of the motion in the program's steps.
+        first: name of one body, in upper case.
+        second: name of the other body, in alphabetical order after the first.
+    """
+
+    step: int
+    first: str
+    second: str
+
+
 class DecisionError(Exception):
     """A value cannot be computed: a division by zero, or a result beyond the limit of registers."""
 

@@ -223,6 +223,31 @@ class Timing:
 Goal = JointGoal | JointDelta | PoseGoal | PoseDelta
 
 
+@frozen
+class Allowed:
+    """Two bodies that may touch during a motion, as the command names them (ALLOW), in upper case.
+
+    Attributes:
+        first: name of one body.
+        second: name of the other body, in alphabetical order after the first.
+        row: row of the names in the command, from 0.
+        start: first column of the names.
+        end: column after the names.
+        cell_line: line of the cell's file that allows it in place of the command.
+    """
+
+    first: str
+    second: str
+    row: int = field(default=0, compare=False)
+    start: int = field(default=1, compare=False)
+    end: int = field(default=1, compare=False)
+    cell_line: int | None = field(default=None, compare=False)
+
+    def span(self, origin: Origin) -> Span:
+        """Return the place of the names in the source of their command."""
+        return Span.on_line(origin.span.line + self.row, self.start, self.end)
+
+
 class MotionHead:
     """Common interface of all motions.
 
@@ -235,6 +260,7 @@ class MotionHead:
         tolerance: largest distance of the moving frame from the path [m]; None for the robot's default.
         blend: distance or angle from the end at which the path may be left, to flow into the next motion
             without a stop; None if the motion ends at rest.
+        allowed: pairs of bodies that may touch during the motion.
     """
 
     __slots__ = ()
@@ -293,6 +319,7 @@ class JointMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     search: Search | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | JointDelta | PoseGoal]:
@@ -314,6 +341,7 @@ class AvoidMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal]:
@@ -333,6 +361,7 @@ class LineMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     search: Search | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal | PoseDelta]:
@@ -358,6 +387,7 @@ class ArcMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal]:
@@ -389,6 +419,7 @@ class PoseSplineMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[PoseGoal, ...]:
@@ -413,6 +444,7 @@ class SplineMove(MotionHead):
     timing: Timing
     tolerance: float | None = None
     blend: Reading | None = None
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def goals(self) -> tuple[JointGoal | PoseGoal, ...]:
@@ -490,6 +522,7 @@ class TimedMove(MotionHead):
     tolerance: float | None = None
     blend: Reading | None = None
     file: str = ""
+    allowed: tuple[Allowed, ...] = ()
 
     @property
     def asked(self) -> Timetable:

@@ -75,6 +75,8 @@ def key_of(step: Motion) -> bytes:
             if search is None
             else ((search.variable, search.value, search.name, search.flag, search.depth),)
         ),
+        # Written only if bodies may touch, likewise.
+        *((tuple([(one.first, one.second) for one in step.allowed]),) if step.allowed else ()),
     )
 
 
@@ -138,6 +140,9 @@ def fingerprint(program: Program, memory: Memory = NO_MEMORY) -> str:
         if program.cell.parts:
             _feed(digest.update, program.cell.parts)
             _feed(digest.update, tuple(sorted((*program.cell.grips.items(), *program.cell.removals.items()))))
+        if program.cell.allowances:
+            fed = [(one.first, one.second, one.leads_to, one.leaves) for one in program.cell.allowances]
+            _feed(digest.update, ("allow", *fed))
         if (present := program.cell.present) is not None:
             parts = present.parts
             _feed(digest.update, (parts.items, tuple(sorted(parts.closed)), parts.expected, present.leaving))
@@ -229,6 +234,7 @@ _LATER: dict[str, object] = {
     "teaches": "",
     "then": "",
     "way": "",
+    "allowed": (),
 }
 """Fields added after programs had been hashed, with their default values.
 

@@ -19,7 +19,9 @@ from yarclang.certify.read.lines import Lines, Refusal, check_characters, shown
 from yarclang.certify.read.reader import Fault, Reader, StartPlace
 from yarclang.certify.read.text import ControllerText, Dwelt, Run, Start, Unreadable
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.emitted.quoting import allow_line
 from yarclang.frozen import frozen
+from yarclang.handling.allowing import permitted
 from yarclang.hir import Dwell, Motion
 from yarclang.motion.limits import Grid
 from yarclang.robot.controller import NO_SIGNAL, Kind, SignalVariable
@@ -109,12 +111,16 @@ def _write(plan, target, tolerance, memory):
         moves = isinstance(step, Motion)
         entries.append((number, step.origin, (first + 1, len(lines) - 1) if moves else None))
 
+    spans = {number: span for number, _, span in entries}
+
     def text(header):
-        behind = len(header) + len(entries)
+        allows = [one for one in permitted(plan.program) if spans[one.step] is not None]
+        behind = len(header) + len(entries) + len(allows)
         head = [f"; {line}" for line in header]
         for number, origin, span in entries:
             place = "- -" if span is None else f"{behind + span[0] + 1} {behind + span[1] + 1}"
             head.append(f"; command {number} {origin.label or '-'} {origin.name} {origin.span.line} {place}")
+        head += map(allow_line, allows)
         return "\n".join([*head, *lines, "END"]) + "\n"
 
     times = sorted({motion.curve.segment / MS for motion in plan.motions})
@@ -178,7 +184,9 @@ def _read_body(lines, preamble, controller):
     lines.skip()
     if not lines.at_end:
         lines.refuse("stands behind END")
-    return ControllerText(preamble.header, preamble.entries, start, tuple(course), (), DECIMALS, STEP)
+    return ControllerText(
+        preamble.header, preamble.entries, start, tuple(course), (), DECIMALS, STEP, allows=preamble.allows
+    )
 
 
 def _start(content, robot):

@@ -16,7 +16,7 @@ from yarclang.semantics.files import values_of
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.ast import Text
 
-_FRAME_KEYS = ("parent", "frame", "grips")
+_FRAME_KEYS = ("parent", "frame", "grips", "leads_to", "leaves")
 """Keys of a cell.toml whose values are names of frames."""
 
 

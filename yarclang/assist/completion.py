@@ -27,6 +27,7 @@ from yarclang.assist.vocabulary import (
     entry_text,
     unit_text,
 )
+from yarclang.cell.allowances import robot_bodies
 from yarclang.commands.registry import actions
 from yarclang.commands.spec import CommandSpec
 from yarclang.decisions import Register
@@ -146,6 +147,9 @@ class _Maker(NameMaker):
         if cursor.option == "NEAR":
             yield from self.known(JointPosition, "joints")
             return
+        if cursor.option == "ALLOW" and self.view.robot is not None:
+            for name in robot_bodies(self.view.robot):
+                yield self.make(name.upper(), "word", "a body of the robot", "", name.upper())
         if cursor.option:
             return
         found = command_of(head)
@@ -259,7 +263,7 @@ class _Maker(NameMaker):
                 yield replace(made, span=self.span._replace(column=column))
 
 
-_OF_TABLES = ("STRETCH", "TOL")
+_OF_TABLES = ("STRETCH", "TOL", "ALLOW")
 """Options of a motion with a timetable."""
 
 

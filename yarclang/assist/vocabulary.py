@@ -57,6 +57,7 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
         ),
         "UNTIL": Entry("ends the motion on its way where an input is ON (or OFF)", "UNTIL TOUCH"),
         "INTO": Entry("the register for how far a line with UNTIL has come, in 0.01 mm", "INTO DEPTH"),
+        "ALLOW": Entry("lets two bodies touch during the motion: they aren't checked", "ALLOW GRIPPER BOX"),
         "STRETCH": Entry("makes all times of a timetable so many times as long", "STRETCH 1.5"),
         "NEAR": Entry(
             "of several solutions for a pose, takes the one nearest to this joint position", "NEAR HOME"

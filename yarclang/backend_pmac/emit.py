@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from yarclang.backend_pmac.barriers import barrier_lines, printable
 from yarclang.backend_pmac.move_lines import move_lines
-from yarclang.decisions import Register, Searched, Shifted, Watch
+from yarclang.decisions import Permitted, Register, Searched, Shifted, Watch
+from yarclang.emitted.quoting import allow_line
 from yarclang.frozen import frozen
 from yarclang.memory import NO_MEMORY, Forgetful, Memory
 from yarclang.pmac.program import Assignment, Barrier, Command, Moves, PmacProgram, Rest, SegmentTime, Stand
@@ -35,17 +36,19 @@ class Emitted:
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
+    allows: tuple[Permitted, ...] = ()
 
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches, searches and offsets
-        as comments, then the lines that the controller reads.
+        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets and
+        bodies that may touch as comments, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.
         searches = [one for one in self.searches if one.step in self.places]
-        maps += len(searches) + len(self.offsets)
+        allows = [one for one in self.allows if one.step in self.places]
+        maps += len(searches) + len(self.offsets) + len(allows)
         before = len(header) + maps + len(self.opening)
         head = [f"; {line}" if line else ";" for line in header]
         for command in self.commands:
@@ -74,6 +77,7 @@ class Emitted:
             f"; offset {one.step} {one.flag} {' '.join(name or '-' for name in one.registers)} {printable(one.frame)}"
             for one in self.offsets
         ]
+        head += map(allow_line, allows)
         return "\n".join((*head, *self.opening, "")) + self.body
 
 
@@ -122,6 +126,7 @@ def emit(program: PmacProgram, memory: Memory = NO_MEMORY) -> Emitted:
         program.watches,
         program.searches,
         program.offsets,
+        program.allows,
     )
 
 

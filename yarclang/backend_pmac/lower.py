@@ -13,6 +13,7 @@ from yarclang.backend_pmac.deciding import canonical
 from yarclang.backend_pmac.decimals import decimals_for
 from yarclang.backend_pmac.guard import Watermarks, watermarks
 from yarclang.decisions import AGAIN, called, in_words
+from yarclang.handling.allowing import permitted
 from yarclang.hir import (
     Array,
     Assign,
@@ -105,6 +106,7 @@ def lower(plan: MotionPlan, target: Target, tolerance: Tolerance) -> PmacProgram
         watches=plan.program.watches,
         searches=searches_of(plan.program),
         offsets=offsets_of(plan.program),
+        allows=permitted(plan.program),
     )
 
 

@@ -79,6 +79,7 @@ def read_cell(source: SourceFile, folder: FilePath, names: Names) -> Result[Cell
 
 
 def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, Any]) -> Result[Cell]:
+    from yarclang.cell.allowances import read_allowances
     from yarclang.cell.bodies import Surroundings, read_obstacle
     from yarclang.cell.frames import resolve_frames
     from yarclang.cell.measures import Measures
@@ -123,6 +124,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         read_sensor(one, ("sensors", at), around, inputs, outputs) for at, one in enumerate(table.sensors)
     ]
     starts = [read_start(one, ("starts", at), measures, names.robot) for at, one in enumerate(table.starts)]
+    allowances = read_allowances(table, around)
     findings = in_order(file.findings)
     if names.robot is None:
         return Result(None, findings)
@@ -140,6 +142,7 @@ def _read(source: SourceFile, folder: FilePath, names: Names, data: dict[str, An
         tuple(one for one in parts if one is not None),
         tuple(one for one in sensors if one is not None),
         starts=tuple(one for one in starts if one is not None),
+        allowances=allowances,
     )
     return Result(cell, findings)
 

@@ -188,6 +188,25 @@ class Touch:
 
 
 @frozen
+class CellAllowance:
+    """Two bodies that may touch on motions that lead to a frame, or that leave it.
+
+    Attributes:
+        first: name of one body, in upper case.
+        second: name of the other body, in alphabetical order after the first.
+        leads_to: the frame in which the goals of the motions are given; empty for none.
+        leaves: the frame to which the motion before them has led; empty for none.
+        line: line of the entry in the cell's file.
+    """
+
+    first: str
+    second: str
+    leads_to: str
+    leaves: str
+    line: int
+
+
+@frozen
 class Item:
     """A part at its place, or, if it isn't `is_sure`, at a possible place.
 
@@ -381,8 +400,10 @@ class Cell:
     table (frames, joints, inputs, outputs) and the name; `zone_places` has that of a zone's name.
 
     `parts` are what grippers take; the collision check doesn't see them here. For an instant of a program
-    there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles and `touches` are
-    the bodies that may touch each other. `present` has the places of the parts when a program starts; None
+    there is another cell (`yarclang.handling.surroundings`), in which parts are obstacles, `touches` are the
+    bodies that may touch each other when parts are taken and put down, and `allowed` are those that the
+    program or an entry of `allowances` allows to touch: pairs of names in upper case, each in alphabetical
+    order. `present` has the places of the parts when a program starts; None
     for those in the file.
 
     `starts` are the joint positions from which a program may begin by itself.
@@ -402,6 +423,8 @@ class Cell:
     touches: tuple[Touch, ...] = ()
     present: Present | None = None
     starts: tuple[StartZone, ...] = ()
+    allowances: tuple[CellAllowance, ...] = ()
+    allowed: frozenset[tuple[str, str]] = frozenset()
 
     @property
     def grips(self) -> Mapping[str, Grip]:

@@ -144,6 +144,16 @@ class StartTable(Table):
     units: str | None = None
 
 
+class AllowTable(Table):
+    """`[[allow]]`: two bodies that may touch on the way to a frame, or away from it."""
+
+    required = ("bodies",)
+    wanted: ClassVar = {"bodies": 'the names of two bodies, such as ["GRIPPER", "BOX"]'}
+    bodies: list[str] | None = None
+    leads_to: str | None = None
+    leaves: str | None = None
+
+
 class CellTable(Document):
     """The whole file."""
 
@@ -158,7 +168,9 @@ class CellTable(Document):
     tools: list[RackTable] = Field(default=[])
     sensors: list[SensorTable] = Field(default=[])
     starts: list[StartTable] = Field(default=[])
+    allow: list[AllowTable] = Field(default=[])
     wanted: ClassVar = {
+        "allow": "tables, each under [[allow]]",
         "obstacles": "tables, each under [[obstacles]]",
         "parts": "tables, each under [[parts]]",
         "sensors": "tables, each under [[sensors]]",
@@ -178,6 +190,7 @@ class CellTable(Document):
         "tools": RackTable,
         "sensors": SensorTable,
         "starts": StartTable,
+        "allow": AllowTable,
     }
     examples: ClassVar = {
         "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
@@ -198,6 +211,7 @@ class CellTable(Document):
         "kind": 'kind = "beam", "proximity" or "vacuum".',
         "to": "to = [x, y, z], where the beam ends.",
         "range": "for example range = 30, around x y z.",
+        "bodies": 'bodies = ["GRIPPER", "BOX"], the names of the two bodies that may touch.',
         "gripper": 'for example gripper = "GRIP", one of [outputs] with grips.',
     }
 

@@ -238,6 +238,32 @@ class Clearance:
 
 
 @frozen
+class MayTouch:
+    """Two bodies that may touch during a command, so that their distance isn't checked.
+
+    Attributes:
+        first: name of one body, in upper case.
+        second: name of the other body, in alphabetical order after the first.
+        giver: the line that allows it, in words.
+        needed: True if the bodies come nearer to each other than their margin, or touch.
+    """
+
+    first: str
+    second: str
+    giver: str
+    needed: bool
+
+    @property
+    def pair(self) -> str:
+        """Both names."""
+        return f"{self.first} and {self.second}"
+
+    def to_json(self) -> dict[str, Any]:
+        """Return plain data."""
+        return {"bodies": [self.first, self.second], "allowed_by": self.giver, "needed": self.needed}
+
+
+@frozen
 class ZoneSpeed:
     """Proved upper bound of the speed of a body in a slow zone, or of a motion with a speed limit of its own.
 
@@ -299,6 +325,7 @@ class CommandCertificate:
         zone_speed: speed in slow zones, where it is nearest to the allowed speed.
         torque: largest load of a motor's effort; None if the robot's masses or efforts are unknown.
         carries: parts that grippers hold during the motion.
+        may_touch: bodies whose distance isn't checked, since they may touch.
         module: module that contains `source_line`; empty for the program itself.
         tolerance: the command's own tolerance; None if the general one applies.
     """
@@ -324,6 +351,7 @@ class CommandCertificate:
     zone_speed: ZoneSpeed | None = None
     torque: Load | None = None
     carries: tuple[str, ...] = ()
+    may_touch: tuple[MayTouch, ...] = ()
     module: str = ""
     tolerance: Tolerance | None = None
 
@@ -388,6 +416,7 @@ class CommandCertificate:
             "zone_speed": self.zone_speed.to_json() if self.zone_speed else None,
             "torque": self.torque.to_json() if self.torque else None,
             "carries": list(self.carries),
+            **({"not_checked": [one.to_json() for one in self.may_touch]} if self.may_touch else {}),
         }
 
 
@@ -494,6 +523,9 @@ class Certificate:
                 if is_timed in kinds
             )
             told = f"; jerk of {whose} up to {percent(max(free))} %, not judged"
+        may = [len(command.may_touch) for command in self.commands if command.may_touch]
+        if may:
+            told += f"; {sum(may)} pair{'s' * (sum(may) > 1)} of bodies may touch, unchecked"
         return f"{path}; {loads} of the limits{told}"
 
 

@@ -177,7 +177,8 @@ def _row(
         return make()
     origin = place.motion.origin
     called = (origin.place, origin.index, origin.name, origin.span.line, origin.source.module)
-    key = ("row", proved, place.step, place.lines, called)
+    allowed = judge.handled.allowances.get(place.step, ())
+    key = ("row", proved, place.step, place.lines, called, allowed)
     return recall(memory, key, make)
 
 

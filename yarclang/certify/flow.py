@@ -19,6 +19,7 @@ from yarclang import hir
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood
 from yarclang.certify.read.ways import Standing
 from yarclang.decisions import Watch, called, in_words, inputs_of
+from yarclang.handling.allowing import permitted
 from yarclang.robot.model import Array
 from yarclang.units import MS
 
@@ -58,6 +59,12 @@ def check_flow(text: ControllerText, program: hir.Program) -> Iterator[Fault]:
     shifts = tuple(replace(one, frame=_printable(one.frame)) for one in hir.offsets_of(program))
     if text.offsets != shifts:
         yield None, "other frames than the program's are shifted, or by other registers"
+    allows = tuple(one for one in permitted(program) if one.step in moving)
+    if text.allows != allows:
+        wrong = min({*text.allows} ^ {*allows}, key=lambda one: (one.step, one.first, one.second))
+        lets = "lets" if wrong in text.allows else "doesn't let"
+        other = "doesn't" if wrong in text.allows else "does"
+        yield wrong.step, f"the text {lets} {wrong.first} and {wrong.second} touch, and the program {other}"
     told = list(_told(text))
     deeds = list(_meant(program, moving))
     for place, (step, deed) in enumerate(deeds):

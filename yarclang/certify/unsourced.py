@@ -120,6 +120,9 @@ def unjudged(content: ControllerText, source: SourceFile, cell: Cell | None) -> 
     if content.offsets:
         frames = [f"{{{one.frame}}} in step {one.step}" for one in content.offsets]
         missing.append(f"what is shifted when it runs ({_listed(frames)})")
+    if content.allows:
+        pairs = dict.fromkeys(f"{one.first} and {one.second}" for one in content.allows)
+        missing.append(f"which bodies may touch ({_listed([*pairs])})")
     if counted:
         missing.append(f"its registers ({_listed(counted)})")
     outputs = [

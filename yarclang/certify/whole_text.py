@@ -15,6 +15,7 @@ from yarclang.certify.blends.corner import tolerance_of
 from yarclang.certify.bodies.clearance import NOTHING_NEAR, Apart, find_clearances
 from yarclang.certify.bodies.handled import Handled, follow
 from yarclang.certify.bodies.torque import find_torques
+from yarclang.certify.bodies.touching import may_touch
 from yarclang.certify.bodies.zones import NO_ZONES, InZones, find_zones
 from yarclang.certify.certificate import Blended, CommandCertificate, Deviation, Kind, Load, Loads, ToolSpeed
 from yarclang.certify.flow import check_flow, check_rests
@@ -407,6 +408,7 @@ class Judge:
             zone_speed=zones.speed,
             torque=torque,
             carries=self.handled.carried.get(place.step, ()),
+            may_touch=tuple(may_touch(self.handled, place.step, apart.touching)),
             module=step.origin.source.module,
             tolerance=self._own_tolerance(step),
         )

@@ -116,6 +116,8 @@ def certificate_table(
     lines[1] = "-" * max(len(line) for index, line in enumerate(lines) if index != 1)
     if any(command.carries for command in certificate.commands):
         lines += wrapped(f"{_LOADED} the robot carries a part.", width)
+    for told in _not_checked(certificate):
+        lines += wrapped(told, width)
     shown = " ".join(cell for column in columns for cell in column.cells)
     if used := [f"{number}\xa0{name}" for name, number in numbers.items() if f"{number} " in shown]:
         lines += wrapped(", ".join(used) + ".", width)
@@ -277,6 +279,28 @@ def _place(group: Sequence[CommandCertificate]) -> str:
     places = {static_place(one.index) for one in group}
     place = places.pop() if len(places) == 1 else ""
     return place if place and not first.module else line
+
+
+MANY_PAIRS = 10
+"""Most lines about bodies that may touch; further ones are counted."""
+
+
+def _not_checked(certificate: Certificate) -> Iterator[str]:
+    """Yield a line for each pair of bodies that may touch, and for each line that allows it."""
+    found: dict[tuple[str, str, str], list[str]] = {}
+    for command in certificate.commands:
+        for one in command.may_touch:
+            given = f"{command.module} {one.giver}" if command.module else one.giver
+            names = found.setdefault((one.first, one.second, given), [])
+            names.append(command.index or command.name)
+    for first, second, giver in [*found][:MANY_PAIRS]:
+        names = found[first, second, giver]
+        places = ", ".join(dict.fromkeys(names[:4])) + (
+            f" and {len(names) - 4} more" if len(names) > 4 else ""
+        )
+        yield f"Not checked: {first} and {second} on {places}, allowed by {giver}."
+    if len(found) > MANY_PAIRS:
+        yield f"Not checked: {len(found) - MANY_PAIRS} more pairs of bodies that may touch (--json lists them)."
 
 
 def _fitted(columns: list[Column], width: int, worst: str) -> tuple[list[Column], list[str]]:

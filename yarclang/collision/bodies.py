@@ -77,7 +77,7 @@ class Boxes:
         core: half of the edges of its hull's core (M, 3) [m].
         disc: radius of its hull's disc (M,) [m].
         cornered: the bodies whose hull is given by corners instead.
-        of_coal: the shapes themselves.
+        solids: the shapes themselves: coal's, or large meshes in tiles.
         own_middle: the middle of the box in the shape's frame (M, 3) [m].
         closed: True for meshes that enclose a volume (M,).
         hollow: True for meshes that aren't their hulls (M,).
@@ -92,7 +92,7 @@ class Boxes:
     core: Array
     disc: Array
     cornered: tuple[int, ...]
-    of_coal: tuple[Any, ...]
+    solids: tuple[Any, ...]
     own_middle: Array
     closed: NDArray[np.bool_]
     hollow: NDArray[np.bool_]
@@ -109,6 +109,8 @@ class Scene:
         boxes: the same bodies, as arrays.
         at_home: names of the pairs of links that touch in the robot's HOME. Since the robot can stand there,
             their shapes are too large, and they aren't among the pairs.
+        allowed: the pairs that may touch because the program or the cell allows it; they aren't among
+            `pairs`.
     """
 
     chain: Chain
@@ -116,6 +118,7 @@ class Scene:
     pairs: Pairs
     boxes: Boxes
     at_home: frozenset[tuple[str, str]]
+    allowed: Pairs | None = None
 
     def names(self, pair: int) -> tuple[str, str]:
         """Return the names of the two bodies of a pair for messages, the one that moves more first."""
@@ -199,7 +202,7 @@ def _boxes(bodies: Sequence[Body]) -> Boxes:
         core=np.array([body.geometry.core for body in bodies]).reshape(-1, 3),
         disc=np.array([body.geometry.disc for body in bodies]),
         cornered=tuple(at for at, body in enumerate(bodies) if body.geometry.corners is not None),
-        of_coal=tuple(body.geometry.of_coal for body in bodies),
+        solids=tuple(body.geometry.solid for body in bodies),
         own_middle=middle,
         closed=np.array([body.geometry.skin is not None for body in bodies], dtype=np.bool_),
         hollow=np.array([body.geometry.is_hollow for body in bodies], dtype=np.bool_),

@@ -9,9 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from yarclang.collision.bodies import Scene
-from yarclang.collision.placing import distances, place, relative
+from yarclang.collision.bodies import Rows, Scene
+from yarclang.collision.placing import box_gaps, distances, place, relative
 from yarclang.collision.proof import SLACK
+from yarclang.collision.tiles import TiledMesh
 from yarclang.frozen import frozen
 from yarclang.robot.model import Chain
 from yarclang.shapes import Array
@@ -24,6 +25,8 @@ class FreeSpace:
 
     `model`, `data`, `geometry`, `pairs` and `manager` are Pinocchio's. The manager examines only pairs whose
     axis-aligned boxes, grown by the margins, overlap. Inside a hollow mesh nothing is near; use `gaps` there.
+    Pairs with a large mesh in tiles (`tiled`, with the distances `apart` (K,) of all pairs [m]) aren't
+    Pinocchio's, which would need a tree of all triangles.
     """
 
     scene: Scene
@@ -32,12 +35,22 @@ class FreeSpace:
     geometry: Any
     pairs: Any
     manager: Any
+    tiled: Rows
+    apart: Array
 
     def has(self, q: Array) -> bool:
         """Return True if a joint position (n,) [rad or m] is free."""
         import pinocchio
 
-        return not pinocchio.computeCollisions(self.model, self.data, self.manager, q, True)
+        if pinocchio.computeCollisions(self.model, self.data, self.manager, q, True):
+            return False
+        return not len(self.tiled) or self._is_free_of_tiles(q)
+
+    def _is_free_of_tiles(self, q: Array) -> bool:
+        seen = relative(place(self.scene, q[None]), np.zeros_like(self.tiled), self.tiled)
+        near = np.flatnonzero(box_gaps(self.scene, self.tiled, seen) <= self.apart[self.tiled])
+        pair = self.tiled[near]
+        return bool((distances(self.scene, pair, seen.take(near)) > self.apart[pair]).all())
 
 
 def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
@@ -47,6 +60,7 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
         scene: bodies and pairs.
         more: (K,) the distance that each pair keeps in addition to its margin [m].
     """
+    import coal
     import pinocchio
 
     model = _model(scene.chain)
@@ -55,17 +69,22 @@ def free_space(scene: Scene, more: Array | None = None) -> FreeSpace:
     geometry = pinocchio.GeometryModel()
     for number, body in enumerate(scene.bodies):
         placed = data.oMi[body.joint].inverse() * pinocchio.SE3(np.array(body.base_from_body))
-        shape = body.geometry.of_coal
+        is_tiled = isinstance(body.geometry.solid, TiledMesh)
+        shape = coal.Sphere(_NOTHING) if is_tiled else body.geometry.of_coal
         geometry.addGeometryObject(pinocchio.GeometryObject(str(number), body.joint, placed, shape))
-    for first, second in zip(scene.pairs.first.tolist(), scene.pairs.second.tolist(), strict=True):
+    tiles = np.array([isinstance(body.geometry.solid, TiledMesh) for body in scene.bodies], dtype=np.bool_)
+    in_tiles = tiles[scene.pairs.first] | tiles[scene.pairs.second]
+    apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
+    others = np.flatnonzero(~in_tiles).tolist()
+    for pair in others:
+        first, second = int(scene.pairs.first[pair]), int(scene.pairs.second[pair])
         geometry.addCollisionPair(pinocchio.CollisionPair(first, second))
     pairs = geometry.createData()
-    apart = scene.pairs.margin + SLACK + (0.0 if more is None else more)
-    for pair, margin in enumerate(apart.tolist()):
-        pairs.collisionRequests[pair].security_margin = margin
+    for number, pair in enumerate(others):
+        pairs.collisionRequests[number].security_margin = float(apart[pair])
     # after the margins are set: each body's box grows by half of its largest margin
     manager = pinocchio.BroadPhaseManager_NaiveCollisionManager(model, geometry, pairs)
-    return FreeSpace(scene, model, data, geometry, pairs, manager)
+    return FreeSpace(scene, model, data, geometry, pairs, manager, np.flatnonzero(in_tiles), apart)
 
 
 @lru_cache(maxsize=32)
@@ -113,5 +132,7 @@ def _model(chain: Chain) -> Any:
     return model
 
 
+_NOTHING = 1e-6
+"""Radius of the sphere that stands for a mesh in tiles, which is in no pair [m]."""
 _NO_PITCH = 1e-12
 """Pitch [m/rad] below which a screw only turns."""

@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.collision.tiles import TiledMesh, in_order, modelled
 from yarclang.consulted import on_disk
 from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.hull import MOST_CORNERS, cover
+from yarclang.meshes.kept import Prepared, kept
 from yarclang.meshes.obj import obj_corners
 from yarclang.meshes.ply import read_ply
 from yarclang.meshes.stl import is_binary, stl_corners
@@ -25,7 +27,7 @@ from yarclang.units import MM
 
 @frozen(eq=False)
 class Geometry:
-    """A shape for distances: coal's own, and the points within `radius` [m] of a box that enclose it.
+    """A shape for distances: coal's own (or a large mesh in tiles), and the points within `radius` [m] of a box that enclose it.
 
     The box has the half edges `half` (3,) around `middle` (3,) in the shape's frame [m]. `point` (3,) belongs
     to the shape. `skin` (T, 3, 3) are a mesh's triangles if they enclose a volume: coal knows only the
@@ -36,7 +38,7 @@ class Geometry:
     `radius`; or, for a mesh, the hull of `corners` (V, 3), relative to `middle`.
     """
 
-    of_coal: Any
+    solid: Any
     middle: Array
     half: Array
     radius: float
@@ -47,6 +49,11 @@ class Geometry:
     skin: Array | None = None
     is_hollow: bool = False
     """True for triangles that need not be closed: a point far from them may be inside their hull."""
+
+    @property
+    def of_coal(self) -> Any:
+        """Coal's own shape. That of a large mesh is built at the first call, which takes seconds."""
+        return self.solid.whole() if isinstance(self.solid, TiledMesh) else self.solid
 
     @property
     def bound(self) -> float:
@@ -107,37 +114,59 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     """Convert the triangles of a file, or their convex hull if they aren't all in one plane."""
     outer_model = _outer_model(shape) if hull else None
     known = None if hull else _plain_model(shape)
-    model = known[0] if known is not None else outer_model or load_mesh(shape)
+    if known is not None:
+        return _tiled(known)
+    model = outer_model or load_mesh(shape)
     if hull and outer_model is None and shape.path.suffix.lower() == ".obj":
         model = _with_all_corners(model, shape)
     corners: Array = np.asarray(model.vertices())
+    spread = _checked(corners)
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
+    if hull and len(spread) == 3 and spread[2] > _FLAT:
+        model = _with_hull(model, corners)
+        outer: Array = np.asarray(model.convex.points()) - middle
+        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
+    faces = np.array(
+        [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
+    )
+    skin = corners[faces] if _is_closed(corners, faces) else None
+    outer = np.unique(corners, axis=0) - middle
+    return Geometry(
+        model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
+    )
+
+
+def _checked(corners: Array) -> Array:
+    """Return the spread of corners (V, 3) along their main axes (3,) [m].
+
+    Raises:
+        UnreadableError: a corner is no number or too far away, or all lie on a line.
+    """
     if not np.isfinite(corners).all():
         raise UnreadableError("has corners that are no finite numbers")
     if (far := float(np.abs(corners).max())) > _FAR:
         raise UnreadableError(
             f"has a corner {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed: check its unit and scale"
         )
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    spread = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
+    spread: Array = np.linalg.svd(corners - corners.mean(axis=0), compute_uv=False)
     if len(spread) < 2 or spread[1] <= _FLAT:
         raise UnreadableError(
             f"has no area: all its corners lie within {_FLAT / MM:g} mm of one line; check its scale"
         )
+    return spread
+
+
+def _tiled(mesh: Prepared) -> Geometry:
+    """Return the geometry of a large mesh."""
+    corners, faces = mesh.corners, mesh.faces
+    _checked(corners)
+    low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
-    if hull and len(spread) == 3 and spread[2] > _FLAT:
-        model = _with_hull(model, corners)
-        outer: Array = np.asarray(model.convex.points()) - middle
-        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
-    if known is not None:
-        faces = known[1]
-    else:
-        faces = np.array(
-            [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
-        )
-    skin = corners[faces] if _is_closed(corners, faces) else None
-    outer = np.unique(corners, axis=0) - middle
+    skin = corners[faces] if mesh.closed else None
+    solid, outer = TiledMesh(corners, faces), corners - middle
     return Geometry(
-        model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
+        solid, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
     )
 
 
@@ -166,26 +195,36 @@ def _outer_model(shape: Mesh) -> Any | None:
         outer = corners[ConvexHull(corners).vertices]
     except QhullError:
         return None
-    return _modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
+    return modelled(outer, np.arange(len(outer) // 3 * 3).reshape(-1, 3))
 
 
-def _plain_model(shape: Mesh) -> tuple[Any, NDArray[np.int64]] | None:
-    """Return a model of a large binary STL, and its triangles (T, 3) as indices of corners; None for another
-    file.
+def _plain_model(shape: Mesh) -> Prepared | None:
+    """Return a large binary STL or PLY without equal corners, kept from before if there is one; None for
+    another file, and for one with a fault.
 
     The triangles are the same as those of coal's reader, which takes three times as long.
     """
-    corners = _large_stl(shape)
+    if shape.path.suffix.lower() not in (".stl", ".ply"):
+        return None
+    try:
+        is_large = shape.path.stat().st_size >= _LARGE
+    except OSError:
+        is_large = False  # its fault is reported where the file is read
+    if not is_large:
+        return None
+    if not shape.digest:
+        return _prepared(shape)
+    key = f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
+    return kept(key, lambda: _prepared(shape))
+
+
+def _prepared(shape: Mesh) -> Prepared | None:
+    corners = _large_stl(shape) if shape.path.suffix.lower() == ".stl" else _large_ply(shape)
     if corners is None:
         return None
-    three = corners.reshape(-1, 3, 3)
-    is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    corners = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
-    if not len(corners):
-        return None
     order, of, begins = _joined(corners)
-    faces = of.reshape(-1, 3)
-    return _modelled(corners[order[begins]], faces), faces
+    corners, faces = corners[order[begins]], of.reshape(-1, 3)
+    return Prepared(corners, in_order(corners, faces), _has_even_edges(len(corners), faces))
 
 
 def _large_stl(shape: Mesh) -> Array | None:
@@ -201,7 +240,26 @@ def _large_stl(shape: Mesh) -> Array | None:
     if corners is None:
         return None
     corners = corners * (np.array(shape.scale) * shape.unit)
-    return corners if float(np.abs(corners).max()) <= _FAR else None
+    if float(np.abs(corners).max()) > _FAR:
+        return None
+    three = corners.reshape(-1, 3, 3)
+    is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
+    found: Array = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
+    return found if len(found) else None
+
+
+def _large_ply(shape: Mesh) -> Array | None:
+    """Return the corners (3 T, 3) [m] of all triangles of a PLY; None for one with a fault, or if a corner is
+    too far away.
+    """
+    read = read_ply(_content(shape))
+    if isinstance(read, str):
+        return None
+    corners = read[0] * (np.array(shape.scale) * shape.unit)
+    if not len(read[1]) or not np.isfinite(corners).all() or float(np.abs(corners).max()) > _FAR:
+        return None
+    found: Array = corners[read[1]].reshape(-1, 3)
+    return found
 
 
 def _joined(corners: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
@@ -232,7 +290,7 @@ def _with_all_corners(model: Any, shape: Mesh) -> Any:
     far, _ = cKDTree(np.asarray(model.vertices())).query(own)
     if len(own) < 3 or far.max() <= _ROUGH * np.abs(own).max():
         return model
-    return _modelled(own, np.arange(len(own) // 3 * 3).reshape(-1, 3))
+    return modelled(own, np.arange(len(own) // 3 * 3).reshape(-1, 3))
 
 
 _ROUGH = 1e-5
@@ -256,7 +314,7 @@ def _with_hull(model: Any, corners: Array) -> Any:
     for directions in (0, *_DIRECTIONS)[len(corners) > MOST_CORNERS :]:
         if directions:
             around = cover(corners, directions)
-            model = _modelled(around, np.arange(len(around) // 3 * 3).reshape(-1, 3))
+            model = modelled(around, np.arange(len(around) // 3 * 3).reshape(-1, 3))
         try:
             model.buildConvexHull(True, "Qt")
         except RuntimeError:
@@ -295,7 +353,7 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
         read = read_ply(content)
         if isinstance(read, str):
             raise UnreadableError(read)
-        return _modelled(read[0] * scale, read[1])
+        return modelled(read[0] * scale, read[1])
     if fault := mesh_fault(shape.path.suffix, content):
         raise UnreadableError(fault)
     try:
@@ -309,25 +367,17 @@ def load_mesh(shape: Mesh, *, plain: bool = False) -> Any:
     return model
 
 
-def _modelled(corners: Array, faces: NDArray[np.int64]) -> Any:
-    """Return coal's model of corners (V, 3) [m] and triangles (T, 3)."""
-    import coal
-
-    model = coal.BVHModelOBBRSS()
-    model.beginModel(len(faces), len(corners))
-    model.addVertices(corners)
-    model.addTriangles(faces)
-    model.endModel()
-    return model
-
-
 def _is_closed(corners: Array, faces: NDArray[np.int64]) -> bool:
     """Return True if triangles (T, 3) of corners (V, 3) enclose a volume: each edge belongs to an even number
     of triangles.
     """
-    of = _joined(corners)[1][faces]
-    edges = np.sort(np.concatenate([of[:, [0, 1]], of[:, [1, 2]], of[:, [2, 0]]]), axis=1)
-    in_order = np.sort(edges[:, 0] * len(corners) + edges[:, 1])
+    return _has_even_edges(len(corners), _joined(corners)[1][faces])
+
+
+def _has_even_edges(count: int, faces: NDArray[np.int64]) -> bool:
+    """Return True if triangles (T, 3) of `count` different corners enclose a volume."""
+    edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
+    in_order = np.sort(edges[:, 0] * count + edges[:, 1])
     ends = np.flatnonzero(np.concatenate(([True], in_order[1:] != in_order[:-1], [True])))
     return bool((np.diff(ends) % 2 == 0).all())
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from yarclang.collision.bodies import Rows, Scene
 from yarclang.collision.geometry import encloses
+from yarclang.collision.tiles import TiledMesh
 from yarclang.frozen import frozen
 from yarclang.robot.placements import placements
 from yarclang.shapes import Array
@@ -151,7 +154,7 @@ def distances(
     request, answer = coal.DistanceRequest(), coal.DistanceResult()
     request.enable_signed_distance = deep
     here, there = coal.Transform3s(), coal.Transform3s()
-    shapes, own = scene.boxes.of_coal, scene.boxes.own_middle
+    shapes, own = scene.boxes.solids, scene.boxes.own_middle
     origin = (
         seen.middle
         + own[scene.pairs.first[pair]]
@@ -161,6 +164,11 @@ def distances(
     # one call for each pair and position: coal has no batches
     pairs = zip(scene.pairs.first[pair].tolist(), scene.pairs.second[pair].tolist(), strict=True)
     for row, ((one, other), turn, shift) in enumerate(zip(pairs, seen.turn, origin, strict=True)):
+        if isinstance(shapes[one], TiledMesh) or isinstance(shapes[other], TiledMesh):
+            found[row], toward = _of_tiles(scene, (one, other), (turn, shift), request)
+            if normal is not None:
+                normal[row] = toward
+            continue
         answer.clear()
         there.setTransform(turn, shift)
         found[row] = coal.distance(shapes[one], here, shapes[other], there, request, answer)
@@ -183,3 +191,28 @@ def distances(
             if (np.abs(inner - skin.middle) <= skin.half).all() and encloses(skin.skin, inner):
                 found[row] = -found[row]
     return found
+
+
+def _of_tiles(
+    scene: Scene, bodies: tuple[int, int], seen: tuple[Array, Array], request: Any
+) -> tuple[float, Array]:
+    """Compute the distance of two bodies [m], of which one is a large mesh, and the direction (3,) in the
+    first body's axes in which the second one is apart.
+
+    Args:
+        scene: bodies and pairs.
+        bodies: both bodies.
+        seen: rotation (3, 3) and origin (3,) [m] of the second body's shape in the first one's frame.
+        request: coal's request.
+    """
+    import coal
+
+    turn, shift = seen
+    one, other = (scene.bodies[body].geometry for body in bodies)
+    if isinstance(one.solid, TiledMesh):
+        around = turn @ other.middle + shift, other.bound
+        return one.solid.distance(other.of_coal, coal.Transform3s(turn, shift), around, request)
+    back = coal.Transform3s(turn.T.copy(), -turn.T @ shift)
+    around = turn.T @ (one.middle - shift), one.bound
+    found, toward = other.solid.distance(one.of_coal, back, around, request)
+    return found, -(turn @ toward)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from yarclang.cell.model import Cell, Touch
-from yarclang.collision.bodies import Body, Rows, Scene, assembled, paired, together
+from yarclang.collision.bodies import Body, Pairs, Rows, Scene, assembled, paired, together
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
 from yarclang.collision.placing import distances, place, relative
 from yarclang.diagnostics import Diagnostic, Result
@@ -16,7 +18,7 @@ from yarclang.robot.model import Robot
 from yarclang.shapes import Array, Mesh, Shape
 from yarclang.source import SourceFile
 
-__all__ = ["TOUCHING", "Body", "Rows", "Scene", "scene_of", "together"]
+__all__ = ["TOUCHING", "Body", "Rows", "Scene", "allowed_name", "scene_of", "together"]
 
 TOUCHING = 2e-5
 """Distance below which links count as touching [m]."""
@@ -60,8 +62,8 @@ def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result
     if findings:
         return Result(None, tuple(findings))
     at_home = _touching_at_home(robot) if lenient else frozenset()
-    touches = cell.touches if cell else ()
-    return Result(_scene(robot, tuple(bodies), touches, at_home))
+    touches, allowed = (cell.touches, cell.allowed) if cell else ((), frozenset[tuple[str, str]]())
+    return Result(_scene(robot, tuple(bodies), touches, at_home, allowed))
 
 
 @lru_cache(maxsize=32)
@@ -118,6 +120,7 @@ def _scene(
     bodies: tuple[Body, ...],
     touches: tuple[Touch, ...],
     at_home: frozenset[tuple[str, str]],
+    allowed: frozenset[tuple[str, str]] = frozenset(),
 ) -> Scene:
     pairs = [_ordered(bodies, one, other) for one, other in _pairs(robot, bodies)]
     if at_home:
@@ -131,9 +134,33 @@ def _scene(
     first, second = (np.array([pair[side] for pair in pairs], dtype=np.int64) for side in (0, 1))
     limits = np.maximum(margin[first], margin[second])
     least = _least(robot, bodies, pairs, touches) if touches else np.full(len(pairs), np.inf)
-    kept = np.flatnonzero(least > -np.inf)
-    rows = paired(bodies, first[kept], second[kept], np.minimum(limits, least)[kept], (least < limits)[kept])
-    return assembled(robot.chain, bodies, rows, at_home)
+    may = (
+        np.array([allowed_name(bodies, pair) in allowed for pair in pairs], dtype=np.bool_)
+        if allowed
+        else None
+    )
+
+    def chosen(rows: Rows) -> Pairs:
+        return paired(
+            bodies, first[rows], second[rows], np.minimum(limits, least)[rows], (least < limits)[rows]
+        )
+
+    checked = least > -np.inf
+    made = assembled(
+        robot.chain, bodies, chosen(np.flatnonzero(checked if may is None else checked & ~may)), at_home
+    )
+    return made if may is None else replace(made, allowed=chosen(np.flatnonzero(checked & may)))
+
+
+def allowed_name(bodies: Sequence[Body], pair: tuple[int, int]) -> tuple[str, str]:
+    """Return the names of two bodies as allowances have them; parts of one kind share their name."""
+    one, other = sorted(_kind(bodies[number]).upper() for number in pair)
+    return one, other
+
+
+def _kind(body: Body) -> str:
+    """Return the name of a body, without the number of a part."""
+    return body.name.partition(" ")[0] if body.is_part else body.name
 
 
 def _least(

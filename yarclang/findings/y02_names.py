@@ -133,4 +133,13 @@ FINDINGS = (
         "LET HOME = 5\nP0010 STOP",
         "LET SPAN = 5\nP0010 STOP",
     ),
+    Finding(
+        "Y0217",
+        "unknown-body",
+        "error",
+        "ALLOW names a body that isn't there",
+        "ALLOW takes the names of two bodies: links and mounted tools of the robot that have shapes, obstacles and parts of the cell. A body that isn't there would allow nothing.",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_9",
+        "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_6",
+    ),
 )

@@ -74,4 +74,14 @@ FINDINGS = (
         "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.001, 0.001, 0, 0, 0]",
         "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.009, 0.002, 0, 0, 0]",
     ),
+    Finding(
+        "Y0935",
+        "allowed-self-collision",
+        "warning",
+        "the robot hits itself where ALLOW lets it",
+        "Two links, or a link and a tool, come too near to each other on a motion, and the program or the cell allows these two to touch. Contact that is meant is one with parts and with the cell; "
+        "a robot that hits itself is damaged, whatever a line says. Where only the shapes are too large, robot.toml is the place to say so, for all programs.",
+        "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5     ! they meet",
+        "P0010 MOVEJ 0 -20 -84 0 0 0 [9] (deg,s)",
+    ),
 )

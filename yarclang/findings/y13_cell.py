@@ -79,4 +79,23 @@ FINDINGS = (
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"\nsafe = "OFF"',
         '[outputs.LOCK]\nvariable = "M1"\nlocks_at = "ON"',
     ),
+    Finding(
+        "Y1377",
+        "allow-of-no-body",
+        "error",
+        "[[allow]] names a body that isn't there",
+        "An entry under [[allow]] has the names of two bodies: links and mounted tools of the robot that have shapes, obstacles and parts of the file. A body that isn't there would allow nothing.",
+        '[[allow]]\nbodies = ["GRIPER", "BOX"]\nleads_to = "STACK"',
+        '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"',
+    ),
+    Finding(
+        "Y1379",
+        "allow-nowhere",
+        "error",
+        "[[allow]] doesn't say on which motions",
+        "An entry under [[allow]] holds for the motions that lead to a frame of the file (leads_to), for those that leave it (leaves), or for both. It can't hold everywhere: bodies that "
+        "never matter to each other are a matter of shapes.",
+        '[[allow]]\nbodies = ["GRIPPER", "BOX"]',
+        '[[allow]]\nbodies = ["GRIPPER", "BOX"]\nleads_to = "STACK"\nleaves = "STACK"',
+    ),
 )

@@ -18,6 +18,7 @@ from yarclang.handling.parts import doubtful
 from yarclang.robot.masses import with_load
 from yarclang.robot.model import Array, Dynamics, Robot
 from yarclang.shapes import Box, Capsule, Cylinder, Shape, Sphere
+from yarclang.source import SourceFile
 from yarclang.transforms import constant
 
 PRESSED = 5e-4
@@ -30,17 +31,34 @@ NEAR = 0.02
 """Bodies farther from a part than this plus their margin [m] don't carry it."""
 
 
-def surroundings(cell: Cell | None, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
+NO_PAIRS: frozenset[tuple[str, str]] = frozenset()
+
+
+def surroundings(
+    cell: Cell | None,
+    parts: Parts,
+    touches: tuple[Touch, ...] = (),
+    allowed: frozenset[tuple[str, str]] = NO_PAIRS,
+) -> Cell | None:
     """Return the cell with its parts at their places; equal states give the same object.
 
     Args:
         cell: as in its file.
         parts: where its parts are.
-        touches: the bodies that may touch each other.
+        touches: the bodies that may touch each other where a part is taken or put down.
+        allowed: the pairs of bodies that may touch because the program or the cell allows it, by their names.
     """
-    if cell is None or not cell.parts:
+    if cell is None:
+        return _without_cell(allowed) if allowed else None
+    if not cell.parts and not allowed:
         return cell
-    return _surroundings(cell, parts.items, touches)
+    return _surroundings(cell, parts.items, touches, allowed)
+
+
+@lru_cache(maxsize=64)
+def _without_cell(allowed: frozenset[tuple[str, str]]) -> Cell:
+    """Return an empty cell in which bodies of the robot may touch each other."""
+    return Cell(SourceFile("", ""), {}, {}, {}, {}, (), (), {}, allowed=allowed)
 
 
 @lru_cache(maxsize=64)
@@ -50,12 +68,18 @@ def without_parts(cell: Cell) -> Cell:
 
 
 @lru_cache(maxsize=4096)
-def _surroundings(cell: Cell, items: tuple[Item, ...], touches: tuple[Touch, ...]) -> Cell:
+def _surroundings(
+    cell: Cell,
+    items: tuple[Item, ...],
+    touches: tuple[Touch, ...],
+    allowed: frozenset[tuple[str, str]],
+) -> Cell:
     bodies = tuple(body for one in items for body in bodies_of(one))
     # a part that may be at two places doesn't collide with itself
     twice = tuple(Touch(name, name, -np.inf) for name in doubtful(Parts(items)))
     obstacles = (*cell.obstacles, *bodies)
-    return replace(cell, obstacles=obstacles, touches=(*touches, *twice), parts=(), present=None)
+    touches = (*touches, *twice)
+    return replace(cell, obstacles=obstacles, touches=touches, allowed=allowed, parts=(), present=None)
 
 
 @lru_cache(maxsize=4096)

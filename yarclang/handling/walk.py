@@ -9,6 +9,7 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Leaving, Parts, Touch
 from yarclang.frozen import frozen
+from yarclang.handling.allowing import Allowances, allowances
 from yarclang.handling.grasp import Grasp, Parted, Whereabouts
 from yarclang.handling.parts import (
     arrive,
@@ -20,7 +21,15 @@ from yarclang.handling.parts import (
     unlike,
 )
 from yarclang.handling.runs import BEFORE, NO_RUNS, Runs, runs_of
-from yarclang.handling.surroundings import INTO, PRESSED, hand_is_clear, on_all_ways, supports, surroundings
+from yarclang.handling.surroundings import (
+    INTO,
+    NO_PAIRS,
+    PRESSED,
+    hand_is_clear,
+    on_all_ways,
+    supports,
+    surroundings,
+)
 from yarclang.hir import Finish, Motion, NextPass, SetOutput, Step, Stop
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
@@ -29,17 +38,26 @@ from yarclang.ways import Turn, Ways
 
 @frozen(eq=False)
 class Handling:
-    """The grippers and parts of a cell, and the steps of a program that uses them."""
+    """The grippers and parts of a cell, and the steps of a program that uses them.
+
+    `allowances` are the bodies that may touch on its motions because the program or the cell allows it.
+    """
 
     robot: Robot
     cell: Cell | None
     steps: Sequence[Step]
     runs: Runs
+    allowances: Allowances = field(default_factory=dict)
+
+    @property
+    def has_parts(self) -> bool:
+        """True if there are any parts."""
+        return self.cell is not None and bool(self.cell.parts)
 
     @property
     def is_needed(self) -> bool:
-        """True if there are any parts."""
-        return self.cell is not None and bool(self.cell.parts)
+        """True if the cell isn't the same on all motions: with parts, or bodies that may touch."""
+        return self.has_parts or bool(self.allowances)
 
     def first(self) -> Whereabouts:
         """Return where the parts are when the program starts."""
@@ -88,7 +106,7 @@ class Handling:
         return stand, None
 
     def _grasp(self, parts: Parts, step: int, one: SetOutput, q: Array | None) -> Grasp | None:
-        if q is None or self.cell is None or one.output.variable not in self.cell.grips or not self.is_needed:
+        if q is None or self.cell is None or one.output.variable not in self.cell.grips or not self.has_parts:
             return None
         return self.at_pose(parts, step, one.output.variable, one.value, flange_pose(self.robot, q))
 
@@ -279,9 +297,18 @@ class Handling:
 
         return on_all_ways(of_set(one.to) for one in self.runs.towards.get(step, ()))
 
-    def around(self, parts: Parts, touches: tuple[Touch, ...] = ()) -> Cell | None:
-        """Return the cell at an instant, with the bodies that may touch."""
-        return surroundings(self.cell, parts, touches)
+    def around(self, parts: Parts, touches: tuple[Touch, ...] = (), step: int | None = None) -> Cell | None:
+        """Return the cell at an instant.
+
+        Args:
+            parts: where the parts are.
+            touches: the bodies that may touch where a part is taken or put down.
+            step: of the motion whose allowances count; None for none.
+        """
+        own = () if step is None else self.allowances.get(step, ())
+        return surroundings(
+            self.cell, parts, touches, frozenset(one.pair for one in own) if own else NO_PAIRS
+        )
 
 
 @frozen(eq=False)
@@ -372,20 +399,32 @@ def followed(
     for grasp in (*grasps.values(), *coming):
         clear |= handling.clear_of(grasp, begins.get, ends.get, before)
     cells = {
-        step: handling.around(parts, handling.touches(step, grasps.get, clear, coming))
+        step: handling.around(parts, handling.touches(step, grasps.get, clear, coming), step)
         for step, parts in before.items()
     }
     return Followed(before, tuple(changes), grasps, removed, stand.parts, cells, changed, parted, tools)
 
 
-def handling_of(robot: Robot, cell: Cell | None, steps: Sequence[Step]) -> Handling:
-    """Return the data for following the parts of a program."""
+def handling_of(
+    robot: Robot, cell: Cell | None, steps: Sequence[Step], allowed: Allowances | None = None
+) -> Handling:
+    """Return the data for following the parts of a program.
+
+    Args:
+        robot: in the cell.
+        cell: around it, or None.
+        steps: of the program.
+        allowed: the bodies that may touch, if the steps are a part of a program; None to derive them.
+    """
+    if allowed is None:
+        allowed = allowances(cell, steps)
     has_parts = cell is not None and bool(cell.parts)
     if cell is None or not has_parts:
-        return Handling(robot, cell, steps, NO_RUNS)
+        return Handling(robot, cell, steps, NO_RUNS, allowed)
     present = cell.present
     leaves, goes_on = present is not None and bool(present.leaving), present is not None and present.goes_on
-    return Handling(robot, cell, steps, runs_of(steps, cell.grips, leaves=leaves, goes_on=goes_on))
+    runs = runs_of(steps, cell.grips, leaves=leaves, goes_on=goes_on)
+    return Handling(robot, cell, steps, runs, allowed)
 
 
 def flange_pose(robot: Robot, q: Array) -> Array:

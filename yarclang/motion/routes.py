@@ -160,7 +160,7 @@ class Router:
             # for straight ways of a frame, only the certificate checks what they meet
             flange = _flange_at(self.robot, step.end, before.q)
             touches += handling.foreseen(before.parts.parts, number, flange)
-        return handling.around(before.parts.parts, touches)
+        return handling.around(before.parts.parts, touches, number)
 
     def _first(self) -> _Stand:
         """Return what is known before the first step."""
@@ -252,7 +252,7 @@ class Router:
         """Return what is known after a step that doesn't move the robot: it changes only at the branches of a
         WHEN, and where a gripper closes or opens.
         """
-        if self._handling.is_needed:
+        if self._handling.has_parts:
             parts, grasp = self._handling.passed(stand.parts, number, stand.q)
             if grasp is not None:
                 self._grasps[number] = grasp

@@ -14,11 +14,10 @@ import numpy as np
 
 from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
-from yarclang.decisions import Watch
+from yarclang.decisions import SHIFTS, Shifted, Watch
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting
-from yarclang.decisions import SHIFTS, Shifted
 from yarclang.memory import NO_MEMORY
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines
@@ -53,7 +52,7 @@ class Act:
     For a command that moves nothing, `what` describes it, for people and for comparison. `curve` is the
     executed motion [rad or m], and `duration` its known duration [s]. `step` is the number of the command in
     the program, -1 if the text doesn't contain it. `carries` are the parts that grippers hold during a
-    motion, None if unknown.
+    motion, None if unknown. `may_touch` are the pairs of bodies that may touch on it.
     """
 
     kind: Kind
@@ -65,6 +64,7 @@ class Act:
     duration: float = 0.0
     step: int = -1
     carries: tuple[str, ...] | None = None
+    may_touch: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
@@ -119,6 +119,13 @@ def executed(
         acts = tuple(
             replace(act, carries=carried.get(act.step, ())) if act.curve is not None else act for act in acts
         )
+    allowed = {one.step: [each for each in content.allows if each.step == one.step] for one in content.allows}
+    acts = tuple(
+        replace(act, may_touch=tuple(f"{one.first} and {one.second}" for one in allowed[act.step]))
+        if act.step in allowed and act.curve is not None
+        else act
+        for act in acts
+    )
     return Result(Executed(name, robot, start, acts, content.schedule.lasting, content.watches))
 
 

@@ -12,6 +12,7 @@ from yarclang.cell.model import Cell, Leaving, Parts
 from yarclang.collision.zones.watched import tool_frame
 from yarclang.decisions import Watch, only_holding
 from yarclang.diagnostics import Diagnostic, Result
+from yarclang.handling.allowing import allowances_of
 from yarclang.handling.parts import first_parts
 from yarclang.handling.present import around_start, is_same
 from yarclang.handling.surroundings import without_parts
@@ -207,7 +208,7 @@ def steps_of(
 def parts_before(plan: MotionPlan, step: int) -> Parts | None:
     """Return the places of parts before a step of a plan; None if its cell has none."""
     whole = followed_plan(plan)
-    if whole is None or plan.program.cell is None:
+    if whole is None or plan.program.cell is None or not plan.program.cell.parts:
         return None
     if step in whole.before:
         return whole.before[step]
@@ -233,7 +234,7 @@ def leaving_before(plan: MotionPlan, step: int, now: Parts) -> tuple[Leaving, ..
 
 @lru_cache(maxsize=4)
 def followed_plan(plan: MotionPlan) -> Followed | None:
-    """Follow the parts through a plan; None if the cell has none."""
+    """Follow the parts through a plan; None if the cell has none, and no bodies may touch on a motion."""
     handling = handling_of(plan.robot, plan.program.cell, plan.program.steps)
     if not handling.is_needed:
         return None
@@ -249,7 +250,8 @@ def _cells_since(plan: MotionPlan, number: int, step: int, cell: Cell) -> Mappin
     """Return the cell during each motion from `number` on. Before the step `step`, which precedes it, the
     parts were as in `cell`.
     """
-    handling = handling_of(plan.robot, cell, plan.program.steps[step:])
+    allowed = {at - step: one for at, one in allowances_of(plan.program).items() if at >= step}
+    handling = handling_of(plan.robot, cell, plan.program.steps[step:], allowed)
     if not handling.is_needed:
         return None
     ends = {at - step: q for at, q in ends_of(plan).items() if at >= step}

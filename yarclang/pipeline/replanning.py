@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.cell.model import Present
 from yarclang.decisions import only_holding
 from yarclang.diagnostics import has_errors
+from yarclang.handling.allowing import allowances_of, kept
 from yarclang.handling.present import presently
 from yarclang.hir import (
     Array,
@@ -60,6 +61,7 @@ def replanned(plan: MotionPlan, number: int, here: Array, request: Request) -> R
             if following is None:
                 return f"{title} leads nowhere in the program"
             end = following.waypoints[-1]
+            last = replace(last, allowed=kept(last, allowances_of(plan.program).get(following.step, ())))
             if isinstance(last, JointMove):  # of several solutions the program's
                 last = replace(last, goal=JointGoal(end))
         made = _job(plan, begin, (*still, last), here, request)

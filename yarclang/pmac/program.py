@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Searched, Shifted, Watch
+from yarclang.decisions import Permitted, Register, Searched, Shifted, Watch
 from yarclang.frozen import frozen
 
 Target = Literal["rotary", "prog"]
@@ -127,7 +127,8 @@ class PmacProgram:
     the values that they get after the guard has held the motion. `rapid` is True if a rotary program begins
     with a slow RAPID to the start; otherwise the motion begins at the commanded positions of the motors.
     `registers` are kept by the runtime, `watches` are the inputs that it observes, `searches` are the
-    inputs that end a step early, and `offsets` are the branches that it plans in a shifted frame.
+    inputs that end a step early, `offsets` are the branches that it plans in a shifted frame, and `allows`
+    are the bodies that may touch on a step.
     """
 
     target: Target
@@ -150,3 +151,4 @@ class PmacProgram:
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
+    allows: tuple[Permitted, ...] = ()

@@ -10,7 +10,9 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Parts, Touch
 from yarclang.frozen import frozen
+from yarclang.handling.allowing import allowances_of
 from yarclang.handling.grasp import Grasp
+from yarclang.handling.surroundings import NO_PAIRS, surroundings
 from yarclang.handling.walk import Followed, Handling, followed, handling_of
 from yarclang.hir import Program
 from yarclang.motion.curve import Curve
@@ -27,13 +29,15 @@ class State:
         step: number of the step; -1 before the program.
         parts: of the cell.
         is_motion: True if the step moves the robot.
-        touches: pairs of bodies that may touch.
+        touches: pairs of bodies that may touch where a part is taken or put down.
+        allowed: names of the pairs of bodies that may touch because the program or the cell allows it.
     """
 
     step: int
     parts: Parts
     is_motion: bool = False
     touches: tuple[Touch, ...] = ()
+    allowed: frozenset[tuple[str, str]] = NO_PAIRS
 
 
 @frozen(eq=False)
@@ -56,7 +60,7 @@ class Carried:
 
     def cell_of(self, state: State) -> Cell | None:
         """Return the cell with its parts as in a state."""
-        return self.handling.around(state.parts, state.touches)
+        return surroundings(self.handling.cell, state.parts, state.touches, state.allowed)
 
     def deeds(self, step: int) -> tuple[tuple[str, tuple[str, ...]], ...]:
         """Return the effects of a SET on parts: verb and names, such as ("takes", ("BOX 3",))."""
@@ -82,7 +86,7 @@ def carried_parts(
             remaining steps are then executed one after the other.
 
     Returns:
-        None if the cell has no parts.
+        None if the cell has no parts, and no bodies may touch on any motion.
     """
     handling = handling_of(robot, program.cell, program.steps)
     if not handling.is_needed:
@@ -99,18 +103,29 @@ def _touching(states: list[State], followed: Followed) -> tuple[State, ...]:
     """Return the states with the pairs that may touch: during motions as in the certificate, and at rest as
     in the motion beside, up to the SET that moves a gripper.
     """
-    cells = {step: cell for step, cell in followed.cells.items() if cell is not None}
-    motions, grasps = {step: cell.touches for step, cell in cells.items()}, followed.grasps
+    motions = {step: _may_touch(cell) for step, cell in followed.cells.items()}
     found: list[State] = []
     for at, one in enumerate(states):
-        touches = motions.get(one.step, ()) if one.is_motion else _beside(states, at, motions, grasps)
-        found.append(State(one.step, one.parts, one.is_motion, touches))
+        may = (
+            motions.get(one.step, _NOTHING)
+            if one.is_motion
+            else _beside(states, at, motions, followed.grasps)
+        )
+        found.append(State(one.step, one.parts, one.is_motion, *may))
     return tuple(found)
 
 
+_MayTouch = tuple[tuple[Touch, ...], frozenset[tuple[str, str]]]
+_NOTHING: _MayTouch = ((), NO_PAIRS)
+
+
+def _may_touch(cell: Cell | None) -> _MayTouch:
+    return _NOTHING if cell is None else (cell.touches, cell.allowed)
+
+
 def _beside(
-    states: list[State], at: int, motions: Mapping[int, tuple[Touch, ...]], grasps: Mapping[int, Grasp]
-) -> tuple[Touch, ...]:
+    states: list[State], at: int, motions: Mapping[int, _MayTouch], grasps: Mapping[int, Grasp]
+) -> _MayTouch:
     """Return the pairs that may touch while the robot rests in a state: those of the previous motion or,
     after a gripper has moved, those of the next one.
     """
@@ -124,19 +139,19 @@ def _beside(
             return motions[states[here].step]
         if states[here].step in grasps:
             break
-    return ()
+    return _NOTHING
 
 
 def carried_in_plan(plan: MotionPlan) -> Carried | None:
-    """Follow the parts through a planned program; None if its cell has none."""
-    if not _has_parts(plan.program):
+    """Follow the parts through a planned program; None if its cell has none, and no bodies may touch."""
+    if not _is_needed(plan.program):
         return None
     ends = {motion.step: end_of(motion.curve) for motion in plan.motions}
     return carried_parts(plan.robot, plan.program, plan.program.start, ends)
 
 
-def _has_parts(program: Program) -> bool:
-    return program.cell is not None and bool(program.cell.parts)
+def _is_needed(program: Program) -> bool:
+    return (program.cell is not None and bool(program.cell.parts)) or bool(allowances_of(program))
 
 
 def end_of(curve: Curve) -> Array:
@@ -156,9 +171,9 @@ def carried_in_text(
         left_out: steps of the program that aren't executed, as for `carried_parts`.
 
     Returns:
-        None if the program is unknown, or its cell has no parts.
+        None if the program is unknown, or its cell has no parts and no bodies may touch.
     """
-    if program is None or not _has_parts(program):
+    if program is None or not _is_needed(program):
         return None
     ends = {act.step: end_of(act.curve) for act in does.acts if act.curve is not None}
     return carried_parts(does.robot, program, does.start, ends, left_out)

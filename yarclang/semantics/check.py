@@ -10,6 +10,7 @@ from yarclang.identity import way_fingerprint
 from yarclang.semantics.context import Context
 from yarclang.semantics.control.unroll import unroll
 from yarclang.semantics.indices import check_indices, commands_of
+from yarclang.semantics.motions.allowing import check_allowed
 from yarclang.semantics.motions.searching import bound_searches
 from yarclang.source import Span
 from yarclang.syntax.ast import Module
@@ -40,6 +41,7 @@ def check(module: Module, context: Context) -> Result[Program]:
                 f"in a cell with parts it isn't known what the robot carries when it leaves by {way.name}"
             )
             findings.add("Y0478", message, way.origin.span, "write HOLD instead of CALL")
+    check_allowed(unrolled.steps, context.robot, unrolled.cell, findings)
     known = (context.start, unrolled.start, context.fallback_start, context.robot.home)
     start = next(one for one in known if one is not None)
     steps, outputs = tuple(unrolled.steps), tuple(unrolled.outputs)

@@ -132,8 +132,8 @@ class Units:
 class Option:
     """An option after the base frame, and its argument.
 
-    `at_most` is True if the argument is an upper bound (`BLEND <=10`); `state` is the state of an input
-    (`UNTIL TOUCH OFF`).
+    `at_most` is True if the argument is an upper bound (`BLEND <=10`); `state` is a second word: the state of
+    an input (`UNTIL TOUCH OFF`), or the second body (`ALLOW GRIPPER BOX`).
     """
 
     word: Word

@@ -277,7 +277,7 @@ def _option(items: list[Any], *, at_most: bool) -> Option:
         if not values:
             message = f"{word.name} <= takes a value"
             raise FaultError(Fault("Y0101", message, f"for example {word.name} <=10", sign.place))
-    if word.name == "UNTIL" and len(values) == 2 and isinstance(values[0], Word):
+    if word.name in ("UNTIL", "ALLOW") and len(values) == 2 and isinstance(values[0], Word):
         return Option(word, values[0], at_most, values[1])
     if len(values) > 1:
         message = f"{word.name} takes one value; `{values[1].text}` is one too many"

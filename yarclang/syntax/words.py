@@ -29,7 +29,7 @@ DECLARATIONS_IN_BLOCKS = frozenset(name for name, word in word_specs().items() i
 AVOID = "AVOID"
 """The part of a motion's name, between target and profile, that lets it go around obstacles."""
 
-OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO"])
+OPTIONS = frozenset(["BLEND", "ACC", "TOL", "NEAR", "STRETCH", "UNTIL", "INTO", "ALLOW"])
 """Words that begin an option."""
 
 RATES = frozenset(["VEL", "ACC"])

@@ -371,6 +371,7 @@ def _options(
         yield _option(given, "UNTIL", "Until an input is ON (or: NAME OFF)", "text", "")
         if spec.moves_frame:
             yield _option(given, "INTO", "Register for how far it came, 0.01 mm", "text", "")
+    yield from _allowed(statement, given)
 
 
 def _last_time(statement: Statement, unit: str) -> Placed:
@@ -386,6 +387,13 @@ def _options_of_table(statement: Statement) -> Iterator[Placed]:
     given = {option.word.name: option for option in statement.options}
     yield _option(given, "STRETCH", "All times times", "number", "")
     yield _option(given, "TOL", "Tolerance", "number", "")
+    yield from _allowed(statement, given)
+
+
+def _allowed(statement: Statement, given: dict[str, Option]) -> Iterator[Placed]:
+    """Yield the field of ALLOW; none for several pairs, which are edited in the text."""
+    if sum(option.word.name == "ALLOW" for option in statement.options) < 2:
+        yield _option(given, "ALLOW", "Bodies that may touch (two names)", "text", "")
 
 
 def _option(given: dict[str, Option], word: str, label: str, kind: FieldKind, unit: str) -> Placed:

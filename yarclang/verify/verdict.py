@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import chain
 from typing import Any, NoReturn
+from urllib.parse import unquote
 
 from yarclang.verify import course, joints
 from yarclang.verify.apart import check_apart
@@ -144,7 +145,25 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
             "what is given in a frame that registers shift: here it is proved without a shift, and where it is it is planned and proved when it runs"
         )
     _check_bodies(rows, proof, arm, verdict)
+    _list_allowed(content.registers, proof["cell"]["bodies"], verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
+
+
+def _list_allowed(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdict) -> None:
+    """List the bodies that may touch because the text's map says so: their distance isn't checked."""
+    known = {name for body in bodies for name in (body["name"].upper(), body["name"].upper().split(" ")[0])}
+    found = dict[str, list[str]]()
+    for line in lines:
+        if line.startswith("; allow"):
+            words = line.split(" ")
+            need(len(words) == 5 and words[2].isdecimal(), f"{line!r} doesn't name a command and two bodies")
+            names = [unquote(word) for word in words[3:]]
+            need(known.issuperset(names), f"{line!r} names bodies that the proof doesn't tell of")
+            found.setdefault(f"{names[0]} and {names[1]}", []).append(words[2])
+    for pair, steps in found.items():
+        verdict.unchecked.append(
+            f"that {pair} keep apart during commands {', '.join(steps)} of the map: the program lets them touch"
+        )
 
 
 def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:

@@ -190,6 +190,12 @@ def facts_of_set(carried: Carried | None, step: int) -> tuple[tuple[str, str], .
 
 
 def facts_of_motion(carried: Carried | None, step: int) -> tuple[tuple[str, str], ...]:
-    """Return the facts about the parts that a motion carries."""
-    names = carried.names.get(step) if carried is not None else None
-    return (("carries", ", ".join(names)),) if names else ()
+    """Return the facts about the parts that a motion carries, and about the bodies that may touch on it."""
+    if carried is None:
+        return ()
+    names = carried.names.get(step)
+    may = [f"{one.first} and {one.second} ({one.giver})" for one in carried.handling.allowances.get(step, ())]
+    return (
+        *((("carries", ", ".join(names)),) if names else ()),
+        *((("may touch", ", ".join(may)),) if may else ()),
+    )

@@ -3,7 +3,7 @@ if exists('b:current_syntax')
   finish
 endif
 syntax case ignore
-syntax keyword yarcOption STRETCH BLEND UNTIL INTO NEAR ACC TOL VEL
+syntax keyword yarcOption STRETCH ALLOW BLEND UNTIL INTO NEAR ACC TOL VEL
 syntax keyword yarcOperator AND NOT OR
 syntax keyword yarcFunction ATAN2 FLOOR CEIL SQRT ABS COS MAX MIN SIN TAN
 syntax keyword yarcConstant OFF ON PI V

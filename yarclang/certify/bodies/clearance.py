@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from yarclang.certify.bodies.handled import Handled
 from yarclang.certify.bodies.remedy import remedy
 from yarclang.certify.bodies.second import Nearer, refuted
 from yarclang.certify.bodies.sweep import Sweep, sweep_of
+from yarclang.certify.bodies.touching import find_touching
 from yarclang.certify.certificate import Clearance
 from yarclang.certify.moments import pose_text, span_text
 from yarclang.certify.read.layout import Layout, chunks
@@ -30,10 +31,13 @@ class Apart:
     Attributes:
         cell: distance of the robot from the cell; None if there is nothing to approach.
         own: distance of the robot from itself; None if there is nothing to approach.
+        touching: pairs of bodies that may touch and come nearer to each other than their margin, by their
+            names in upper case.
     """
 
     cell: Clearance | None
     own: Clearance | None
+    touching: frozenset[tuple[str, str]] = frozenset()
 
 
 NOTHING_NEAR = Apart(None, None)
@@ -71,9 +75,21 @@ def find_clearances(
         scene, pairs = together(scenes)
         of_cell = dict(zip(dict.fromkeys(cells), pairs, strict=True))
         own = [of_cell[cell] for cell in cells]
-        if not len(scene.pairs.first):
+        lets = any(one.allowed is not None for one in scenes)
+        if not len(scene.pairs.first) and not lets:
             continue
         sweep = sweep_of(layout, places)
+        scene_at = dict(zip(dict.fromkeys(cells), scenes, strict=True))
+        touching: Mapping[int, frozenset[tuple[str, str]]] = {}
+        if lets:
+            touching, told_of = find_touching(sweep, [scene_at[cell] for cell in cells])
+            findings += told_of
+            if not len(scene.pairs.first):  # all pairs may touch
+                apart |= {
+                    place.step: Apart(None, None, touching.get(row, frozenset()))
+                    for row, place in enumerate(places)
+                }
+                continue
         chosen = own if len(scenes) > 1 else None
         found = clearances(scene, sweep.course, sweep.spans, chosen)
         findings += [
@@ -81,8 +97,10 @@ def find_clearances(
         ]
         kinds = {cell: _kinds(scene, of_cell[cell]) for cell in of_cell}
         for row, (place, cell) in enumerate(zip(places, cells, strict=True)):
-            told = (_clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0))
-            apart[place.step] = Apart(*told)
+            from_cell, from_itself = (
+                _clearance(scene, found, row, kind) if kind in kinds[cell] else None for kind in (1, 0)
+            )
+            apart[place.step] = Apart(from_cell, from_itself, touching.get(row, frozenset()))
         for row, meetings in _by_motion(found.meetings):
             contacts = [(one, contact(scene, sweep.course, sweep.span(row), one)) for one in meetings]
             findings.append(_finding(scene, sweep, row, contacts, robot))

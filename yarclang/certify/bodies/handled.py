@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import field
 
 from yarclang import hir
 from yarclang.cell.model import Cell, Parts
@@ -11,6 +12,7 @@ from yarclang.certify.read.layout import Layout
 from yarclang.certify.read.tools import tools_again
 from yarclang.diagnostics import Diagnostic, grouped
 from yarclang.frozen import frozen
+from yarclang.handling.allowing import Allowances, allowances_of
 from yarclang.handling.grasp import Grasp
 from yarclang.handling.seating import deepest, first_of, nearest_to
 from yarclang.handling.surroundings import INTO, MOST_UNSURE
@@ -28,13 +30,15 @@ class Handled:
 
     Attributes:
         cell: the program's cell.
-        cells: the cell's state by the step of the motion; empty without parts.
+        cells: the cell's state by the step of the motion; empty without parts and bodies that may touch.
         carried: names of the carried parts by the step of the motion; empty without parts.
+        allowances: the bodies that may touch because the program or the cell allows it, by the step.
     """
 
     cell: Cell | None
     cells: Mapping[int, Cell | None]
     carried: Mapping[int, tuple[str, ...]]
+    allowances: Allowances = field(default_factory=dict)
 
     def at(self, step: int) -> Cell | None:
         """Return the cell's state during a motion."""
@@ -51,7 +55,7 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
         robot: the robot whose flange carries the parts.
     """
     if program.cells is not None:
-        return Handled(program.cell, program.cells, {}), []
+        return Handled(program.cell, program.cells, {}, allowances_of(program)), []
     handling = handling_of(robot, program.cell, program.steps)
     if not handling.is_needed:
         return Handled(program.cell, {}, {}), []
@@ -61,12 +65,12 @@ def follow(layout: Layout, program: hir.Program, robot: Robot) -> tuple[Handled,
     carried = {step: tuple(one.name for one in parts.held()) for step, parts in found.before.items()}
     flowing = {place.step for place in layout.places if place.behind is not None}
     findings = list(_findings(handling, found.grasps, found.before, flowing))
-    findings += _computed(handling)
+    findings += _computed(handling) if handling.has_parts else []
     findings += _not_as_before(handling, found.unlike)
     findings += _left_over(handling, found.grasps, found.end)
     findings += tool_findings(handling, found, robot, tools_again(handling, start, ends))
     findings += dropped_at_stops(program)
-    return Handled(program.cell, found.cells, carried), findings
+    return Handled(program.cell, found.cells, carried, handling.allowances), findings
 
 
 def _findings(

@@ -85,6 +85,7 @@ def _read(cursor: Cursor, controller: TurboPmac) -> ControllerText:
         preamble.watches,
         preamble.searches,
         preamble.offsets,
+        preamble.allows,
     )
 
 

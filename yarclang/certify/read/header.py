@@ -15,6 +15,7 @@ from yarclang.decisions import (
     LONGEST_NAME,
     MOST_WATCHES,
     InputValue,
+    Permitted,
     Register,
     RegisterValue,
     Searched,
@@ -26,6 +27,7 @@ from yarclang.decisions import (
 )
 from yarclang.emitted.bounds import MOST_SEARCHES
 from yarclang.emitted.header import COLUMNS, Header
+from yarclang.emitted.quoting import unquoted
 from yarclang.frozen import frozen
 from yarclang.lasting import ONCE, Lasting
 
@@ -77,6 +79,8 @@ _OFFSET = re.compile(
     r"((?! )[ -~]{1,80}(?<! ))"
 )
 
+_ALLOW = re.compile(r"; allow ([0-9]{1,7}) ([!-~]{1,400}) ([!-~]{1,400})")
+
 
 @frozen
 class Preamble:
@@ -90,6 +94,7 @@ class Preamble:
         watches: inputs that hold the motion.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
+        allows: bodies that may touch on motions.
     """
 
     header: Header
@@ -99,6 +104,7 @@ class Preamble:
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
+    allows: tuple[Permitted, ...] = ()
 
 
 def header_of(text: str) -> Preamble | Unreadable:
@@ -142,11 +148,13 @@ def read_preamble(lines: Lines) -> Preamble:
         barriers[barrier.line] = barrier
     registers = _read_registers(lines, barriers)
     watches = _read_watches(lines)
-    searches = _read_searches(lines, {one.step for one in entries if one.first}, registers)
+    moves = {one.step for one in entries if one.first}
+    searches = _read_searches(lines, moves, registers)
     offsets = _read_offsets(lines, barriers, registers, {one.flag for one in searches})
+    allows = _read_allows(lines, moves)
     if lines.peek().startswith(";"):
         lines.refuse(f"is {shown(lines.peek())}: no line of the map of commands")
-    return Preamble(header, tuple(entries), barriers, registers, watches, searches, offsets)
+    return Preamble(header, tuple(entries), barriers, registers, watches, searches, offsets, allows)
 
 
 def _read_header(lines: Lines) -> Header:
@@ -404,3 +412,23 @@ def _read_offsets(
         offsets.append(Shifted(step, flag, found[4], names))
         lines.skip()
     return tuple(offsets)
+
+
+def _read_allows(lines: Lines, moves: Container[int]) -> tuple[Permitted, ...]:
+    """Read the bodies that may touch on motions: in the order of the motions, and of the names."""
+    allows: list[Permitted] = []
+    while lines.peek().startswith("; allow"):
+        found = _ALLOW.fullmatch(lines.peek())
+        first, second = (None, None) if found is None else (unquoted(found[2]), unquoted(found[3]))
+        if found is None or first is None or second is None:
+            lines.refuse(f"is no line of the map of bodies that may touch: {shown(lines.peek())}")
+        one = Permitted(int(found[1]), first, second)
+        last = allows[-1] if allows else None
+        in_order = last is None or (last.step, last.first, last.second) < (one.step, one.first, one.second)
+        if one.step not in moves or one.first > one.second or not in_order:
+            lines.refuse(
+                f"lets bodies touch on a command that doesn't move, or stands out of order: {shown(lines.peek())}"
+            )
+        allows.append(one)
+        lines.skip()
+    return tuple(allows)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.decisions import Register, Searched, Shifted, Value, Watch
+from yarclang.decisions import Permitted, Register, Searched, Shifted, Value, Watch
 from yarclang.emitted.header import Header
 from yarclang.frozen import frozen
 from yarclang.lasting import Mark, Part, Schedule, schedule_of
@@ -215,6 +215,7 @@ class ControllerText:
         watches: inputs that hold the motion while they have a value.
         searches: motions that an input ends.
         offsets: branches that are planned and proved when the program runs, in a shifted frame.
+        allows: bodies that may touch on motions.
         own: further content for rooms of the controller's kind only.
     """
 
@@ -230,6 +231,7 @@ class ControllerText:
     watches: tuple[Watch, ...] = ()
     searches: tuple[Searched, ...] = ()
     offsets: tuple[Shifted, ...] = ()
+    allows: tuple[Permitted, ...] = ()
 
     @property
     def target(self) -> str:

@@ -94,9 +94,8 @@ def _measured(scene: Scene, placed: Placed, pair: int) -> Near:
         shift = placed.middle[body, 0] - turn @ scene.boxes.own_middle[body]
         poses.append((body, coal.Transform3s(turn, shift)))
     (one, here), (other, there) = poses
-    distance = coal.distance(
-        scene.boxes.of_coal[one], here, scene.boxes.of_coal[other], there, request, answer
-    )
+    first_shape, second_shape = (scene.bodies[body].geometry.of_coal for body in (one, other))
+    distance = coal.distance(first_shape, here, second_shape, there, request, answer)
     points = np.array([answer.getNearestPoint1(), answer.getNearestPoint2()])
     second, first = scene.bodies[one].name, scene.bodies[other].name
     shown = points if np.isfinite(points).all() else None

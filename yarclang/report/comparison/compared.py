@@ -36,6 +36,7 @@ class Compared:
         longer: extra duration of the second command [s]; 0 within the clock's step.
         what: True if two commands without motion do different things.
         carries: True if the robot carries other parts meanwhile.
+        touches: True if other bodies may touch.
     """
 
     first: Act | None
@@ -46,6 +47,7 @@ class Compared:
     longer: float = 0.0
     what: bool = False
     carries: bool = False
+    touches: bool = False
 
     @property
     def status(self) -> Status:
@@ -54,7 +56,8 @@ class Compared:
             return "added"
         if self.second is None:
             return "removed"
-        different = self.differs or self.other_branch or self.longer != 0.0 or self.what or self.carries
+        different = self.differs or self.other_branch or self.longer != 0.0 or self.what
+        different = different or self.carries or self.touches
         return "changed" if different else "same"
 
 
@@ -138,7 +141,8 @@ def _compared(robot: Robot, frame: str, tolerance: Tolerance, one: Act | None, o
     ends = np.stack((one.curve.points[-1], other.curve.points[-1]))
     carries = one.carries is not None and other.carries is not None and one.carries != other.carries
     other_branch = _other_branch(robot, frame, tolerance, ends, path)
-    return Compared(one, other, path, differs, other_branch, longer, carries=carries)
+    touches = one.may_touch != other.may_touch
+    return Compared(one, other, path, differs, other_branch, longer, carries=carries, touches=touches)
 
 
 def _other_branch(robot: Robot, frame: str, tolerance: Tolerance, ends: Array, path: PathDifference) -> bool:

@@ -109,6 +109,8 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
                 parts.append(f"{first.duration:.3f} s -> {second.duration:.3f} s ({one.longer:+.3f} s)")
             if one.carries:
                 parts.append(f"carries {_carried(first)} -> {_carried(second)}")
+            if one.touches:
+                parts.append(f"may touch: {_touching(first)} -> {_touching(second)}")
             return "; ".join(parts)
         case _:
             return ""
@@ -116,6 +118,10 @@ def difference_text(comparison: Comparison, one: Compared) -> str:
 
 def _carried(act: Act) -> str:
     return ", ".join(act.carries or ()) or "nothing"
+
+
+def _touching(act: Act) -> str:
+    return ", ".join(act.may_touch) or "nothing"
 
 
 def path_text(robot: Robot, path: PathDifference) -> str:
@@ -212,4 +218,5 @@ def _act(act: Act | None) -> dict[str, Any] | None:
         "what": act.what or None,
         "duration_s": act.duration,
         "carries": None if act.carries is None else list(act.carries),
+        **({"may_touch": list(act.may_touch)} if act.may_touch else {}),
     }

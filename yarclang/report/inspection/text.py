@@ -102,6 +102,9 @@ def _command(inspected: Inspected) -> Iterator[str]:
         yield f"it {verb} {', '.join(names)}"
     if inspected.carries:
         yield f"the robot carries {', '.join(inspected.carries)}"
+    for one in () if inspected.certificate is None else inspected.certificate.may_touch:
+        needed = "they touch, or come nearer than a margin" if one.needed else "they keep apart all the same"
+        yield f"not checked: {printable(one.pair)} may touch, allowed by {one.giver}; {needed}"
 
 
 def _told(inspected: Inspected, step: Step) -> str | None:

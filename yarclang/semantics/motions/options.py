@@ -30,7 +30,7 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
     statement = line.statement
     for option in statement.options:
         word, span = option.word.name, line.statement.span(option.word.place)
-        if word in seen:
+        if word in seen and word != "ALLOW":
             line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
         seen.add(word)
         if word != "BLEND":

@@ -86,6 +86,8 @@ def _options(line: Line) -> tuple[Array, float]:
     seen: set[str] = set()
     for option in line.statement.options:
         word, span = option.word.name, line.statement.span(option.word.place)
+        if word == "ALLOW":
+            continue  # read with those of other motions
         if word in seen:
             line.findings.add("Y0412", f"{word} stands twice", span, "leave one of them")
         seen.add(word)

@@ -6,9 +6,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from yarclang.commands.spec import Arguments
-from yarclang.diagnostics import Collector
-from yarclang.hir import Origin, Step, Timing
+from yarclang.diagnostics import Collector, has_errors
+from yarclang.hir import Allowed, Motion, Origin, Step, Timing
 from yarclang.semantics.context import Context, Defaults
+from yarclang.semantics.motions.allowing import allowed_by
 from yarclang.semantics.motions.goals import goals_of
 from yarclang.semantics.motions.line import Line
 from yarclang.semantics.motions.moved import Moved, moved_by
@@ -50,6 +51,7 @@ def to_step(
     own_units = resolve_units(statement, statement.units, findings) if name.values else {}
     units = {**defaults.units, **own_units} if own_units is not None else None
     tolerance, blend, search, moved = None, None, None, _NOTHING
+    allowed: tuple[Allowed, ...] = ()
     if name.values is None:
         refuse_parts(statement, ALL_PARTS, findings)
         goals: tuple[object, ...] = ()
@@ -57,10 +59,11 @@ def to_step(
     else:
         line = Line(statement, name, name.values, context.robot, defaults, scope, units, findings)
         moved = moved_by(line)
+        allowed = allowed_by(line)
         refuse_rates(line)
         if name.spec.is_timed:
             timed = timed_of(line, context.load_table)
-            if timed is None:
+            if timed is None or has_errors(findings.found[before:]):
                 return None
             duration = float(timed.table.times[-1]) * timed.stretch
             # The time in the line is that of one way-point: a fix of the duration must not replace it.
@@ -69,7 +72,9 @@ def to_step(
                 time_span=None,
                 stretch_span=stretch_span(statement),
             )
-            return name.spec.build(Arguments(origin, (), "", Timing(duration), timed=timed))
+            return _allowing(
+                name.spec.build(Arguments(origin, (), "", Timing(duration), timed=timed)), allowed
+            )
         goals = goals_of(line, moved.frames)
         timing = (
             resolve_time(statement, units, defaults, scope, findings, has_speed=name.spec.moves_frame)
@@ -78,12 +83,16 @@ def to_step(
         )
         timing, tolerance, blend = limited(line, timing)
         search = search_of(line, blend)
-    if len(findings.found) > before and any(found.is_error for found in findings.found[before:]):
+    if has_errors(findings.found[before:]):
         return None
     origin = origin_of(statement, name.full, findings, units, moved)
-    return name.spec.build(
-        Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids, search=search)
-    )
+    said = Arguments(origin, goals, name.profile, timing, tolerance, blend, name.avoids, search=search)
+    return _allowing(name.spec.build(said), allowed)
+
+
+def _allowing(step: Step, allowed: tuple[Allowed, ...]) -> Step:
+    """Return a step with the bodies that may touch during it; the same one without any."""
+    return replace(step, allowed=allowed) if allowed and isinstance(step, Motion) else step
 
 
 _NOTHING = Moved(None, None)

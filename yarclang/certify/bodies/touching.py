@@ -1,0 +1,79 @@
+"""Bodies that may touch on a motion and really come too near: whether an allowance is needed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.sweep import Sweep
+from yarclang.certify.certificate import MayTouch
+from yarclang.certify.moments import span_text
+from yarclang.collision.meeting import contact
+from yarclang.collision.proof import Meeting, clearances
+from yarclang.collision.scene import Scene, allowed_name
+from yarclang.diagnostics import Diagnostic
+from yarclang.units import MM
+
+
+def find_touching(
+    sweep: Sweep, scenes: Sequence[Scene]
+) -> tuple[Mapping[int, frozenset[tuple[str, str]]], list[Diagnostic]]:
+    """Find the pairs that may touch and come nearer to each other than their margins.
+
+    Args:
+        sweep: the M commands.
+        scenes: the bodies during each of the commands.
+
+    Returns:
+        The names of these pairs by the number of the command, as `allowed_name` gives them, and warnings
+        about those that are bodies of the robot.
+    """
+    found: dict[int, set[tuple[str, str]]] = {}
+    warnings: list[Diagnostic] = []
+    for scene in dict.fromkeys(scenes):
+        if scene.allowed is None or not len(scene.allowed.first):
+            continue
+        rows = [row for row, own in enumerate(scenes) if own is scene]
+        alone = replace(scene, pairs=scene.allowed)
+        told: set[tuple[int, tuple[str, str]]] = set()
+        for one in clearances(alone, sweep.course, sweep.spans[rows]).meetings:
+            row, pair = (
+                rows[one.motion],
+                (int(alone.pairs.first[one.pair]), int(alone.pairs.second[one.pair])),
+            )
+            names = allowed_name(scene.bodies, pair)
+            found.setdefault(row, set()).add(names)
+            if all(scene.bodies[body].of_robot for body in pair) and (row, names) not in told:
+                told.add((row, names))
+                warnings.append(_of_itself(alone, sweep, row, one))
+    return {row: frozenset(pairs) for row, pairs in found.items()}, warnings
+
+
+def _of_itself(scene: Scene, sweep: Sweep, row: int, meeting: Meeting) -> Diagnostic:
+    """Return the warning about two bodies of the robot that collide, and may."""
+    moving, other = scene.names(meeting.pair)
+    origin = sweep.places[row].motion.origin
+    found = contact(scene, sweep.course, sweep.span(row), meeting)
+    how = f"goes {-found.distance / MM:.3g} mm into" if found.distance < 0.0 else "touches"
+    when = span_text(found.begin, found.end, sweep.lasts(row))
+    message = f"{moving} {how} {other}, {when}: the robot hits itself, and it is allowed here"
+    return Diagnostic("Y0935", message, origin.source, origin.span, _ITSELF, place=origin.place)
+
+
+_ITSELF = "take the allowance away and go another way; if the shapes are only drawn too large, make them smaller, or write the pair under [collision] allowed in robot.toml"
+
+
+def may_touch(handled: Handled, step: int, touching: frozenset[tuple[str, str]]) -> Iterator[MayTouch]:
+    """Yield the pairs of bodies whose distance isn't checked during a command.
+
+    Args:
+        handled: the cell's state during each command, and what allows the pairs. A pair of a part of a
+            program may be allowed by a line outside of the part.
+        step: of the command.
+        touching: the pairs that come too near.
+    """
+    cell = handled.at(step)
+    givers = {one.pair: one.giver for one in handled.allowances.get(step, ())}
+    for pair in sorted(cell.allowed) if cell is not None else ():
+        yield MayTouch(*pair, givers.get(pair, "an earlier line"), pair in touching)

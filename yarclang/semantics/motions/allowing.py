@@ -1,0 +1,87 @@
+"""ALLOW: bodies that may touch during a motion, and a check of their names."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from yarclang.cell.allowances import body_names, pair_fault, repeated_parts
+from yarclang.cell.model import Cell
+from yarclang.diagnostics import Collector
+from yarclang.hir import Allowed, Motion, Step
+from yarclang.robot.model import Robot
+from yarclang.semantics.motions.line import Line
+from yarclang.source import SourceFile, Span
+from yarclang.subjects import unknown
+from yarclang.syntax.ast import Option, Word
+
+
+def allowed_by(line: Line) -> tuple[Allowed, ...]:
+    """Read the options ALLOW GRIPPER BOX of a motion; report those that don't name two bodies.
+
+    The names themselves are checked once the cell is known (`check_allowed`).
+    """
+    found: dict[Allowed, Allowed] = {}
+    for option in line.statement.options:
+        if option.word.name != "ALLOW":
+            continue
+        one = _allowed(line, option)
+        if one is not None and one in found:
+            message = f"ALLOW {one.first} {one.second} stands twice"
+            line.findings.add("Y0412", message, _span(line, option), "leave one of them")
+        elif one is not None:
+            found[one] = one
+    return tuple(found)
+
+
+def _allowed(line: Line, option: Option) -> Allowed | None:
+    if not isinstance(option.argument, Word) or option.state is None:
+        help_ = "for example ALLOW GRIPPER BOX; bodies are links, tools, obstacles and parts"
+        line.findings.add("Y0412", "ALLOW takes the names of two bodies", _span(line, option), help_)
+        return None
+    first, second = sorted((option.argument.name, option.state.name))
+    word, end = option.word.place, option.state.place
+    # names in another row than ALLOW are shown by their last one
+    begin = word if word.row == end.row else end
+    return Allowed(first, second, end.row, begin.start, end.end)
+
+
+def _span(line: Line, option: Option) -> Span:
+    """Return the place of an option; only its word, if its names stand in another row."""
+    begin, end = option.word.place, (option.state or option.argument or option.word).place
+    first = line.statement.span(begin)
+    return first if end.row != begin.row else Span.on_line(first.line, begin.start, end.end)
+
+
+def check_allowed(steps: Sequence[Step], robot: Robot, cell: Cell | None, findings: Collector) -> None:
+    """Check that the bodies of each ALLOW exist, once for each place in the text.
+
+    Args:
+        steps: steps of the program.
+        robot: its links and tools are bodies.
+        cell: its obstacles and parts are bodies; None without a cell.
+        findings: receives the findings.
+    """
+    allowing = [step for step in steps if isinstance(step, Motion) and step.allowed]
+    if not allowing:
+        return
+    names, repeated = body_names(robot, cell), repeated_parts(cell)
+    seen: set[tuple[SourceFile, Span]] = set()
+    for step in allowing:
+        for one in step.allowed:
+            source, span = step.origin.source, one.span(step.origin)
+            if (source, span) in seen:
+                continue
+            seen.add((source, span))
+            place = Collector(source)
+            place.place = step.origin.place
+            missing = [name for name in dict.fromkeys((one.first, one.second)) if name not in names]
+            for name in missing:
+                subject = unknown(name, names)
+                listed = ", ".join(sorted(names)[:20]) + ", ..." * (len(names) > 20)
+                help_ = f"the bodies are {listed}" if names else "neither the robot nor a cell has bodies"
+                help_ = f"{subject.question} {help_}" if subject.question else help_
+                place.add("Y0217", f"no body is named {name}", span, help_, subject=subject)
+            fault = "" if missing else pair_fault((one.first, one.second), names, repeated)
+            if fault:
+                place.add("Y0412", fault, span, "name two bodies, each by a name of its own")
+            findings.found += place.found

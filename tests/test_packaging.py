@@ -74,6 +74,7 @@ def test_extras(wheel: zipfile.ZipFile):
         "test",
         "bags",
         "dev",
+        "docs",
         "pendant",
         "view",
         "xacro",
@@ -83,7 +84,7 @@ def test_extras(wheel: zipfile.ZipFile):
 def test_sdist_builds_and_tests_itself(sdist_files: set[str]):
     wanted = files_of("yarclang") | files_of("stdlib") | files_of("tests") | files_of("examples")
     assert wanted <= sdist_files
-    assert {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md"} <= sdist_files
+    assert {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "mkdocs.yml"} <= sdist_files
 
 
 def test_sdist_has_nothing_stray(sdist_files: set[str]):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ import click
 from yarclang.cli.door import failure_of
 from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.outputs import STANDARD
+from yarclang.parallel import cores
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
@@ -70,7 +70,7 @@ class Done:
 
 def check_all(files: Sequence[str], task: Task) -> Iterator[Done]:
     """Check files, in their order."""
-    workers = min(len(files), len(os.sched_getaffinity(0)))
+    workers = min(len(files), cores())
     if len(files) < _MANY or workers < 2:
         yield from (check_one(path, task) for path in files)
         return

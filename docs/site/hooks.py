@@ -25,7 +25,7 @@ MADE = {
     "reference/cell-toml.md": cell_page,
 }
 """Pages that are made from the code."""
-LANGUAGES = {"": "text", ".yarc": "yarc", ".toml": "toml", ".py": "python", ".yaml": "yaml"}
+LANGUAGES = {"": "text", ".yarc": "yarc", ".toml": "toml", ".py": "python", ".yaml": "yaml", ".cff": "yaml"}
 """Languages of the sources that pages may link to."""
 _LINK = re.compile(r"(?<!!)(\]\()([^)\s#:]+)((?:#[^)\s]*)?\))")
 _PICTURE = re.compile(r"(!\[[^\]]*\]\()([^)\s#:]+)(\))")
@@ -41,7 +41,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that aren't in `docs/`."""
     for uri, make in MADE.items():
         files.append(File.generated(config, uri, content=make()))
-    ahead = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
+    ahead = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", ROOT / "SECURITY.md"]
     ahead += [path for path in (ROOT / "docs").rglob("*.md") if path.parent != Path(__file__).parent]
     seen = set()
     while ahead:

@@ -1,5 +1,6 @@
 """What the built distributions hold."""
 
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -9,6 +10,9 @@ from importlib import import_module
 from pathlib import Path
 
 import pytest
+import yaml
+
+from yarclang import __version__
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -74,6 +78,7 @@ def test_extras(wheel: zipfile.ZipFile):
         "test",
         "bags",
         "dev",
+        "docs",
         "pendant",
         "view",
         "xacro",
@@ -83,7 +88,58 @@ def test_extras(wheel: zipfile.ZipFile):
 def test_sdist_builds_and_tests_itself(sdist_files: set[str]):
     wanted = files_of("yarclang") | files_of("stdlib") | files_of("tests") | files_of("examples")
     assert wanted <= sdist_files
-    assert {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md"} <= sdist_files
+    assert {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "mkdocs.yml"} <= sdist_files
+    assert {"SECURITY.md", "CITATION.cff"} <= sdist_files
+
+
+def test_another_build_has_the_same_bytes(built: Path, tmp_path: Path):
+    """From another place, at another time: whoever builds this version can compare."""
+    copy = tmp_path / "copy"
+    left_out = shutil.ignore_patterns(
+        ".git",
+        "node_modules",
+        "__pycache__",
+        "build",
+        "dist",
+        ".*_cache",
+        ".venv",
+        ".hypothesis",
+        "*.vsix",
+        "out",
+    )
+    shutil.copytree(ROOT, copy, ignore=left_out, copy_function=shutil.copy)  # with new times
+    command = [
+        sys.executable,
+        "-m",
+        "hatchling",
+        "build",
+        "-t",
+        "wheel",
+        "-t",
+        "sdist",
+        "-d",
+        str(tmp_path / "dist"),
+    ]
+    subprocess.run(command, cwd=copy, check=True, capture_output=True)
+    again = {path.name: path.read_bytes() for path in (tmp_path / "dist").iterdir()}
+    assert len(again) == 2
+    assert {path.name: path.read_bytes() for path in built.iterdir()} == again
+
+
+def test_the_citation_is_of_this_version():
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert cited["cff-version"] == "1.2.0"
+    assert {"message", "title", "authors"} <= set(cited)
+    assert cited["version"] == __version__
+    assert cited["license"] == "Apache-2.0"
+    assert [author["family-names"] for author in cited["references"][0]["authors"]] == [
+        "Su",
+        "Gao",
+        "Wu",
+        "Dong",
+        "Wang",
+        "Du",
+    ]
 
 
 def test_sdist_has_nothing_stray(sdist_files: set[str]):

@@ -4,7 +4,8 @@ them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+from collections.abc import Collection, Mapping
 from importlib import import_module
 from keyword import iskeyword
 from typing import Any
@@ -20,6 +21,7 @@ class LazyGroup(Door, click.Group):
     Args:
         commands_by_section: for each section of --help, its commands and their summaries.
         prefix: start of the names of the commands' modules.
+        on_unix: commands that work with a robot: they need Unix sockets, locks and signals.
     """
 
     def __init__(
@@ -27,6 +29,7 @@ class LazyGroup(Door, click.Group):
         *args: Any,
         commands_by_section: Mapping[str, Mapping[str, str]] | None = None,
         prefix: str = "",
+        on_unix: Collection[str] = (),
         **settings: Any,
     ) -> None:
         super().__init__(*args, **settings)
@@ -37,6 +40,7 @@ class LazyGroup(Door, click.Group):
             for name, summary in commands.items()
         }
         self.prefix = prefix
+        self.on_unix = on_unix
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002  (click's signature)
         """Return the names of the commands."""
@@ -67,4 +71,10 @@ class LazyGroup(Door, click.Group):
             near = get_close_matches(args[0], self.commands_by_name, n=1)
             meant = f" Did you mean {near[0]}?" if near else ""
             raise click.UsageError(f"No such command {args[0]!r}.{meant}", ctx)
-        return super().resolve_command(ctx, args)
+        name, command, more = super().resolve_command(ctx, args)
+        if name in self.on_unix and not hasattr(os, "fork") and not {"-h", "--help"} & {*more}:
+            raise click.ClickException(
+                f"{ctx.command_path} {name} works with a robot, and needs Unix sockets and locks, which this system lacks: "
+                "use Linux. Programs can be checked, compiled, plotted and viewed here"
+            )
+        return name, command, more

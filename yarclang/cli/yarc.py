@@ -61,8 +61,18 @@ _COMMANDS = {
 """Summaries of the commands, in the sections of --help."""
 
 
+_ON_UNIX = (
+    *("run", "exec", "status", "hold", "resume", "override", "stop", "doctor", "sim"),
+    *("repl", "pendant", "serve", "follow", "ros"),
+)
+"""Commands that work with a robot or are one."""
+
+
 @click.command(
-    cls=LazyGroup, commands_by_section=_COMMANDS, context_settings={"help_option_names": ["-h", "--help"]}
+    cls=LazyGroup,
+    commands_by_section=_COMMANDS,
+    on_unix=_ON_UNIX,
+    context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.version_option(__version__, message="yarc %(version)s")
 def main() -> None:

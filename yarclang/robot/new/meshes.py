@@ -22,6 +22,8 @@ from yarclang.meshes.stl import is_binary
 from yarclang.robot.new.packages import PACKAGE, Packages, package_of
 from yarclang.toml.bodies import MESHES
 
+_ORDINARY = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
+"""How an ordinary file is opened; some systems lack the two flags."""
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
 
@@ -67,7 +69,7 @@ def read_mesh(path: Path) -> bytes:
         raise NoMeshError(f"doesn't end in {', '.join(MESHES[:-1])} or {MESHES[-1]}")
     if not path.is_file():  # opening a pipe would wait for a writer, and opening some devices has effects
         raise NoMeshError("is no ordinary file")
-    handle = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    handle = os.open(path, _ORDINARY)
     with os.fdopen(handle, "rb") as file:
         found = os.fstat(handle)
         if not stat.S_ISREG(found.st_mode):

@@ -89,7 +89,7 @@ def motion_options(function: F) -> F:
         click.option(
             "--log",
             type=click.Path(path_type=Path),
-            help="Where to write the run log (default: a new file in yarc-runs/).",
+            help="File for the run log (default: a new file in yarc-runs/).",
         ),
     ):
         function = option(function)

@@ -122,7 +122,7 @@ def planning_options(function: F) -> F:
         click.option(
             "--start",
             type=Numbers("Q1,Q2,..."),
-            help="Where the robot stands at first: deg, mm for prismatic joints (default: START, else the robot's home).",
+            help="Start position of the robot: deg, mm for prismatic joints (default: START, else the robot's home).",
         ),
         robot_option,
     ):

@@ -46,7 +46,7 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
 @click.version_option(__version__, message="yarcc %(version)s")
 @file_argument("files", nargs=-1, metavar="FILE...")
 @click.option(
-    "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."
+    "-o", "--output", metavar="OUT", help="File for the text of one program (- for standard output)."
 )
 @click.option(
     "--out-dir",

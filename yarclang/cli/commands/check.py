@@ -39,7 +39,7 @@ _PAUSE = 0.3
 @finding_words(
     "--select", help="Tell (and fix) only these besides errors: codes, their beginnings (Y06), or names."
 )
-@finding_words("--ignore", help="Don't tell (or fix) these; errors are told all the same.")
+@finding_words("--ignore", help="Don't report (or fix) these; errors are always reported.")
 @click.option(
     "--max-findings", type=click.IntRange(min=0), metavar="N", help="Show at most so many findings."
 )

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     "--times",
     type=click.IntRange(1),
     default=1,
-    help="So many times, where the program ends where it starts.",
+    help="Number of times; the program must end where it starts.",
 )
-@click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
+@click.option("--positions", is_flag=True, help="Report the robot's position as well, 50 times a second.")
 @motion_options
 @planning_options
 @tm_option

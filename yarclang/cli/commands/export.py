@@ -59,7 +59,7 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
 @click.option(
     "--start",
     type=Numbers("Q1,Q2,..."),
-    help="With --ros: where the robot stands at first, as of yarcc.",
+    help="With --ros: start position of the robot, as for yarcc.",
 )
 @click.option("--overwrite", is_flag=True, help="Write over files that others have written or changed.")
 @tm_option

@@ -45,11 +45,11 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
     help="The largest speed of that frame, mm/s (default: the robot's, [jog] speed of its robot.toml).",
 )
 @cell_option
-@click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
+@click.option("--positions", is_flag=True, help="Report the robot's position as well, 50 times a second.")
 @click.option(
     "--log",
     type=click.Path(path_type=Path),
-    help="Where to write the run log (default: a new file in yarc-runs/).",
+    help="File for the run log (default: a new file in yarc-runs/).",
 )
 @click.option("--no-log", is_flag=True, help="Run without a log.")
 @patience_option

@@ -62,7 +62,7 @@ class _Time(ParamType[str]):
 @click.command("import")
 @click.argument("file", type=click.Path(allow_dash=True))
 @click.option(
-    "-o", "--output", metavar="OUT.yarc", help="Where to write the program (- for standard output)."
+    "-o", "--output", metavar="OUT.yarc", help="File for the program (- for standard output)."
 )
 @robot_option
 @click.option(
@@ -75,7 +75,7 @@ class _Time(ParamType[str]):
     "--as",
     "form",
     type=click.Choice(["moves", "spline", "timed"]),
-    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time where the file has times of joint values).",
+    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time if the file has joint values with times).",
 )
 @click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(

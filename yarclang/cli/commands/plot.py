@@ -19,7 +19,7 @@ _FORMATS = ("png", "svg", "pdf")
     "-o",
     "--output",
     metavar="OUT",
-    help="Where to draw: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
+    help="File to write: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
 )
 @planning_options
 @tm_option

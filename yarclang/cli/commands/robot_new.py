@@ -157,7 +157,7 @@ def _given(arm: Arm, said: dict[str, Any]) -> Given:
         raise click.UsageError("--counts has a 0: such a motor would move nothing")
     motors = said["motors"]
     if motors is not None and any(number != int(number) for number in motors):
-        raise click.UsageError("--motors are whole numbers")
+        raise click.UsageError("--motors are integers")
     return Given(
         position=dict(_position(arm, text) for text in said["position"]),
         velocity=said["velocity"],

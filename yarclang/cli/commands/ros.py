@@ -18,7 +18,7 @@ from yarclang.cli.preparing import machines, prepared, session_options
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Whoever reaches the ports can move the robot: simple_message has no passwords.",
+    help="Address to listen on. Anyone who reaches the ports can move the robot: simple_message has no passwords.",
 )
 @click.option(
     "--port",

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 @click.command("run")
 @run_options
-@click.option("--step", is_flag=True, help="Pause behind each command; Enter or `yarc resume` goes on.")
-@click.option("--loop", is_flag=True, help="Again and again, where the program ends where it starts.")
+@click.option("--step", is_flag=True, help="Pause after each command; Enter or `yarc resume` goes on.")
+@click.option("--loop", is_flag=True, help="Repeat without end; the program must end where it starts.")
 @click.option("--times", type=click.IntRange(1), help="As --loop, so many times.")
 @click.option(
     "--job",

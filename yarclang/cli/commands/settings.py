@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     "file",
     type=click.Path(allow_dash=True),
     metavar="FILE",
-    help="Judge a settings text that was saved or edited instead, and tell where it differs. - is standard input.",
+    help="Check a saved or edited settings text instead, and report the differences. - is standard input.",
 )
 def command(robot: str, file: str | None) -> None:
     """Print what a controller has to be told once about ROBOT (a name or a path): axis definitions,

@@ -93,7 +93,7 @@ on and amplifiers stay bad until $$$.
     type=_Address(),
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Other addresses than loopback let the network in.",
+    help="Address to listen on. Other addresses than loopback let the network in.",
 )
 @click.option(
     "--rate",

@@ -44,7 +44,7 @@ _LIBRARY = "viser"
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Other addresses than loopback let the network in.",
+    help="Address to listen on. Other addresses than loopback let the network in.",
 )
 @click.option("--no-browser", is_flag=True, help="Open no browser; the address is printed in any case.")
 @planning_options

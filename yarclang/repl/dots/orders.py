@@ -47,7 +47,7 @@ COMMANDS = (
     DotCommand(
         ".resume",
         "[N]",
-        "go on behind a hold, or to the next step (Enter); N answers what a HOLD asks",
+        "go on after a hold, or to the next step (Enter); N answers a HOLD's question",
         "orders",
         _resume,
         overtakes=True,

@@ -124,7 +124,7 @@ def _told(inspected: Inspected, step: Step) -> str | None:
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
-            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines behind ELSE are carried out"
+            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines after ELSE are carried out"
         case When(condition=condition):
             compared = simple(condition)
             if compared is None:

@@ -139,8 +139,8 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
         (["LOOP", "WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0113", "this WHEN has no END"),
         (["LOOP 5 6", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
         (["LOOP DOOR", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
-        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: a whole number"),
-        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: a whole number"),
+        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: an integer"),
+        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: an integer"),
         (["LOOP 300000", "P10 MOVEJ A", "END"], "Y1004", "LOOP 300,000"),
         (["LOOP 5", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0401", "a LOOP with a number of passes ends with END"),
         (

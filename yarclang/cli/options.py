@@ -117,7 +117,7 @@ def planning_options(function: F) -> F:
         click.option(
             "--tolerance",
             type=Numbers("MM[,DEG]", most=2, positive=True),
-            help="How far the executed path may be from the programmed one (default: the robot's).",
+            help="Allowed distance of the executed path from the programmed one (default: the robot's).",
         ),
         click.option(
             "--start",
@@ -166,7 +166,7 @@ def format_option(function: F) -> F:
         "format_",
         type=click.Choice(["text", "json"]),
         default="text",
-        help="How to write the findings.",
+        help="Output format of the findings.",
     )(function)
 
 
@@ -177,7 +177,7 @@ def jobs_option(function: F) -> F:
         "--jobs",
         type=click.IntRange(min=1),
         metavar="N",
-        help="How many processes may work on long programs (default: one for each core). What comes of it is the same.",
+        help="Largest number of processes for long programs (default: one per core). The result doesn't depend on it.",
     )(function)
 
 
@@ -197,5 +197,5 @@ def avoid_effort_option(function: F) -> F:
         type=click.IntRange(min=1, max=MOST_SEARCHES),
         metavar="N",
         default=1,
-        help=f"Take the quickest of N ways round obstacles, of motions with _AVOID that need one (default: 1, the first that is found; at most {MOST_SEARCHES}).",
+        help=f"For motions with _AVOID: take the fastest of N paths round obstacles (default: 1, the first that is found; at most {MOST_SEARCHES}).",
     )(function)

@@ -61,7 +61,7 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
     metavar="TARGET",
     default="",
     callback=_known_target,
-    help="What the text is for; of a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
+    help="Target of the text; for a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
 )
 @click.option(
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
@@ -69,7 +69,7 @@ def _known_target(context: click.Context, parameter: click.Parameter, value: str
 @click.option(
     "--proof",
     is_flag=True,
-    help="Write what `yarc verify` checks a text by, as NAME.proof.json beside it.",
+    help="Write a proof for `yarc verify`, as NAME.proof.json beside the text.",
 )
 @click.option(
     "--full",
@@ -93,7 +93,7 @@ def main(
 ) -> None:
     """Compile YARC programs to their controller's text, and prove what they do.
 
-    It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
+    It reports the findings of `yarc check`; comments and yarc.toml suppress the same ones. FILE.yarc becomes FILE.pmc; - reads standard input. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":

@@ -318,7 +318,7 @@ FINDINGS = (
         "error",
         "an analogue signal can't have this value, or can't be used here",
         "An analogue signal is a group of bits that counts steps: `INPUT PRESSURE M80..M91 STEP 0.01`. It is compared with numbers that are known when the program is compiled, so that every decision at run time compares "
-        "integers. = and a SET need a value that is a whole number of steps; < and > take any.",
+        "integers. = and a SET need a value that is an integer number of steps; < and > take any.",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2.2",
         "OUTPUT FLOW M80..M87 STEP 0.5\nP0010 SET FLOW 2",
     ),

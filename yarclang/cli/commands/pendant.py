@@ -44,7 +44,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
 @click.option(
     "--tls",
     type=click.Choice(["self-signed"]),
-    help="Make a certificate of our own; its fingerprint is printed.",
+    help="Make a self-signed certificate; its fingerprint is printed.",
 )
 @click.option(
     "--tls-cert", type=click.Path(dir_okay=False, path_type=Path), help="The certificate, in PEM form."

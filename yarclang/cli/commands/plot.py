@@ -26,7 +26,7 @@ _FORMATS = ("png", "svg", "pdf")
 def command(file: str, output: str | None, **planning: Any) -> None:
     """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input.
 
-    Of a run's log (.mcap): what was planned and what became of it.
+    For a run's log (.mcap): planned and actual motion.
     """
     from yarclang.report.runs.kind import is_log
 

@@ -32,10 +32,10 @@ _LEAST_WIDTH = 11
     "format_",
     type=click.Choice(["text", "json"]),
     default="text",
-    help="How to write it.",
+    help="Output format.",
 )
 def command(run: str | None, to: Address | None, robot: str | None, format_: str) -> None:
-    """Say how a run is going. With --to and --robot: ask a controller how it is, without changing anything."""
+    """Print the state of a run. With --to and --robot: ask a controller for its state, without changing anything."""
     check_controller_options(to, robot, run)
     with trouble_is_said():
         from yarclang.cli.ordering import status_of

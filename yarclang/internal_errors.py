@@ -36,7 +36,7 @@ def internal_error(
         raise error.__cause__
     if isinstance(error, MemoryError):
         help_ = "divide the program, or give the computer more memory"
-        return Diagnostic("Y2003", "the memory was not enough for this program", source, span, help_)
+        return Diagnostic("Y2003", "there was not enough memory for this program", source, span, help_)
     name = type(error).__name__
     message = f"internal error: {name}{': ' * bool(str(error))}{_short(str(error))}"
     return Diagnostic("Y2001", message, source, span, _report(error, source, span))

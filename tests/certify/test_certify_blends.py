@@ -99,7 +99,7 @@ def test_joint_motions():
         assert command.deviation.end_angle == 0.0
     assert result.value.to_json()["commands"][0]["blend"]["segments"] == 12
     message = judge(robot, Q0, blended(jobs, 0, hir.Reading(None, 0.1 * DEG))).diagnostics[0].message
-    assert message.startswith("P0001 MOVEJ: in the blend behind it J")
+    assert message.startswith("P0001 MOVEJ: in the blend after it J")
     assert (
         "from the corner, where the next path is joined: 2.43 more than the 0.1 that are allowed" in message
     )

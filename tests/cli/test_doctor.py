@@ -88,7 +88,7 @@ def test_a_guard_that_does_nothing(workshop, own):
         "ERROR    guard PLC 29: armed, it does nothing\n         wanted: holds when the rotary runs low\n"
         in text
     )
-    assert "without it nobody stops the robot when this computer fails" in text
+    assert "without it nothing stops the robot when this computer fails" in text
     assert "1 of 104 things keeps a program from being run" in text
 
 

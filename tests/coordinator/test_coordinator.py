@@ -349,7 +349,7 @@ def test_a_connection_that_is_lost_in_motion_leaves_it_at_rest_and_a_fault():
             ended = await going
             assert not ended.well
             assert coordinator.state is State.FAULT
-            with pytest.raises(Trouble, match="nothing moves behind a fault"):
+            with pytest.raises(Trouble, match="after a fault nothing moves"):
                 await client.motion.go((await client.motion.offer(MOVE)).value)
             await client.motion.clear()
             await done(client, MOVE)

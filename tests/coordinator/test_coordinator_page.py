@@ -15,7 +15,7 @@ from yarclang.coordinator.messages.replies import Denied
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "coordinator.md"
 EVENTS = typing.get_args(typing.get_args(events.Event)[0])
-NAMES = {str: "text", float: "number", int: "whole number", bool: "true or false", type(None): "null"}
+NAMES = {str: "text", float: "number", int: "integer", bool: "true or false", type(None): "null"}
 
 
 def type_text(annotation):

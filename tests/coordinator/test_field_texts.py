@@ -5,9 +5,9 @@ from yarclang.coordinator.messages.field_texts import field_texts
 
 
 def test_texts_are_those_of_the_source():
-    assert field_texts(replies.Status)["controller"] == "Its address, HOST:PORT."
+    assert field_texts(replies.Status)["controller"] == "Address of the controller, HOST:PORT."
     schema = replies.Status.model_json_schema()["properties"]
-    assert schema["controller"]["description"] == "Its address, HOST:PORT."
+    assert schema["controller"]["description"] == "Address of the controller, HOST:PORT."
     assert "description" not in schema["robot"]
     # what a field says itself comes first
     assert (

@@ -438,7 +438,7 @@ def test_no_name_leads_out_of_the_new_folder(tmp_path):
         (("--home", "1"), "give 4"),
         (("--tcp", "1,2"), "x,y,z"),
         (("--counts", "0"), "--counts has a 0"),
-        (("--motors", "1,2,3,4.5"), "whole numbers"),
+        (("--motors", "1,2,3,4.5"), "integers"),
         (("--position", "J9=1,2"), "the joints are J1"),
         (("--position", "J1=2,1"), "isn't below"),
         (("--position", "J1=a"), "isn't JOINT=LOW,HIGH"),

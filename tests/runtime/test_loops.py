@@ -264,7 +264,7 @@ def test_a_wait_that_is_given_up_goes_the_way_of_its_else(robot):
     assert dict(ended.registers)["N"] == 1
     assert ended.ways == (False,)
     assert value(made, "M2") == 3
-    assert any("M11 is OFF: the lines behind its ELSE are carried out" in one for one in remarks(made))
+    assert any("M11 is OFF: the lines after its ELSE are carried out" in one for one in remarks(made))
     made, ended = performed(robot, *lines, at=[(1.0, "M11=1")])
     assert ended.well
     assert dict(ended.registers)["N"] == 0

@@ -143,7 +143,7 @@ def test_another_cell_is_another_program(tmp_path):
         ('CELL "cell.toml"\nOUTPUT LAMP M1', [("Y0415", "M1 has two names: GRIP in line 10 of")]),
         ('CELL "cell.toml"\nOUTPUT LAMP M11', [("Y0416", "M11 is the input DOOR in line 8 of")]),
         ('INPUT EYE M1\nCELL "cell.toml"', [("Y0416", "M1 is the input EYE in line 2 of test.yarc")]),
-        ('P0005 MOVEJ 5 0 0 0 0 0\nCELL "cell.toml"', [("Y0208", "behind a command")]),
+        ('P0005 MOVEJ 5 0 0 0 0 0\nCELL "cell.toml"', [("Y0208", "after a command")]),
         ('CELL "cell.toml"\nLET HOME = 4', [("Y0214", "HOME is a joint position of INDUSTRIAL6")]),
         ('CELL "cell.toml"\nFRAME {PICK} 0 0 50 0 0 0 {FIXTURE}', []),
     ],

@@ -139,8 +139,8 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
         (["LOOP", "WHEN DOOR ON", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0113", "this WHEN has no END"),
         (["LOOP 5 6", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
         (["LOOP DOOR", "P10 MOVEJ A", "END"], "Y0401", "LOOP wants a number of passes, or nothing"),
-        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: a whole number"),
-        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: a whole number"),
+        (["LOOP 2.5", "P10 MOVEJ A", "END"], "Y0414", "LOOP 2.5: an integer"),
+        (["LOOP -1", "P10 MOVEJ A", "END"], "Y0414", "LOOP -1: an integer"),
         (["LOOP 300000", "P10 MOVEJ A", "END"], "Y1004", "LOOP 300,000"),
         (["LOOP 5", "P10 MOVEJ A", "UNTIL DOOR ON"], "Y0401", "a LOOP with a number of passes ends with END"),
         (
@@ -153,12 +153,12 @@ def test_a_return_in_a_compile_time_if_needs_no_step_either():
         (["WHILE 1 = 1", "P10 MOVEJ A", "END"], "Y0430", "nothing in this condition changes"),
         (["REPEAT I N", "P10 MOVEJ A", "END"], "Y0401", "N is known only when the program runs"),
         (["P5 LOOP", "P10 MOVEJ A", "END"], "Y0117", "LOOP is no command and has no index"),
-        (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT wants nothing behind it"),
+        (["LOOP", "P10 MOVEJ A", "P20 EXIT 5", "END"], "Y0401", "EXIT wants nothing after it"),
         (["P10 WAIT DOOR ON ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
         (["P10 WAIT [5] ELSE", "P20 MOVEJ A", "END"], "Y0451", "this ELSE has nothing to do"),
-        (["P10 WAIT DOOR ON [5] ELSE 4", "P20 MOVEJ A", "END"], "Y0412", "nothing stands behind the ELSE"),
+        (["P10 WAIT DOOR ON [5] ELSE 4", "P20 MOVEJ A", "END"], "Y0412", "nothing may follow the ELSE"),
         (["P10 WAIT DOOR ON [5] BLEND 2 ELSE", "P20 MOVEJ A", "END"], "Y0408", "WAIT doesn't take BLEND"),
-        (["P10 MOVEJ A ELSE"], "Y0412", "ELSE stands behind the time of a WAIT"),
+        (["P10 MOVEJ A ELSE"], "Y0412", "ELSE stands after the time of a WAIT"),
         (["WAIT DOOR ON [5] ELSE", "P20 MOVEJ A", "END"], "Y0105", "WAIT has no index"),
         (["P10 WAIT DOOR ON [5] ELSE", "P20 MOVEJ A"], "Y0113", "this WAIT has no END"),
         (
@@ -193,9 +193,9 @@ def test_lines_that_no_way_leads_to_are_told(lines, what):
 @pytest.mark.parametrize(
     ("lines", "what"),
     [
-        (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"], "a pass of this loop doesn't end where it begins: J1 by 10 deg off"),
-        (["WHILE DOOR ON", "P10 MOVEJ A", "END"], "a pass of this loop doesn't end where it begins"),
-        (["REPEAT N", "P10 DMOVEJ 1 0 0 0 0 0", "END"], "a pass of this loop doesn't end where it begins"),
+        (["LOOP", "P10 MOVEJ A", "UNTIL DOOR ON"], "a pass of this loop doesn't end where it began: J1 by 10 deg off"),
+        (["WHILE DOOR ON", "P10 MOVEJ A", "END"], "a pass of this loop doesn't end where it began"),
+        (["REPEAT N", "P10 DMOVEJ 1 0 0 0 0 0", "END"], "a pass of this loop doesn't end where it began"),
         (
             ["LOOP", "WHEN DOOR ON", "P10 EXIT", "END", "P20 MOVEJ A", "WHEN N > 1", "P30 EXIT", "END", "P40 MOVEJ HOME", "END"],
             "the ways out of this loop end apart: J1 by 10 deg",

@@ -55,7 +55,7 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
             "how far the moving frame may be from its path, in length units, and be turned: by a degree for each millimetre",
             "TOL 0.05",
         ),
-        "UNTIL": Entry("ends the motion on its way where an input is ON (or OFF)", "UNTIL TOUCH"),
+        "UNTIL": Entry("ends the motion on its way as soon as an input is ON (or OFF)", "UNTIL TOUCH"),
         "INTO": Entry("the register for how far a line with UNTIL has come, in 0.01 mm", "INTO DEPTH"),
         "ALLOW": Entry("lets two bodies touch during the motion: they aren't checked", "ALLOW GRIPPER BOX"),
         "STRETCH": Entry("makes all times of a timetable so many times as long", "STRETCH 1.5"),
@@ -69,7 +69,7 @@ OPTIONS: Mapping[str, Entry] = MappingProxyType(
 RATES: Mapping[str, Entry] = MappingProxyType(
     {
         "VEL": Entry("the velocity of each joint at a way-point of a timetable", "VEL 0 0 3 0 3 0"),
-        "ACC": Entry("behind VEL, the acceleration of each joint there", "ACC 0 0 0 0 0 0"),
+        "ACC": Entry("after VEL, the acceleration of each joint there", "ACC 0 0 0 0 0 0"),
     }
 )
 """Words after the time of a way-point."""
@@ -99,8 +99,8 @@ OTHERS: Mapping[str, Entry] = MappingProxyType(
         "ABS": Entry("the value without its sign", "ABS(-3)"),
         "MIN": Entry("the least of several", "MIN(A, B)"),
         "MAX": Entry("the largest of several", "MAX(A, B)"),
-        "FLOOR": Entry("the next whole number below", "FLOOR(2.7)"),
-        "CEIL": Entry("the next whole number above", "CEIL(2.1)"),
+        "FLOOR": Entry("the next integer below", "FLOOR(2.7)"),
+        "CEIL": Entry("the next integer above", "CEIL(2.1)"),
     }
 )
 """Words of expressions, and states."""

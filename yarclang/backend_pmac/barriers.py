@@ -40,7 +40,7 @@ def barrier_lines(barrier: Barrier, target: Target, system: int) -> tuple[str, .
         case "set":
             raise ValueError("registers are kept by whoever streams, never in a program buffer")
         case "say":
-            raise ValueError("whoever streams tells the operator, never a program buffer")
+            raise ValueError("the runtime tells the operator, which a program buffer can't")
         case "loop" | "next" | "exit" | "endloop":
             raise ValueError("whoever streams begins a loop anew, never a program buffer")
         case "stop" | "abort":

@@ -64,7 +64,7 @@ def streamed_only(program: Program) -> Diagnostic | None:
             help_ = "leave --target prog out, or hold without a register"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Say):
-            message = "SAY is told by the runtime, and a program buffer runs without it"
+            message = "SAY is carried out by the runtime, and a program buffer runs without it"
             help_ = "leave --target prog out, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Finish):

@@ -67,7 +67,7 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
     lean, axis = _least_tilt(rotation)
     if lean < LEAST_TILT:
         along = " ".join(f"{value:.2f}" for value in axis)
-        message = f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} deg in all touches: where the tip is along it can't be told"
+        message = f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} deg in all touches: the place of the tip along it can't be computed"
         return _refused(
             "Y1902",
             message,

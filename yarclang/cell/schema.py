@@ -196,7 +196,7 @@ class CellTable(Document):
         "parent": 'parent = "B" for a frame that stands still, "FLANGE" for a tool, or the name of another frame.',
         "values": "values = [...], one a joint.",
         "variable": 'for example variable = "M11".',
-        "name": 'for example name = "TABLE": findings speak of it by its name.',
+        "name": 'for example name = "TABLE": findings name it.',
         "shape": 'for example shape = "box".',
         "frame": 'frame = "B", or the name of the frame in which x y z count.',
         "rule": 'rule = "allowed", "forbidden", "slow" or "posture".',

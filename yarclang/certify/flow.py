@@ -256,7 +256,7 @@ def _not_in_the_middle(text: ControllerText) -> Iterator[Fault]:
                 continue
             off = min((_behind(run, put, entry) for entry in blended), key=abs)
             if abs(off) > SEGMENTS_OFF:
-                there = f"{abs(off)} segments {'behind' if off > 0 else 'before'} the middle of the blend"
+                there = f"{abs(off)} segments {'after' if off > 0 else 'before'} the middle of the blend"
                 yield None, f"line {put.line} sets {put.variable} {there}"
 
 

@@ -102,7 +102,7 @@ def run_option(function: F, *, which: str = "Which run") -> F:
         "run",
         metavar="NAME",
         shell_complete=_runs,
-        help=f"{which}, where there are several: its name, its robot, or its process.",
+        help=f"{which}, if there are several: its name, its robot, or its process.",
     )(function)
 
 
@@ -114,13 +114,13 @@ def controller_options(function: F) -> F:
         "--robot",
         metavar="NAME|PATH",
         shell_complete=_robots,
-        help="With --to: the robot that hangs on the controller.",
+        help="With --to: the robot of the controller.",
     )
     to = click.option(
         "--to",
         type=AddressType(sim=False),
         metavar="tcp://HOST[:PORT]",
-        help="Talk to the controller itself instead of a run.",
+        help="Address the controller itself instead of a run.",
     )
     return to(robot(function))
 

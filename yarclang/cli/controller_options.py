@@ -28,7 +28,7 @@ def controller_option(function: F) -> F:
         type=AddressType(),
         default=SIM,
         metavar="sim|tcp://HOST[:PORT]",
-        help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
+        help="The controller: a built-in simulator (default), or a Turbo PMAC's address.",
     )(function)
 
 
@@ -37,7 +37,7 @@ def patience_option(function: F) -> F:
     return click.option(
         "--patience",
         type=PositiveNumber("S", _LEAST_PATIENCE, _MOST_PATIENCE),
-        help="How long this computer and the link may be silent before the controller holds, s (default: 0.4, or what the "
+        help="Longest silence of this computer and the link before the controller holds, s (default: 0.4, or what the "
         "link needs). The robot of a dead computer moves on for so long.",
     )(function)
 
@@ -64,7 +64,7 @@ def inputs_option(function: F) -> F:
         "--inputs",
         type=click.Path(dir_okay=False),
         metavar="SCRIPT.toml",
-        help="What the machines around a simulated robot do with its inputs, and when (docs/language.md: Simulated inputs).",
+        help="Script of the inputs of a simulated robot (docs/language.md: Simulated inputs).",
     )(function)
 
 
@@ -82,14 +82,14 @@ def motion_options(function: F) -> F:
         click.option(
             "--rate",
             type=PositiveNumber("N"),
-            help="How fast the simulator's time passes (default: real time).",
+            help="Speed of the simulator's time (default: real time).",
         ),
         patience_option,
         click.option("--no-log", is_flag=True, help="Run without a log."),
         click.option(
             "--log",
             type=click.Path(path_type=Path),
-            help="Where to write the run log (default: a new file in yarc-runs/).",
+            help="File for the run log (default: a new file in yarc-runs/).",
         ),
     ):
         function = option(function)
@@ -111,7 +111,7 @@ def run_options(function: F) -> F:
             "--source",
             type=click.Path(dir_okay=False),
             metavar="FILE.yarc",
-            help="Of a .pmc: the program to prove it against (default: the program beside it, if it is there).",
+            help="For a .pmc: the program to prove it against (default: the program beside it, if there is one).",
         ),
         controller_option,
         file_argument("file", metavar="FILE.yarc|FILE.pmc"),

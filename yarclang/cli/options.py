@@ -117,12 +117,12 @@ def planning_options(function: F) -> F:
         click.option(
             "--tolerance",
             type=Numbers("MM[,DEG]", most=2, positive=True),
-            help="How far the executed path may be from the programmed one (default: the robot's).",
+            help="Allowed distance of the executed path from the programmed one (default: the robot's).",
         ),
         click.option(
             "--start",
             type=Numbers("Q1,Q2,..."),
-            help="Where the robot stands at first: deg, mm for prismatic joints (default: START, else the robot's home).",
+            help="Start position of the robot: deg, mm for prismatic joints (default: START, else the robot's home).",
         ),
         robot_option,
     ):
@@ -166,7 +166,7 @@ def format_option(function: F) -> F:
         "format_",
         type=click.Choice(["text", "json"]),
         default="text",
-        help="How to write the findings.",
+        help="Output format of the findings.",
     )(function)
 
 
@@ -177,7 +177,7 @@ def jobs_option(function: F) -> F:
         "--jobs",
         type=click.IntRange(min=1),
         metavar="N",
-        help="How many processes may work on several files, or on a long one (default: one for each core). What comes of it is the same.",
+        help="Largest number of processes for several files or long programs (default: one per core). The result doesn't depend on it.",
     )(function)
 
 
@@ -187,7 +187,7 @@ def fleet_options(function: F) -> F:
         "--no-cache",
         is_flag=True,
         envvar="YARCLANG_NO_CACHE",
-        help="Reuse no result of an earlier time, and keep none: the rule for a release.",
+        help="Reuse and keep no results of earlier runs. Use it for releases.",
     )
     return jobs_option(scheduler_option(no_cache(function)))
 
@@ -198,7 +198,7 @@ def scheduler_option(function: F) -> F:
         "--scheduler",
         metavar="ADDRESS",
         default="",
-        help="Share the files among the workers of a dask scheduler, such as tcp://HOST:8786. What comes of it is the same.",
+        help="Address of a dask scheduler whose workers do the work, such as tcp://HOST:8786. The result doesn't depend on it.",
     )(function)
 
 
@@ -218,5 +218,5 @@ def avoid_effort_option(function: F) -> F:
         type=click.IntRange(min=1, max=MOST_SEARCHES),
         metavar="N",
         default=1,
-        help=f"Take the quickest of N ways round obstacles, of motions with _AVOID that need one (default: 1, the first that is found; at most {MOST_SEARCHES}).",
+        help=f"For motions with _AVOID: take the fastest of N paths round obstacles (default: 1, the first that is found; at most {MOST_SEARCHES}).",
     )(function)

@@ -94,7 +94,7 @@ def order(run: Run, word: str, patience: float, **fields: Any) -> Status | None:
         if time.monotonic() > until:
             raise ControlError(
                 f"{run.name} has taken the order, but after {patience:g} s its state is still {status['state']}",
-                "`yarc status` tells more",
+                "see `yarc status`",
             )
         time.sleep(_POLL)
 

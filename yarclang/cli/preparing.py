@@ -31,7 +31,7 @@ def session_options(function: F) -> F:
         click.option(
             "--start",
             type=Numbers("Q1,Q2,..."),
-            help="Where the simulated robot stands: deg, mm for prismatic joints (default: its home).",
+            help="Start position of the simulated robot: deg, mm for prismatic joints (default: its home).",
         ),
         controller_option,
         robot_option,
@@ -68,7 +68,7 @@ def prepared(folder: Path, to: Address | None, options: dict[str, Any]) -> Prepa
 
     check_controller_usage(to, options)
     if options["start"] and to is not None:
-        raise click.UsageError("--start is for the simulator: a real robot stands where it stands")
+        raise click.UsageError("--start is for the simulator: a real robot has a position already")
     found = robot_for(folder.absolute(), options["robot"])
     show_findings(found.diagnostics)
     if found.value is None:

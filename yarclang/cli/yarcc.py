@@ -48,7 +48,7 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
 @click.version_option(__version__, message="yarcc %(version)s")
 @file_argument("files", nargs=-1, metavar="PATH...")
 @click.option(
-    "-o", "--output", metavar="OUT", help="Where to write the text of one program (- for standard output)."
+    "-o", "--output", metavar="OUT", help="File for the text of one program (- for standard output)."
 )
 @click.option(
     "--out-dir",
@@ -63,7 +63,7 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
     metavar="TARGET",
     default="",
     callback=_known_target,
-    help="What the text is for; of a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
+    help="Target of the text; for a Turbo PMAC `rotary`, to be streamed (default), or `prog`, a program buffer to download.",
 )
 @click.option(
     "--certificate", type=click.Path(dir_okay=False, path_type=Path), help="Write the certificate as JSON."
@@ -71,7 +71,7 @@ _ONE_PROGRAM = "-o and --certificate go with one program; --out-dir takes severa
 @click.option(
     "--proof",
     is_flag=True,
-    help="Write what `yarc verify` checks a text by, as NAME.proof.json beside it.",
+    help="Write a proof for `yarc verify`, as NAME.proof.json beside the text.",
 )
 @click.option(
     "--full",
@@ -97,8 +97,8 @@ def main(
 ) -> None:
     """Compile YARC programs to their controller's text, and prove what they do.
 
-    It finds what `yarc check` finds, and comments and yarc.toml silence the same. FILE.yarc becomes FILE.pmc; - reads standard input, and a folder means all .yarc files
-    in it. A program with an error leaves no file.
+    It reports the findings of `yarc check`; comments and yarc.toml suppress the same ones. FILE.yarc becomes FILE.pmc; - reads standard input, and a folder means
+    all .yarc files in it. A program with an error leaves no file.
     """
     _check_usage(files, output, out_dir, certificate, format_)
     if proof and output == "-":

@@ -62,7 +62,7 @@ def content_of_srdf(source: SourceFile, robot: Robot, wishes: Wishes, findings: 
             return None
         taken[name.upper()] = q, span.line
     if not taken:
-        message = f"no state speaks of the joints of {robot.name}"
+        message = f"no state names the joints of {robot.name}"
         findings.add("Y1511", message, _span(text, root), _joints_help(robot))
         return None
     positions = tuple((name, q) for name, (q, _) in taken.items())
@@ -84,7 +84,7 @@ def _values(
     extra = [name for name in given if name not in wanted]
     span = _span(text, state)
     if len(missing) == len(wanted):
-        findings.add("Y1503", f"not taken: state {shown}, which speaks of other joints", span)
+        findings.add("Y1503", f"not taken: state {shown}, which names other joints", span)
         return None
     if missing or extra:
         parts = [

@@ -198,7 +198,7 @@ def scene_described(
         else:
             left += 1
     if left:
-        said.insert(0, f"{left} more bodies, zones and parts are left out: {MOST_ITEMS} are told")
+        said.insert(0, f"{left} more bodies, zones and parts are left out: at most {MOST_ITEMS} are sent")
     return _versioned(
         replies.Scene(
             version="",

@@ -7,9 +7,9 @@ FINDINGS = (
         "Y0101",
         "unexpected-text",
         "error",
-        "something stands where it can't stand",
+        "a part of the line is in the wrong place",
         "The seven parts of a command have one order: index, name, {moving frame}, values, [motion time], (units), "
-        "{base frame}, then options. A line that can be read in two ways could move the arm in two ways, so nothing is guessed.",
+        "{base frame}, then options. A line that can be read in two ways could move the arm in two ways, so the order isn't guessed.",
         "P0010 MOVEJ 0 0 0 0 0 0 (deg,s) [5]",
         "P0010 MOVEJ 0 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -28,7 +28,7 @@ FINDINGS = (
         "error",
         "the file is not UTF-8 text",
         "A program is UTF-8 text (a byte order mark and CRLF line ends are fine). A control character or a byte that isn't "
-        "UTF-8 means that this is another kind of file, or that it was damaged on its way.",
+        "UTF-8 means that this is another kind of file, or that the file was damaged.",
     ),
     Finding(
         "Y0104",
@@ -44,7 +44,7 @@ FINDINGS = (
         "missing-index",
         "error",
         "a command has no index",
-        "Messages, logs and a later start in the middle speak of a command by its index. Only the live interpreter does without.",
+        "Messages, logs and a start in the middle of the program name a command by its index. Only the live interpreter accepts commands without one.",
         "STOP",
         "P0010 STOP",
         follows=(Follows("Y0202", "here"),),
@@ -61,7 +61,7 @@ FINDINGS = (
         "file-not-accessible",
         "error",
         "the file can't be read or written",
-        "The operating system refused the file; its reason stands in the message. Folders, devices, pipes by their names and files of more than "
+        "The operating system refused the file; the message gives its reason. Folders, devices, named pipes and files of more than "
         "20,000,000 bytes aren't read: a program is a file, or comes from standard input.",
     ),
     Finding(
@@ -76,8 +76,8 @@ FINDINGS = (
         "unknown-function",
         "error",
         "no function has this name",
-        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL, and those that FUNC declares further up. Only they and a number can have a "
-        "bracket behind them: a number's holds its unit, and a product is written with a `*`.",
+        "The functions of expressions are SQRT SIN COS TAN ATAN2 ABS MIN MAX FLOOR CEIL, and those that FUNC declares further up. Only functions and numbers can be "
+        "followed by a bracket: a number's bracket holds its unit. A product is written with a `*`.",
         "P0010 MOVEJ $(SQR(900)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(SQRT(900)) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -86,8 +86,8 @@ FINDINGS = (
         "function-arguments",
         "error",
         "the function takes another number of arguments",
-        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of its declaration, the others one. Commas stand between "
-        "them, so a decimal comma makes two arguments of one number.",
+        "ATAN2 takes two arguments, y and then x; MIN and MAX take two or more; a FUNC takes those of its declaration, the others one. Commas separate "
+        "arguments, so a decimal comma turns one number into two.",
         "P0010 MOVEJ $(ABS(0,5)) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(ABS(0.5)) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -96,8 +96,8 @@ FINDINGS = (
         "foreign-operator",
         "error",
         "an operator of another language",
-        "The operators are OR, AND, NOT, = <> < <= > >=, + -, * / %, **. What looks like one of another language may mean "
-        "something else there; and `!` starts a comment, so that what follows it would be lost.",
+        "The operators are OR, AND, NOT, = <> < <= > >=, + -, * / %, **. Operators of other languages may mean "
+        "something else; and `!` starts a comment, so that the rest of the line would be lost.",
         "P0010 MOVEJ $(3^2) 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ $(3**2) 0 0 0 0 0 [5] (deg,s)",
     ),
@@ -106,8 +106,8 @@ FINDINGS = (
         "too-deep",
         "error",
         "too many blocks, CALLs or brackets stand inside each other",
-        "Blocks go 100 deep, and so do operators, functions and brackets in one expression; the CALLs of SUBs that call others, with the blocks "
-        "around them, 150. A file that has more was most likely written by a program that went wrong; nobody could read it.",
+        "Blocks may be nested 100 deep, and so may operators, functions and brackets in one expression; nested CALLs, with the blocks "
+        "around them, 150 deep. A deeper file was most likely written by a program that went wrong.",
     ),
     Finding(
         "Y0113",
@@ -125,8 +125,8 @@ FINDINGS = (
         "end-without-block",
         "error",
         "an END or ELSE belongs to no block",
-        "END ends the innermost block that is open, and ELSE divides it. Where none is open, the beginning of one is "
-        "missing, and commands would run that should depend on it.",
+        "END ends the innermost block that is open, and ELSE divides it. If no block is open, the first line of a block is "
+        "missing, and commands would run unconditionally.",
         "P0010 MOVEJ HOME [5] (s)\nEND",
         "P0010 MOVEJ HOME [5] (s)",
         needs="block",
@@ -135,8 +135,8 @@ FINDINGS = (
         "Y0115",
         "misplaced-else",
         "error",
-        "an ELSE stands where its block has none",
-        "IF and WHEN have one ELSE each; SUB and REPEAT have none. A choice of more than two is an IF of its own behind "
+        "a block has an ELSE that it can't have",
+        "IF and WHEN have one ELSE each; SUB and REPEAT have none. For a third case write another IF after "
         "ELSE, with its own END.",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nELSE\n  P0020 MOVEJ HOME [5] (s)\nEND",
         "REPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1] (deg,s)\nEND\nP0020 MOVEJ HOME [5] (s)",
@@ -146,8 +146,8 @@ FINDINGS = (
         "not-in-a-block",
         "error",
         "a block can't hold this line",
-        "Blocks hold commands, FRAME, POSE, JOINTS, LET and blocks other than SUB. What holds for the whole file stands outside "
-        "of them: a loop or a condition would say it many times, or perhaps never.",
+        "Blocks hold commands, FRAME, POSE, JOINTS, LET and blocks other than SUB. Declarations for the whole file stand outside "
+        "of blocks: a loop or a condition would repeat them, or skip them.",
         "REPEAT 2\n  DEFAULT (deg,s)\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
         "DEFAULT (deg,s)\nREPEAT 2\n  P0010 DMOVEJ 5 0 0 0 0 0 [1]\nEND",
     ),
@@ -156,7 +156,7 @@ FINDINGS = (
         "surplus-index",
         "error",
         "a declaration has an index",
-        "Only commands have an index: it is by what messages, logs and a later start in the middle speak of a command. "
+        "Only commands have an index: messages, logs and a start in the middle of the program name commands by it. "
         "A declaration moves nothing.",
         "P0010 LET A = 30\nP0020 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
         "LET A = 30\nP0010 MOVEJ $A 0 0 0 0 0 [5] (deg,s)",
@@ -166,8 +166,8 @@ FINDINGS = (
         "foreign-character",
         "error",
         "a character that no program has",
-        "Code is made of blanks, tabs and the printable characters of ASCII. What looks like one of them (a no-break space, a minus sign from a "
-        "text processor) or can't be seen at all would be read otherwise than people read it. Comments and texts in quotes may have any character "
+        "Code is made of blanks, tabs and the printable characters of ASCII. A look-alike (a no-break space, a minus sign from a "
+        "text processor) or an invisible character would be read differently from what people see. Comments and texts in quotes may have any character "
         "but those that end a line in some editors only, change the direction of writing, or control a terminal.",
         "P0010 MOVEJ \u221230 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ -30 0 0 0 0 0 [5] (deg,s)",

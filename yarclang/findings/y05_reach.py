@@ -28,15 +28,15 @@ FINDINGS = (
         "Y0503",
         "path-leaves-workspace",
         "error",
-        "the path leaves the workspace half way",
-        "Start and end can be reached, but not all between: a straight line may pass outside the reach, or too near to the robot's own axis.",
+        "the path between start and end leaves the workspace",
+        "Start and end can be reached, but a part of the path between them can't: a straight line may pass outside the reach, or too near to the robot's own axis.",
         sort="unreachable",
     ),
     Finding(
         "Y0504",
         "path-leaves-limits",
         "error",
-        "a joint leaves its limits half way",
+        "a joint leaves its limits between start and end",
         "Start and end are within the limits, but the path between takes a joint beyond them: a straight line because the "
         "configuration is kept, a spline because it swings between its way-points.",
         "P0010 MOVEJ_SPLINE 169 0 0 0 0 0; 169 60 0 0 0 0; 0 0 0 0 0 0 [30] (deg,s)",
@@ -47,8 +47,8 @@ FINDINGS = (
         "spline-swings-out",
         "note",
         "a spline swings beyond its way-points",
-        "A smooth curve through way-points can leave the range that they span. The note says which joint and by how much; a "
-        "way-point between holds it back.",
+        "A smooth curve through way-points can leave the range that they span. The note names the joint and the amount; another "
+        "way-point between two of them reduces the swing.",
     ),
     Finding(
         "Y0508",

@@ -8,8 +8,8 @@ FINDINGS = (
         "singular-on-the-path",
         "error",
         "the path needs a joint to jump at a singularity",
-        "Where two axes line up, a straight motion may need a joint to turn by a finite angle in no time. The message says "
-        "where and by how much. Other ways: MOVEJ, or a via pose beside the singularity.",
+        "If two axes line up, a straight motion may need a joint to turn by a finite angle in no time. The message says "
+        "where and by how much. Use MOVEJ, or a via pose beside the singularity.",
     ),
     Finding(
         "Y0702",

@@ -8,8 +8,8 @@ FINDINGS = (
         "collision",
         "error",
         "the robot would hit something",
-        "On the way that the controller executes, a link, or what the robot carries, enters an obstacle of the cell. The message names both bodies, when, "
-        "how deep, and where the robot is then. The whole way was proved, not samples of it: nothing is too thin to be seen.",
+        "On the path that the controller executes, a link, a tool or a carried part enters an obstacle of the cell. The message names both bodies, when, "
+        "how deep, and where the robot is then. The whole path was checked, not samples of it: no obstacle is too thin to be found.",
         "P0010 MOVEJ 40 0 0 0 0 0 [5] (deg,s)      ! a POST stands at 30 deg",
         "P0010 MOVEJ 0 60 0 0 0 0 [5] (deg,s)      ! the arm drawn back\nP0020 MOVEJ 40 60 0 0 0 0 [5] (deg,s)",
         sort="meeting",
@@ -19,7 +19,7 @@ FINDINGS = (
         "self-collision",
         "error",
         "the robot would hit itself",
-        "Two links, or a link and a tool, enter each other on the way. Links that are joined by a joint may touch; other pairs that always touch, because their "
+        "Two links, or a link and a tool, overlap on the path. Links that are joined by a joint may touch; other pairs that always touch, because their "
         "shapes are larger than the links, are listed under [collision] of robot.toml.",
         "P0010 MOVEJ 0 0 -160 0 0 0 [20] (deg,s)",
         "P0010 MOVEJ 0 0 -80 0 0 0 [20] (deg,s)",
@@ -30,8 +30,8 @@ FINDINGS = (
         "within-the-margin",
         "error",
         "the robot comes nearer to something than its margin allows",
-        "Nothing touches, but an obstacle's margin in the cell.toml says how far everything else has to stay away: what isn't built as it is drawn, "
-        "and how far the robot lags behind its program, are in it.",
+        "Nothing touches, but an obstacle's margin in cell.toml is the distance that everything else has to keep: it covers inaccuracies of the cell "
+        "and the robot's following error.",
         '[[obstacles]]\nname = "BENCH"\nmargin = 10     ! the robot comes within 4 mm',
         sort="meeting",
     ),
@@ -40,8 +40,8 @@ FINDINGS = (
         "unreadable-mesh",
         "error",
         "a mesh can't be read",
-        "A body without its shape, or without a part of it, would be passed through in silence, so that a mesh which can't be read stops the compiler: one without triangles, one that is cut off, one with a "
-        "corner that is no finite number, with a face whose corners aren't there, or with all corners on one line.",
+        "The robot would pass through a body without its shape, so that an unreadable mesh stops the compiler: one without triangles, one that is cut off, one with a "
+        "corner that isn't finite, with a face whose corners are missing, or with all corners on one line.",
         'shape = "mesh"\nfile = "press.stl"     # an empty file, or none of STL, OBJ, DAE, PLY',
     ),
     Finding(
@@ -49,8 +49,8 @@ FINDINGS = (
         "too-near-to-prove",
         "error",
         "the robot passes so near that nothing can be proved",
-        "The proof that a motion is free divides it until what is left can't reach from one body to the other. Where they pass within a fifth of a millimetre of the margin, and one of "
-        "them is a hollow mesh, that would take seconds: it ends there, and what isn't proved isn't written. Nothing was seen to touch.",
+        "The proof divides a motion until each piece is too short to reach from one body to the other. If they pass within 0.2 mm of the margin, and one of "
+        "them is a hollow mesh, this would take too long: the proof is given up, and nothing is written. No contact was found.",
         '[[obstacles]]\nname = "PRESS"\nshape = "mesh"\nfile = "press.stl"     # the robot passes it at its margin and 0.1 mm',
         sort="meeting",
     ),
@@ -59,8 +59,8 @@ FINDINGS = (
         "body-of-no-tool",
         "error",
         "a body in robot.toml belongs to a tool that isn't there",
-        "A body is one of the shapes of a tool, and a tool is a table [tools.NAME], which says where it hangs and what it weighs. A body of a tool that "
-        "nobody declares would be left out, and the robot would pass through things with it.",
+        "A body is one of the shapes of a tool, and a tool is a table [tools.NAME], which says where it hangs and what it weighs. A body of an undeclared tool "
+        "would be left out, and the tool would pass through obstacles.",
         '[[bodies]]\ntool = "GRIPER"\nshape = "box"\nsize = [60, 40, 120]',
         '[tools.GRIPPER]\n\n[[bodies]]\ntool = "GRIPPER"\nshape = "box"\nsize = [60, 40, 120]',
     ),
@@ -69,8 +69,8 @@ FINDINGS = (
         "impossible-inertia",
         "error",
         "a tool has an inertia that no body has",
-        "The principal moments of any body are not negative, and none is larger than the sum of the two others. Else digits are wrong, the order is another, or the unit "
-        "isn't kg m^2; torques that are calculated with it would be wrong as well.",
+        "The principal moments of any body are not negative, and none is larger than the sum of the two others. Otherwise digits, order or unit (kg m^2) are wrong, "
+        "and so would be all torques.",
         "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.001, 0.001, 0, 0, 0]",
         "[tools.GRIPPER]\nmass = 2.0\ninertia = [0.010, 0.009, 0.002, 0, 0, 0]",
     ),

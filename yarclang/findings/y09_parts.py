@@ -7,9 +7,9 @@ FINDINGS = (
         "Y0940",
         "grips-nothing",
         "warning",
-        "a gripper closes where no part is",
-        "A gripper takes the part that is nearest to the origin of its frame, if that is within its reach. Here none is: the program leads the gripper elsewhere, the cell.toml has the part "
-        "elsewhere, or all parts of the kind have been taken. The robot then carries nothing, and nothing is proved for a part that it may hold in reality.",
+        "a gripper closes without a part in reach",
+        "A gripper takes the part that is nearest to the origin of its frame, if that is within its reach. Here there is none: the program leads the gripper elsewhere, the cell.toml has the part "
+        "elsewhere, or all parts of the kind have been taken. The robot carries nothing from here on, and nothing is proved about a part that it holds in reality.",
         "P0010 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! the box lies 100 mm below",
         "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON",
     ),
@@ -18,8 +18,8 @@ FINDINGS = (
         "never-put-down",
         "warning",
         "a part is taken and never put down",
-        "Where the program ends, a gripper still holds the part. A program that is compiled by itself begins with all parts where the cell.toml has them, and doesn't know of it; "
-        "in a session (`yarc repl`, `serve`) the next one begins with the part in the gripper.",
+        "At the end of the program a gripper still holds the part. A program that is compiled by itself begins with all parts as in cell.toml; "
+        "in a session (`yarc repl`, `serve`) the next program begins with the part in the gripper.",
         "P0020 SET GRIP ON\nP0030 MOVEJ READY [50%]",
         "P0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {PRESS}\nP0040 SET GRIP OFF",
     ),
@@ -27,9 +27,9 @@ FINDINGS = (
         "Y0942",
         "put-into-something",
         "error",
-        "a part is put into something",
-        "Where the gripper opens, the part overlaps with a body of the cell, or with a part that lies there, by more than a millimetre. On the way in it may touch what it will stand on: so it "
-        "is said here.",
+        "a part is put into a body",
+        "Where the gripper opens, the part overlaps with a body of the cell, or with a part that lies there, by more than a millimetre. On its way down the part may touch the body that it will stand on, so that the overlap "
+        "is reported here.",
         "P0030 MOVEL {GRIPPER} 0 0 -20 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF      ! 20 mm too low",
         "P0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
     ),
@@ -37,8 +37,8 @@ FINDINGS = (
         "Y0943",
         "let-go-in-the-air",
         "warning",
-        "a part is let go where nothing carries it",
-        "Where the gripper opens, no body is within 5 mm of the part (and the margin of that body). It will fall; from then on it counts as standing where it was let go.",
+        "a part is released without support",
+        "Where the gripper opens, no body is within 5 mm of the part (and the margin of that body). The part will fall; the proof goes on as if it stayed at the place of its release.",
         "P0030 MOVEL {GRIPPER} 0 0 60 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
         "P0030 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {TABLE}\nP0040 SET GRIP OFF",
     ),
@@ -47,8 +47,8 @@ FINDINGS = (
         "grips-while-moving",
         "error",
         "a gripper closes or opens while the robot moves",
-        "With BLEND, the motions before and after the SET flow into each other, and the output is set in the middle of the corner. A part is taken or put down at rest: only then it is "
-        "known where it is.",
+        "With BLEND, the motions before and after the SET flow into each other, and the output is set in the middle of the corner. A part is taken or put down at rest: only then is "
+        "its place known.",
         "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX} BLEND 5\nP0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}",
         "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON\nP0030 MOVEL {GRIPPER} 0 0 100 0 0 0 [1] (mm,deg,s) {BOX}",
     ),
@@ -56,8 +56,8 @@ FINDINGS = (
         "Y0945",
         "unsure-what-is-held",
         "error",
-        "after WHENs too many parts may be in the grippers",
-        "If one way of a WHEN takes a part and the other doesn't, everything after it is proved with the part and without it. With more than five such parts at once there would be too many "
+        "too many combinations of held parts after WHENs",
+        "If one way of a WHEN takes a part and the other doesn't, everything after it is proved with the part and without it. More than five such parts at once would be too many "
         "combinations.",
         "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\nEND      ! and so on, for six grippers",
         "WHEN A ON\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX_A} 100 GRIP_A 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {PRESS} 100 GRIP_A 1\nEND",
@@ -66,9 +66,9 @@ FINDINGS = (
         "Y0946",
         "starts-in-the-air",
         "warning",
-        "a part hangs in the air, or is inside of something, where the program starts",
-        "Where a part lies when the program starts, no body is within 5 mm of it (and the larger margin of both), or it overlaps with one by more than a millimetre. Most likely its frame or xyz "
-        "in the cell.toml is wrong, or what it lies on is missing there. It is said where the gripper takes the part; of several of a kind for the first one only.",
+        "a part has no support, or is inside of a body, at the start of the program",
+        "At the start of the program no body is within 5 mm of the part (and the larger margin of both), or the part overlaps with a body by more than a millimetre. Most likely its frame or xyz "
+        "in the cell.toml is wrong, or its support is missing there. It is reported at the line that takes the part; for parts of one kind only once.",
         "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! cell.toml has the box 30 mm above its table",
         "P0010 MOVEL {GRIPPER} 0 0 0 0 0 0 [1] (mm,deg,s) {BOX}\nP0020 SET GRIP ON      ! on its table in the cell.toml",
     ),
@@ -86,9 +86,9 @@ FINDINGS = (
         "Y0948",
         "loop-moves-parts",
         "error",
-        "a loop leaves a part elsewhere than where it was",
-        "One pass of a loop is proved, and carried out as often as the program says when it runs. That holds for each pass if all is around the robot as in the first one: "
-        "a part that was taken lies there again, or the next of its kind has come, and what was put down was taken away by a machine (an output with `removes` in the cell.toml).",
+        "a loop doesn't leave the parts as it found them",
+        "One pass of a loop is proved, and executed many times. The proof holds for each pass only if every pass begins with the parts in the same places: "
+        "a part that was taken is back, or the next of its kind has come, and a part that was put down was taken away by a machine (an output with `removes` in the cell.toml).",
         "LOOP\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nUNTIL DONE ON",
         "REPEAT I 4\n  P0010 CALL PICKPLACE.PICK {GRIPPER} {BOX} 100 GRIP 1\n  P0020 CALL PICKPLACE.PLACE {GRIPPER} {TRAY} 100 GRIP 1\nEND",
     ),
@@ -96,8 +96,8 @@ FINDINGS = (
         "Y0949",
         "parts-moved-by-a-number",
         "error",
-        "an output that moves parts gets a value that is computed when the program runs",
-        "A gripper's output, or that of a machine which takes parts away, decides where parts are, and everything after it is proved with that. A value that only the running robot knows would leave it open.",
+        "an output that moves parts gets a value that is computed at run time",
+        "A gripper's output, or that of a machine which takes parts away, decides where parts are, and everything after it is proved with that. A value that is known only at run time would leave this open.",
         "REGISTER N 0..1\nOUTPUT GRIP M1\nP0010 SET GRIP = N",
         "REGISTER N 0..1\nOUTPUT GRIP M1\nWHEN N = 1\n  P0010 SET GRIP ON\nEND",
     ),
@@ -105,8 +105,8 @@ FINDINGS = (
         "Y0950",
         "gripper-behind-search",
         "error",
-        "a gripper acts where a search has ended",
-        "In a cell with parts it is known of each motion where the parts are, and where in the gripper. A part that is taken where a search has ended would lie elsewhere in the gripper each time, and nothing that follows would be proved.",
+        "a gripper acts at the end of a search",
+        "In a cell with parts, the proof of each motion needs the places of all parts, also in the gripper. A part that is taken at the end of a search would have another place in the gripper each time.",
     ),
     Finding(
         "Y0951",

@@ -7,8 +7,8 @@ FINDINGS = (
         "Y1001",
         "unreachable",
         "warning",
-        "commands behind STOP are never reached",
-        "STOP ends the program. What follows looks as if it ran, and doesn't.",
+        "commands after STOP are never reached",
+        "STOP ends the program. The commands after it look as if they ran, but they don't.",
         "P0010 STOP\nP0020 MOVEJ HOME [5] (s)",
         "P0010 MOVEJ HOME [5] (s)\nP0020 STOP",
         tag="unneeded",
@@ -18,8 +18,8 @@ FINDINGS = (
         "ways-end-apart",
         "error",
         "the ways of a WHEN end at different joint positions",
-        "Which way is taken is known only when the program runs. What follows is planned once, from one place: both "
-        "ways, or the one way and where the robot stood before, must end there.",
+        "The branch is chosen only at run time. The motion after END is planned once, from one place: both "
+        "branches must end there; without ELSE, the branch must end where the WHEN began.",
         "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nEND",
         "INPUT DOOR M11\nWHEN DOOR OFF\n  P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\n  P0020 MOVEJ HOME [5] (s)\nEND",
     ),
@@ -38,9 +38,9 @@ FINDINGS = (
         "too-many-commands",
         "error",
         "the program has more than a million commands, or 200,000 rounds of loops, when it is unrolled",
-        "Loops and calls are carried out before the robot moves, so that every motion is checked. They are counted before that: the finding is "
-        "at the loop, or the CALL, with which there are too many commands, rounds, or lines of declarations. A program that runs for ever "
-        "is run again and again: yarc run --loop.",
+        "Loops and calls are carried out before the robot moves, so that every motion is checked. They are counted first: the finding is "
+        "at the loop, or the CALL, with which there are too many commands, rounds, or declarations. To repeat "
+        "a program without end, use yarc run --loop.",
         "REPEAT 2000000\n  P0010 WAIT [1] (s)\nEND",
         "REPEAT 20\n  P0010 WAIT [1] (s)\nEND",
     ),
@@ -48,9 +48,9 @@ FINDINGS = (
         "Y1010",
         "blend-into-nothing",
         "note",
-        "BLEND before something that the robot stands for",
-        "A blend leads from one motion into the next. Before WAIT, HOLD, STOP, a WHEN and the end, and where nothing moves, the motion stops "
-        "exactly at its end. SET doesn't break a blend.",
+        "BLEND before a line at which the robot stops",
+        "A blend leads from one motion into the next. Before WAIT, HOLD, STOP, a WHEN and the end, and before a motion of length 0, the robot stops "
+        "exactly at the end of the motion. SET doesn't break a blend.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) BLEND 2\nP0020 WAIT [1] (s)",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 WAIT [1] (s)",
         needs="place",

@@ -8,8 +8,8 @@ FINDINGS: tuple[Finding, ...] = (
         "text-unreadable",
         "error",
         "the controller's text isn't what yarcc emits",
-        "The certificate is about the text that goes to the controller. Its reader takes only the lines that "
-        "yarcc writes, each in its place, so that no line can do what nobody has checked. The text was "
+        "The certificate is about the text that goes to the controller. Its reader accepts only the lines that "
+        "yarcc writes, each in its place, so that no unchecked line can take effect. The text was "
         "changed, or cut short, or the emitter has an error.",
     ),
     Finding(
@@ -18,16 +18,16 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "the controller can't keep this segment time",
         "The controller keeps TM in steps of 1/4096 ms, below 4096 ms, and must calculate a move within it. "
-        "Another value would be rounded or clipped, and every velocity, acceleration and jerk would be other "
-        "than the proved one.",
+        "Another value would be rounded or clipped, and every velocity, acceleration and jerk would differ "
+        "from the proved one.",
     ),
     Finding(
         "Y1153",
         "map-mismatch",
         "error",
         "the text's map doesn't fit the program",
-        "The header names the move lines of every command. Where it, the moves and the program disagree, the "
-        "moves of one command would be judged by another's path.",
+        "The header names the move lines of every command. If header, moves and program disagree, the "
+        "moves of one command would be checked against the path of another.",
     ),
     Finding(
         "Y1154",
@@ -44,15 +44,15 @@ FINDINGS: tuple[Finding, ...] = (
         "error",
         "a command doesn't end at rest",
         "Three equal points are a full stop. Without them, the next command begins with a velocity, and "
-        "neither of both paths is what was programmed.",
+        "neither path is what was programmed.",
     ),
     Finding(
         "Y1156",
         "wrong-duration",
         "error",
         "a motion takes another time than programmed",
-        "Segments times segment time must be the programmed duration, but for half a step of TM (1/8192 ms) "
-        "a segment.",
+        "The number of segments times the segment time must be the programmed duration, within half a step of TM (1/8192 ms) "
+        "per segment.",
     ),
     Finding(
         "Y1157",
@@ -117,17 +117,17 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1164",
         "no-such-command",
         "error",
-        "no command with this index can be begun with",
-        "yarc run --from goes on at a command, named by its index: a motion, or a WAIT, SET or HOLD that a motion follows. Elsewhere the "
+        "a run can't begin at this index",
+        "yarc run --from begins at a command, named by its index: a motion, or a WAIT, SET or HOLD before a motion. Elsewhere the "
         "robot's place isn't known.",
     ),
     Finding(
         "Y1165",
         "other-flow",
         "error",
-        "what the text does between the motions isn't what the program says",
-        "Dwells, outputs, waits, and the ways of a WHEN must stand in the text as in the program, each at rest. An output "
-        "that is set while the robot moves, or a wait that is run past, does harm that no path shows.",
+        "the text's actions between motions differ from the program's",
+        "Dwells, outputs, waits, and the branches of a WHEN must be in the text as in the program, each at rest. An output "
+        "that is set during a motion, or a skipped wait, does harm that no check of the path shows.",
     ),
     Finding(
         "Y1166",
@@ -152,7 +152,7 @@ FINDINGS: tuple[Finding, ...] = (
         "text-changed",
         "error",
         "the controller's text was changed after it was written",
-        "The header has a SHA-256 of the whole text. It shows damage and edits; it is no signature, so a text is judged all the same, and "
+        "The header has a SHA-256 of the whole text. It shows damage and edits, but is no signature. So the text is judged anyway, and "
         "this is reported only if nothing else is wrong.",
     ),
     Finding(
@@ -177,7 +177,7 @@ FINDINGS: tuple[Finding, ...] = (
         "program-has-errors",
         "error",
         "the program beside a controller's text can't be compiled",
-        "A text is proved against the program beside it. That program has errors, so nothing can be proved. Mend and compile the program again.",
+        "A text is proved against the program beside it. That program has errors, so nothing can be proved. Correct the program and compile it again.",
     ),
     Finding(
         "Y1193",
@@ -201,9 +201,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1181",
         "zones-disagree",
         "error",
-        "something is beyond a zone's border, and the proof doesn't say so",
-        "Zones to stay in or out of are proved by a geometry that the planner uses as well. At the ends of all segments the certificate looks a second time, with placements and distances of its own. What is "
-        "beyond a border there was overlooked by the proof: it has an error, and nothing is written. Report it, with the program, the robot and the cell.",
+        "a body is beyond a zone's border, and the proof overlooked it",
+        "Zones to stay in or out of are proved by a geometry that the planner uses as well. At the ends of all segments the certificate checks a second time, with placements and distances of its own. A body "
+        "beyond a border there means an error in the proof, and nothing is written. Report it, with the program, the robot and the cell.",
     ),
     Finding(
         "Y1194",
@@ -217,7 +217,7 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1196",
         "no-proof",
         "error",
-        "no proof can be written of this text",
+        "no proof can be written for this text",
         "`yarcc --proof` writes a proof that `yarc verify` follows with a small checker of its own. There is none for texts that are downloaded into a program buffer, for kinds of controllers "
         "without such a checker, for an arm with a joint that turns and slides at once, and for a text that the checker doesn't follow: its bounds are a little wider than the certificate's, so that a motion "
         "that needs all of its tolerance may be refused. Compile without --proof, with a wider tolerance, or with shorter segments (--tm).",

@@ -37,7 +37,7 @@ FINDINGS = (
         "not-for-this-controller",
         "error",
         "the robot's controller can't do this",
-        "Kinds of controllers differ in what a text can be for, and in what they can do between motions. yarcc writes nothing that the robot's own can't carry out.",
+        "Controllers differ in their targets, and in their actions between motions. yarcc writes only texts that the robot's own controller can execute.",
         "yarcc --target tape",
         "yarcc --target prog",
     ),

@@ -8,9 +8,9 @@ FINDINGS = (
         "settings-unreadable",
         "error",
         "the settings text isn't what yarc settings prints",
-        "The settings say what every program means: where joints are, how the robot stops, what happens if this computer fails. Their reader takes "
+        "Every program depends on the settings: where joints are, how the robot stops, what happens if this computer fails. Their reader accepts "
         "only the lines that `yarc settings` prints, each once and in its place. Comments and empty lines may be added; any other line "
-        "could do what nobody has checked.",
+        "would be unchecked.",
     ),
     Finding(
         "Y1171",
@@ -33,8 +33,8 @@ FINDINGS = (
         "wrong-feedback",
         "error",
         "PLC 0 doesn't compute the joint positions",
-        "PLC 0 tells where the joints are, from the motors' actual positions, and must invert the axis definitions. Otherwise "
-        "positions in logs and other programs are those of a robot that stands elsewhere.",
+        "PLC 0 computes the joint positions from the motors' actual positions, and must invert the axis definitions. Otherwise "
+        "positions in logs and other programs are wrong.",
     ),
     Finding(
         "Y1174",
@@ -49,8 +49,8 @@ FINDINGS = (
         "weak-guard",
         "error",
         "the guard of the rotary buffer doesn't hold the motion in time",
-        "If this computer fails while a program is streamed, only PLC 29 stops the robot on its path. It must be the guard, run, look at the "
-        "right bit, and be told early enough (I16, I17) for a hold to end before the buffer is empty.",
+        "If this computer fails while a program is streamed, only PLC 29 stops the robot on its path. The PLC must run, watch the "
+        "right bit, and be triggered early enough (I16, I17) for a hold to end before the buffer is empty.",
     ),
     Finding(
         "Y1176",

@@ -8,7 +8,7 @@ FINDINGS = (
         "two-orientations",
         "error",
         "an entry has two orientations",
-        "Roll pitch yaw and a quaternion say the same thing in two ways; where both are given, one of them would be passed over.",
+        "Roll pitch yaw and a quaternion are two forms of one orientation; if both are given, one of them would be ignored.",
         "rpy = [0, 0, 90]\nquat = [0, 0, 0.7071, 0.7071]",
         "rpy = [0, 0, 90]",
     ),
@@ -26,7 +26,7 @@ FINDINGS = (
         "no-such-joint",
         "error",
         "the robot has no such joint",
-        "A joint window speaks of the joints of the program's robot by their names. Without the joint, the window would hold nothing back.",
+        "A joint window names joints of the program's robot. Without the joint, the window would have no effect.",
         "joints = { A1 = [-90, 90] }",
         "joints = { J1 = [-90, 90] }",
     ),
@@ -35,7 +35,7 @@ FINDINGS = (
         "two-cells",
         "error",
         "different cells are named for one robot",
-        "The robot stands in one cell: with two, it would keep clear of the obstacles of only one of them. A CELL line, --cell and `cell` in yarc.toml "
+        "A robot stands in one cell: with two, it would avoid the obstacles of only one of them. A CELL line, --cell and `cell` in yarc.toml "
         "each name the cell; if several do, it must be the same file. A module that names a cell works in programs with the same file.",
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "right.toml"',
         'CELL "left.toml"\nUSE CLAMP      ! whose file has CELL "left.toml"',
@@ -44,9 +44,9 @@ FINDINGS = (
         "Y1374",
         "wrong-place-of-gripper",
         "error",
-        "a gripper stands still, or a machine that removes parts is carried",
-        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on {FLANGE}. One with `removes` tells a machine to take away what lies there: its frame "
-        "stands in the cell.",
+        "a gripper isn't carried by the robot, or a machine that removes parts is",
+        "An output with `grips` closes and opens a gripper, which takes parts along: its frame hangs on {FLANGE}. An output with `removes` starts a machine that takes parts away: its frame "
+        "is fixed in the cell.",
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "FEEDER"      # whose parent is B',
         '[outputs.GRIP]\nvariable = "M1"\ngrips = "GRIPPER"     # whose parent is FLANGE',
     ),
@@ -64,8 +64,8 @@ FINDINGS = (
         "zone-too-thin",
         "error",
         "a zone is so thin that a motion could cross it unseen",
-        "A proof can't tell what is within 0.01 mm of a zone's border from what is on it. A point could cross a zone that is hardly thicker than that, and nothing would be said: a zone to stay out of, to be "
-        "slow in or to keep a posture in is at least 0.1 mm thick, with its margins on both sides, and a window of joints at least 0.0001 rad or m wide.",
+        "The proof has a tolerance of 0.01 mm at a zone's border, so that a point could cross a very thin zone unnoticed. A forbidden, "
+        "slow or posture zone must be at least 0.1 mm thick, with its margins on both sides, and a window of joints at least 0.0001 rad or m wide.",
         '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 0.01, 2000]',
         '[[zones]]\nname = "CURTAIN"\nrule = "forbidden"\nshape = "box"\nframe = "B"\nsize = [2000, 10, 2000]',
     ),

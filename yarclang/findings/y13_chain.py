@@ -26,7 +26,7 @@ FINDINGS: tuple[Finding, ...] = (
         "two-roots",
         "error",
         "the URDF falls into several trees",
-        "A link without a joint above it is a root; of a second one nobody knows where it stands.",
+        "A link without a joint above it is a root; the place of a second root isn't known.",
     ),
     Finding(
         "Y1350",
@@ -51,7 +51,7 @@ FINDINGS: tuple[Finding, ...] = (
         "zero-axis",
         "error",
         "the axis of a joint has no direction",
-        "An axis of length 0 can't be turned about; Pinocchio takes it without a word.",
+        "An axis of length 0 has no direction; Pinocchio accepts it without an error.",
         '<axis xyz="0 0 0"/>',
         '<axis xyz="0 0 1"/>',
     ),
@@ -70,8 +70,8 @@ FINDINGS: tuple[Finding, ...] = (
         "stray-joint",
         "error",
         "a moving joint isn't in the chain",
-        "No motor of this robot moves it, so nobody knows where it stands, and the collision check would "
-        "be of no use.",
+        "No motor of this robot moves it, so its position isn't known, and the collision check would "
+        "be wrong.",
         'flange = "tool0"',
         'flange = "tool0"\nignored_joints = ["finger"]',
     ),
@@ -87,8 +87,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1356",
         "unknown-shape",
         "error",
-        "a body has no shape that can be read",
-        "The body would lose its shape in silence, and the collision check would look through it.",
+        "a body has no readable shape",
+        "The body would lose its shape silently, and the collision check would ignore it.",
         '<geometry><cone radius="0.1"/></geometry>',
         '<geometry><cylinder radius="0.1" length="0.2"/></geometry>',
     ),
@@ -106,9 +106,8 @@ FINDINGS: tuple[Finding, ...] = (
         "capsule-version",
         "error",
         "a capsule needs URDF 1.1",
-        "In a URDF of version 1.0, which holds where none is said, a <capsule> is dropped in silence: the "
-        "link would "
-        "have no shape.",
+        "In a URDF of version 1.0, which is the default, readers drop a <capsule> silently: the "
+        "link would have no shape.",
         '<robot name="arm">',
         '<robot name="arm" version="1.1">',
     ),
@@ -117,14 +116,14 @@ FINDINGS: tuple[Finding, ...] = (
         "no-collision-shape",
         "warning",
         "a moving link has no collision shape",
-        "The collision check can't see the link, and lets it pass through everything. `yarc robot new` and `yarc robot check` say it; commands that work on programs don't repeat it.",
+        "The collision check ignores the link, which may pass through everything. `yarc robot new` and `yarc robot check` report this; commands that work on programs don't repeat it.",
     ),
     Finding(
         "Y1365",
         "limbs-left-out",
         "error",
         "the chain leaves out joints that have motors",
-        "A limb as long as an arm isn't in the chain that was found: a robot with fewer joints than it has is another robot.",
+        "The chain that was found leaves out a limb as long as an arm: --tip names the link at the end of the right chain.",
         "yarc robot new two_arms.urdf --yes",
         "yarc robot new two_arms.urdf --yes --tip left_tool0",
     ),

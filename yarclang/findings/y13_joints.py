@@ -28,8 +28,8 @@ FINDINGS: tuple[Finding, ...] = (
         "joint-order",
         "warning",
         "the tables aren't in the order of the chain",
-        "HOME, K, J and the other lists are in the order of the chain; who reads the file takes the "
-        "tables' order for it.",
+        "HOME, K, J and the other lists are in the order of the chain; a reader of the file would assume the "
+        "order of the tables.",
         "[joints.J2]\n[joints.J1]",
         "[joints.J1]\n[joints.J2]",
     ),
@@ -38,7 +38,7 @@ FINDINGS: tuple[Finding, ...] = (
         "no-position-limits",
         "error",
         "the joint has no position limits",
-        "Only a continuous joint turns without end; any other has end stops that a plan must stay off.",
+        "Only a continuous joint turns without end; any other has end stops that a plan must avoid.",
         "[joints.J1]\nvelocity = 60",
         "[joints.J1]\nposition = [-170, 170]\nvelocity = 60",
     ),
@@ -73,7 +73,7 @@ FINDINGS: tuple[Finding, ...] = (
         "zero-gear",
         "error",
         "a gear ratio is zero",
-        "K is the motor's counts per deg (or mm); with 0 the motor's position says nothing about the joint.",
+        "K is the motor's counts per deg (or mm); with 0 the joint's position can't be computed from the motor's.",
         "K = [0, 25667.875]",
         "K = [25532.8278, 25667.875]",
     ),
@@ -101,7 +101,7 @@ FINDINGS: tuple[Finding, ...] = (
         "axis-twice",
         "error",
         "an axis belongs to two joints",
-        "A move line names each axis once, so two joints on one axis would always go together.",
+        "A move line names each axis once, so two joints on one axis would always move together.",
         'axes = ["X", "X"]',
         'axes = ["X", "Y"]',
     ),
@@ -129,7 +129,7 @@ FINDINGS: tuple[Finding, ...] = (
         "coupling-count",
         "error",
         "coupled joints have another number of motors",
-        "Joints that J couples need as many motors as they are, else some motion of theirs has no motor or "
+        "Coupled joints need as many motors as joints; otherwise a motion of theirs would have no motor, or "
         "two.",
         "J = [[1, 1], [0, 0]]",
         "J = [[1, 1], [0, 1]]",

@@ -7,7 +7,7 @@ FINDINGS = (
         "Y1391",
         "no-robot",
         "error",
-        "it isn't said for which robot",
+        "no robot is named",
         "Reach, limits and the controller's text are those of a robot: without one, nothing can be checked. The command line "
         "names it, or a ROBOT line of the program, or yarc.toml.",
         "P0010 MOVEJ HOME [5] (s)",
@@ -26,7 +26,7 @@ FINDINGS = (
         "bad-project-file",
         "error",
         "yarc.toml can't be used as it is",
-        "Settings that can't be read are never left out silently: the program would be checked for something else.",
+        "Unreadable settings are never skipped silently: the program would be checked with other settings than the intended ones.",
         "robott = 'INDUSTRIAL6'",
         "robot = 'INDUSTRIAL6'",
     ),
@@ -35,7 +35,7 @@ FINDINGS = (
         "bad-start",
         "error",
         "the start position isn't one of this robot",
-        "Where the robot stands at first decides what its first motion is: one value a joint, within the limits.",
+        "The first motion depends on the start position: one value per joint, within the limits.",
         "yarcc --start 0,0,0",
         "yarcc --start 0,0,0,0,0,0",
     ),
@@ -44,7 +44,7 @@ FINDINGS = (
         "jobs-apart",
         "error",
         "a job doesn't begin or end where the others begin",
-        "The jobs that yarc.toml numbers are called one after the other, in an order that nobody knows before. Each begins and ends at one joint position, so that any may "
-        "follow any other without a motion between them that was never proved.",
+        "The jobs that yarc.toml numbers are called one after the other, in an order that isn't known before. All begin and end at the same joint position, so that any job may "
+        "follow any other without an unproved motion between them.",
     ),
 )

@@ -17,15 +17,15 @@ FINDINGS: tuple[Finding, ...] = (
         "warning",
         "the log of the run is unfinished or damaged",
         "The log was still being written, its process was killed, the disk was full, or the file was copied in part. "
-        "What stands before that place is shown; how the run ended isn't known from here.",
+        "Everything before that place is shown; the end of the run isn't known.",
     ),
     Finding(
         "Y1403",
         "run-log-version",
         "error",
         "the log was written by another version",
-        "What stands in a log may change between versions, and a number that is taken for another is worse than none. The version "
-        "that wrote the log can always read it.",
+        "The content of logs may change between versions, so that numbers could be misread. Read the log with the version "
+        "that wrote it.",
     ),
     Finding(
         "Y1404",
@@ -40,14 +40,14 @@ FINDINGS: tuple[Finding, ...] = (
         "run-log-without-positions",
         "error",
         "the log has no positions of the robot to show",
-        "The run ended before the controller had told where the robot was: it was refused, or never connected. `yarc replay` shows what was told.",
+        "The run ended before the controller had reported a position: it was refused, or never connected. `yarc replay` shows the messages of the run.",
     ),
     Finding(
         "Y1406",
         "run-of-another-robot",
         "error",
-        "the robot of the log isn't the one that would be shown",
-        "A log has the joint positions of a run, but not what the robot looks like: that comes from the robot's own files. Those of another robot would "
-        "show a motion that never was.",
+        "the log is of another robot than the one that would be shown",
+        "A log has the joint positions of a run, but not the robot's shape: that comes from the robot's own files. Those of another robot would "
+        "show a wrong motion.",
     ),
 )

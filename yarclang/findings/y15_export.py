@@ -8,7 +8,7 @@ FINDINGS: tuple[Finding, ...] = (
         "nothing-to-export",
         "error",
         "the program has no motion to export",
-        "A trajectory is a motion. Outputs, waits and stops alone make none.",
+        "A trajectory consists of motions. This program has only outputs, waits and stops.",
         "P0010 SET GRIPPER ON",
         "P0010 MOVEJ 10 -10 -20 0 -60 0\nP0020 SET GRIPPER ON",
     ),
@@ -16,16 +16,16 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1532",
         "not-in-trajectory",
         "warning",
-        "the program does things that a trajectory can't say",
-        "A JointTrajectory has joints and times, and nothing else. Outputs, waits, stops and choices lie between the trajectories of a file, or beside one, and are "
-        "written there as comments (YAML), fields (JSON) or messages (bag). Whoever sends only the trajectories leaves them out: the gripper stays open, the arm doesn't wait.",
+        "the program has actions that a trajectory can't contain",
+        "A JointTrajectory has only joints and times. Outputs, waits, stops and choices lie between the trajectories of a file, or beside one, and are "
+        "written there as comments (YAML), fields (JSON) or messages (bag). A client that sends only the trajectories skips them: the gripper stays open, the arm doesn't wait.",
     ),
     Finding(
         "Y1533",
         "bag-not-writable",
         "error",
         "a bag can't be written without the package rosbags",
-        "Bags of ROS are written by the Python package rosbags, which is installed with the extra `bags`. YAML and JSON need nothing more.",
+        "Bags of ROS are written by the Python package rosbags, which is installed with the extra `bags`. YAML and JSON need no further package.",
         "pip install yarclang",
         "pip install 'yarclang[bags]'",
     ),
@@ -34,8 +34,8 @@ FINDINGS: tuple[Finding, ...] = (
         "name-not-for-ros",
         "error",
         "a name can't be used in ROS",
-        "Joints are keys of parameters, and the robot's name is that of a package and of topics: both begin with a letter, and have letters, digits and _ only. ROS 1 refuses other names when the "
-        "parameters are loaded, and in ROS 2 a point divides a name in two, so that its limits would be those of no joint.",
+        "Joints are keys of parameters, and the robot's name is that of a package and of topics: both begin with a letter, and have letters, digits and _ only. ROS 1 refuses other names when it loads the "
+        "parameters; ROS 2 splits a name at a point, so that the joint would lose its limits.",
         '<joint name="arm-joint.1" type="revolute">',
         '<joint name="arm_joint_1" type="revolute">',
     ),
@@ -43,22 +43,22 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1535",
         "motor-limit-not-for-moveit",
         "warning",
-        "a motor's speed limit is none of one joint, so MoveIt can't keep it",
-        "A motor that turns with several joints may reach its limit before each of these joints does. MoveIt knows limits of joints alone, so it may plan motions that the motor can't follow. They are refused, or made slower, where they "
-        "become a program; nothing unsafe runs.",
+        "a motor's speed limit depends on several joints, so MoveIt can't respect it",
+        "A motor that turns with several joints may reach its limit before each of these joints does. MoveIt knows only limits of joints, so it may plan motions that the motor can't follow. yarclang refuses or slows these "
+        "when they become a program; nothing unsafe runs.",
     ),
     Finding(
         "Y1536",
         "not-ours-to-overwrite",
         "error",
-        "the files that an export would write are there, and aren't its own",
-        "An export knows by a list of checksums (yarc-export.json) which files it has written. Others, and those that were changed since, are somebody's work.",
+        "an export would overwrite files that it hasn't written",
+        "A list of checksums (yarc-export.json) has the files that an export has written. Other files, and files changed since, are never overwritten.",
     ),
     Finding(
         "Y1537",
         "mesh-left-out",
         "warning",
         "a mesh of the URDF isn't exported",
-        "The URDF names a file that isn't there, or can't be read. The robot is checked without it if only its picture needs it, but RViz can't show it.",
+        "The URDF names a file that is missing or unreadable. A mesh that is only for display isn't needed for checking, but RViz can't show it.",
     ),
 )

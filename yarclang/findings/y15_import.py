@@ -8,8 +8,8 @@ FINDINGS: tuple[Finding, ...] = (
         "header-not-understood",
         "error",
         "the table's header isn't understood",
-        "Columns are known by their names, never by their places: two columns that change places unnoticed would send the arm "
-        "somewhere else. Joints are j1 j2 ... or the robot's own names; a pose is x y z with roll pitch yaw or qx qy qz qw.",
+        "Columns are known by their names, never by their places: swapped columns would send the arm "
+        "to a wrong place. Joints are j1 j2 ... or the robot's own names; a pose is x y z with roll pitch yaw or qx qy qz qw.",
         "x [mm], y [mm], height",
         "x [mm], y [mm], z [mm], roll [deg], pitch [deg], yaw [deg]",
     ),
@@ -18,16 +18,16 @@ FINDINGS: tuple[Finding, ...] = (
         "not-taken",
         "warning",
         "a part of the file isn't taken into the program",
-        "Columns that are neither targets nor times, and named states of other joints, have no place in a program. What is left "
-        "out is told, so that nobody believes it is there.",
+        "Columns that are neither targets nor times, and named states of other joints, have no place in a program. Everything that is left "
+        "out is reported.",
     ),
     Finding(
         "Y1504",
         "table-not-readable",
         "error",
         "the table is empty or its lines don't fit together",
-        "Every line has one cell for each column of the header. Where cells are missing, nobody knows which, and the values "
-        "behind them would belong to other joints.",
+        "Every line has one cell for each column of the header. With a missing cell, the values "
+        "after it would belong to the wrong joints.",
         "j1 [deg],j2 [deg]\n10",
         "j1 [deg],j2 [deg]\n10,20",
     ),
@@ -35,9 +35,9 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1505",
         "import-not-a-number",
         "error",
-        "a value of the file is no finite number",
-        "Text, an empty cell, NaN or infinity in the place of a coordinate is a gap in the data, and no gap is filled with a guess. "
-        "A decimal comma is read where semicolons or tabs divide the cells.",
+        "a value of the file isn't a finite number",
+        "Text, an empty cell, NaN or infinity in the place of a coordinate is a gap in the data, and gaps aren't filled by guessing. "
+        "A decimal comma is read if semicolons or tabs divide the cells.",
         "j1 [deg];j2 [deg]\n10;nan",
         "j1 [deg];j2 [deg]\n10;20",
     ),
@@ -45,8 +45,8 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1506",
         "import-without-units",
         "error",
-        "it isn't said in which units a column is",
-        "Tables have degrees or radians, millimetres or metres, and the numbers often make sense in both. The header says it, "
+        "the unit of a column isn't given",
+        "Tables have degrees or radians, millimetres or metres, and the numbers often make sense in both. The header gives the unit, "
         "or --units does.",
         "j1,j2",
         "j1 [deg],j2 [deg]",
@@ -63,14 +63,14 @@ FINDINGS: tuple[Finding, ...] = (
         "import-not-plain-data",
         "error",
         "the file has more than plain data",
-        "Aliases repeat parts of a file and can make a small one grow beyond any memory; tags ask for objects of programs. No "
-        "trajectory needs them, so they are refused.",
+        "Aliases can make a small file grow beyond any memory, and tags create objects of programs. No "
+        "trajectory needs them, so both are refused.",
     ),
     Finding(
         "Y1509",
         "no-trajectory",
         "error",
-        "the trajectory isn't there, or isn't whole",
+        "the trajectory is missing or incomplete",
         "A trajectory has joint_names and points, each with a position for every joint and a time later than the one before.",
     ),
     Finding(
@@ -78,38 +78,38 @@ FINDINGS: tuple[Finding, ...] = (
         "import-name",
         "error",
         "a name of the file can't be declared",
-        "Names have letters A to Z, digits and _, and no digit first; words of the language can't be declared, and one name is "
-        "one place.",
+        "Names have letters A to Z, digits and _, and no digit first; words of the language can't be declared, and each name is "
+        "declared once.",
     ),
     Finding(
         "Y1511",
         "other-joints",
         "error",
         "the file's joints aren't those of the robot",
-        "Joints are matched by their names, in whatever order they stand. With one too few or too many, the file is for another "
-        "arm, and its values would mean other motions.",
+        "Joints are matched by their names, in any order. A file with a missing or an additional joint is for another "
+        "arm.",
     ),
     Finding(
         "Y1512",
         "too-dense",
         "warning",
         "the way-points are denser than the controller's segments",
-        "The controller runs cubic pieces that have a shortest duration. Way-points that follow each other quicker add only their "
-        "noise: fewer of them give the same way, and smoother.",
+        "The controller runs cubic pieces that have a shortest duration. Denser way-points only add "
+        "noise: fewer of them give the same path, and a smoother one.",
     ),
     Finding(
         "Y1513",
         "import-in-motion",
         "error",
         "the trajectory begins or ends in motion",
-        "A motion of a program begins and ends at rest. A trajectory whose velocities aren't 0 at its beginning or at its end was cut out of a longer one, and the arm can't stand where it moves.",
+        "A motion of a program begins and ends at rest. A trajectory whose velocities aren't 0 at its beginning or at its end was cut out of a longer one; the arm would have to jump to that velocity.",
     ),
     Finding(
         "Y1514",
         "import-without-times",
         "error",
-        "there are no times that could be kept",
-        "MOVEJ_TIMED passes joint positions at their times. A file without times, and one of poses, gives no such timetable.",
+        "the file has no times to keep",
+        "MOVEJ_TIMED passes joint positions at given times. A file without times, or with poses, can't become such a timetable.",
     ),
     Finding(
         "Y1515",
@@ -125,16 +125,16 @@ FINDINGS: tuple[Finding, ...] = (
         "cloud-not-readable",
         "error",
         "the point cloud can't be read",
-        "Point clouds are read from PCD files (text, binary or compressed) and PLY files. Points that are no numbers, where a sensor has seen nothing, are left out; a file that is damaged, or whose points "
-        "may count from elsewhere (VIEWPOINT), isn't guessed at: an obstacle in the wrong place protects nobody.",
+        "Point clouds are read from PCD files (text, binary or compressed) and PLY files. Points that aren't numbers (the sensor saw nothing) are left out. A file that is damaged, or whose points "
+        "may have another origin (VIEWPOINT), is refused: an obstacle in the wrong place protects nobody.",
     ),
     Finding(
         "Y1517",
         "voxels-too-small",
         "error",
         "the cubes are too small for the point cloud",
-        "A point cloud becomes the cubes of a grid that have a point inside. Small cubes follow it closely, but there are more of them than a proof of collisions can look at in reasonable time; "
-        "and between points that are farther apart than an edge there are holes.",
+        "A point cloud becomes those cubes of a grid that contain a point. Small cubes follow the points closely, but too many of them make the collision proof too slow; "
+        "and between points that are farther apart than a cube's edge there are holes.",
         "yarc import hall.pcd --units m --voxel 0.1",
         "yarc import hall.pcd --units m --voxel 50",
     ),
@@ -142,7 +142,7 @@ FINDINGS: tuple[Finding, ...] = (
         "Y1521",
         "folder-in-use",
         "error",
-        "the new project's folder has something in it",
+        "the new project's folder isn't empty",
         "A new project would mix with the files that are there, or overwrite them.",
     ),
     Finding(

@@ -8,24 +8,24 @@ FINDINGS = (
         "internal-error",
         "error",
         "yarclang itself has failed",
-        "Something in yarclang went wrong that isn't the program's fault. Nothing is written for this program, and other files are checked all the "
-        "same. Please report it: the help has the lines to copy.",
+        "yarclang has an error of its own; the program isn't the cause. Nothing is written for this program; other files are still "
+        "checked. Please report the error: the help has the lines to copy.",
     ),
     Finding(
         "Y2002",
         "unproved-form",
         "error",
-        "the usual form of a program can't be proved to say the same",
-        "Before a program is written in its usual form, the new text is read again: it must have the same words and numbers, the same comments in the "
-        "same places, and must itself be in form. If it hasn't, the formatter is wrong, and the file stays as it is. Please report it.",
+        "the formatted program can't be proved to mean the same",
+        "Before a formatted program is written, it is read again: it must have the same words and numbers, the same comments in the "
+        "same places, and must not change if formatted again. Otherwise the formatter has an error, and the file stays unchanged. Please report it.",
     ),
     Finding(
         "Y2003",
         "out-of-memory",
         "error",
-        "the memory was not enough",
-        "The operating system gave no more memory while a program was checked. Nothing is written for this program, and other files are checked all "
-        "the same.",
+        "there was not enough memory",
+        "The operating system gave no more memory while a program was checked. Nothing is written for this program; other files are "
+        "still checked.",
     ),
     Finding(
         "Y2004",

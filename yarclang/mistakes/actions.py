@@ -192,7 +192,7 @@ def turned(line: Line) -> Guess | None:
             len(line.bare),
             f"the range of {found['name']} is missing",
             None,
-            f"write it behind the name{begins}",
+            f"write it after the name{begins}",
         )
     if word == "WHEN" and (found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)):
         name, at = found["name"], line.behind + found.start("name")

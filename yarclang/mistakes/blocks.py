@@ -57,12 +57,12 @@ def condition(line: Line) -> Guess | None:
         if (found := _THEN.search(line.bare)) and word in ("IF", "WHEN", "WHILE", "REPEAT"):
             kind = "word" if found["word"] else "sign"
             return line.guess(
-                found.start(kind), found.end(kind), f"`{found[kind]}` can't stand behind the condition", "",
+                found.start(kind), found.end(kind), f"`{found[kind]}` can't stand after the condition", "",
                 "take it away; what comes then has lines of its own, up to END",
             )  # fmt: skip
     if found := re.fullmatch(r"\s*(?P<word>ELSE|LOOP)\s*(?P<sign>:|THEN|DO|\{|;)", line.bare, re.I):
         repaired = f"{line.text[: found.end('word')]}{line.comment and ' ' + line.comment}"
-        what = f"`{found['sign']}` can't stand behind {found['word']}"
+        what = f"`{found['sign']}` can't stand after {found['word']}"
         return Guess(found.start("sign"), found.end("sign"), what, "take it away", repaired)
     inputs = [one.upper() for one in line.around.declared.get("INPUT", ())]
     found = re.match(r"\s+(?P<name>[A-Za-z_]\w*)", line.values)
@@ -183,7 +183,7 @@ def several(line: Line) -> Guess | None:
         return Guess(
             at,
             at + len(found["sign"]),
-            f"`{found['sign']}` can't stand behind {line.word}",
+            f"`{found['sign']}` can't stand after {line.word}",
             "take it away",
             repaired,
         )

@@ -20,7 +20,7 @@ def request(line: Line) -> Guess | None:
     state = "OFF" if found["word"].upper().startswith("RESET") else "ON"
     end = found.end("all") if state == "ON" else found.end("word")
     index = "" if line.index.strip() else f"{line.around.free_index(line.number)} "
-    message = f"{found['word']} says ON or OFF behind the output"
+    message = f"{found['word']} says ON or OFF after the output"
     return line.guess(found.start("all"), end, message, None, f"write {index}SET {found['name']} {state}")
 
 

@@ -19,7 +19,7 @@ def alike(line: Line) -> Guess | None:
         every = _DEGREES.sub("", line.text)
         unit = line.units.get("angle")
         help_ = (
-            f"take it away: the line's units have {unit}" if unit else "write (deg) behind the motion time"
+            f"take it away: the line's units have {unit}" if unit else "write (deg) after the motion time"
         )
         repaired = (every,) if unit == "deg" else ()
         return Guess(

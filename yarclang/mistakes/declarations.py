@@ -69,7 +69,7 @@ def declared(line: Line) -> Guess | None:
         return _replaced(line, found, "all", "a joint position's name stands without braces", found["name"])
     if word in ("OUTPUT", "INPUT") and (found := _VARIABLE.fullmatch(line.values)):
         example = "M1" if word == "OUTPUT" else "M11"
-        help_ = f"write the controller's variable behind the name, as {word} {found['name']} {example}{found['rest'].rstrip()}"
+        help_ = f"write the controller's variable after the name, as {word} {found['name']} {example}{found['rest'].rstrip()}"
         return _replaced(
             line, found, "variable", f"`{found['variable']}` is no variable of the controller", None, help_
         )
@@ -98,7 +98,7 @@ def _number(line: Line) -> Guess | None:
     found = _WITH_UNIT.fullmatch(line.values)
     if found and found["unit"].lower() in UNITS and is_number(found["value"]):
         help_ = f"write = {found['value']} ({found['unit'].lower()})"
-        return _replaced(line, found, "all", "a number's unit stands in brackets behind it", None, help_)
+        return _replaced(line, found, "all", "a number's unit stands in brackets after it", None, help_)
     if found := re.match(r"\s+(?P<name>[0-9]+(?P<rest>[A-Za-z_]\w*))", line.values):
         help_ = f"a name begins with a letter: write {found['rest']}{found['name'][: -len(found['rest'])]}"
         return _replaced(line, found, "name", f"`{found['name']}` is no name", None, help_)
@@ -108,7 +108,7 @@ def _number(line: Line) -> Guess | None:
 def _sub(line: Line) -> Guess | None:
     if not line.values.strip():
         return line.guess(
-            line.begin, line.behind, "the SUB has no name", None, "write a name behind it, as SUB PICK"
+            line.begin, line.behind, "the SUB has no name", None, "write a name after it, as SUB PICK"
         )
     if found := re.fullmatch(r"\s+(?P<name>[A-Za-z_]\w*)\s*(?P<all>\(\s*\)\s*:?|:)", line.values):
         at = line.behind + found.start("all")

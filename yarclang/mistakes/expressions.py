@@ -56,7 +56,7 @@ def sum_(line: Line) -> Guess | None:
             found.start(), found.end(), f"`{shown}` is not a number: functions stand in $()", put, help_
         )
     if unit := _TURNED.get(name):
-        help_ = f"write {found['inside']}, and ({unit}) behind the motion time"
+        help_ = f"write {found['inside']}, and ({unit}) after the motion time"
         if line.units.get("angle") == unit:
             help_ = f"write {found['inside']}: the line's angles are in {unit}"
         return line.guess(
@@ -79,5 +79,5 @@ def _with_unit(line: Line, found: re.Match[str]) -> Guess | None:
             number,
             f"write {number}; the line's units have {unit} already",
         )
-    help_ = f"write {number}, and ({unit}) behind the motion time" + (f" instead of {here}" if here else "")
+    help_ = f"write {number}, and ({unit}) after the motion time" + (f" instead of {here}" if here else "")
     return line.guess(found.start(), found.end(), message, None, help_)

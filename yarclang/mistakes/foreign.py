@@ -83,7 +83,7 @@ def _by_head(line: Line) -> Guess | None:
             end,
             f"{word} belongs to KRL",
             None,
-            "a speed belongs to its motion: write [V 200] behind the values, or DEFAULT [V 200] once",
+            "a speed belongs to its motion: write [V 200] after the values, or DEFAULT [V 200] once",
         )
     if (
         upper.startswith("MOVE")

@@ -23,8 +23,8 @@ def index(line: Line) -> Guess | None:
     if found := _ALONE.match(line.bare):
         name = found["index"]
         return Guess(
-            found.start("index"), found.end("index"), f"behind the index {name} the command is missing",
-            f"write it behind the index, as {name} MOVEJ HOME, or take the index away",
+            found.start("index"), found.end("index"), f"after the index {name} the command is missing",
+            f"write it after the index, as {name} MOVEJ HOME, or take the index away",
         )  # fmt: skip
     if found := _COLON.match(line.bare):
         sign = found["sign"].strip()
@@ -34,7 +34,7 @@ def index(line: Line) -> Guess | None:
         )  # fmt: skip
     if (found := _CLOSE.match(line.bare)) and is_command(found["word"]):
         put = f"{found['index']} {found['word']}"
-        return line.guess(found.start("index"), found.end("word"), "a blank is missing behind the index", put)
+        return line.guess(found.start("index"), found.end("word"), "a blank is missing after the index", put)
     if (
         (found := _SIGNED.match(line.bare))
         and is_command(found["word"])

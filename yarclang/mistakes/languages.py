@@ -8,7 +8,7 @@ from types import MappingProxyType
 MOVEJ = "write P0010 MOVEJ and the joint positions, or P0010 MOVEJ_RPY and a pose"
 MOVEL = "write P0010 MOVEL and a pose: X Y Z, then roll, pitch and yaw"
 MOVEC = "write P0010 MOVEC, the point on the way, a semicolon, and the pose at the end"
-DMOVE = "write P0010 DMOVE and the way, X Y Z roll pitch yaw; a frame behind it says along which axes"
+DMOVE = "write P0010 DMOVE and the way, X Y Z roll pitch yaw; a frame after it says along which axes"
 DMOVEJ = "write P0010 DMOVEJ and the angle by which each joint turns"
 SET = "declare the output, as OUTPUT GLUE M1 OFF, and write P0010 SET GLUE ON"
 WAIT_INPUT = "declare the input, as INPUT DOOR M11, and write P0010 WAIT DOOR ON"
@@ -21,7 +21,7 @@ REGISTER = (
 JUMP = "no line is jumped to: lines that are used in several places stand in a SUB; WHEN, CASE and LOOP lead the way"
 REPEAT = "write REPEAT I 4, the lines, and END: $I is 0, 1, 2 and 3"
 _FRAME = (
-    "declare the frame, as FRAME {BENCH} 0 1000 0 0 0 0 (mm,deg) {B}, and write {BENCH} behind the motions"
+    "declare the frame, as FRAME {BENCH} 0 1000 0 0 0 0 (mm,deg) {B}, and write {BENCH} after the motions"
 )
 _TOOL = "write the frame that moves before the values, as {TCP}; tools stand in the robot's or cell's file"
 _NUMBERS = "write LET N = 4 for a number that never changes; one that does is declared, as REGISTER N 0..17, and changed by SET N = N + 1"

@@ -242,7 +242,7 @@ def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | 
             return line.guess(
                 at,
                 end,
-                f"`{text}` is no length of a BLEND: units stand in brackets behind the command",
+                f"`{text}` is no length of a BLEND: units stand in brackets after the command",
                 value,
                 f"write BLEND {value}; the line's units have {unit} already",
             )
@@ -257,13 +257,13 @@ def _with_unit(line: Line, at: int, text: str, found: re.Match[str]) -> Guess | 
             f"write {value}; the line's units have {unit} already, as in ({_units(line)})",
         )
     if here is None:
-        return line.guess(at, end, message, None, f"write {value}, and ({unit}) behind the motion time")
+        return line.guess(at, end, message, None, f"write {value}, and ({unit}) after the motion time")
     return line.guess(
         at,
         end,
         message,
         None,
-        f"write {value} in {here}, or ({unit}) behind the motion time instead of {here}",
+        f"write {value} in {here}, or ({unit}) after the motion time instead of {here}",
     )
 
 

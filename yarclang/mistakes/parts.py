@@ -92,7 +92,7 @@ def time(line: Line) -> Guess | None:
             return line.guess(
                 begin,
                 end,
-                f"a speed is written without its unit: units stand in brackets behind it, and here they are ({_units(line)})",
+                f"a speed is written without its unit: units stand in brackets after it, and here they are ({_units(line)})",
                 None,
                 f"write [V {value}] in them",
             )
@@ -114,7 +114,7 @@ def _with_unit(line: Line, begin: int, end: int, found: re.Match[str]) -> Guess 
     unit, here = UNITS[_NAMES_OF_UNITS.get(written, written)], line.units.get("time")
     if unit.kind != "time" or not is_number(found["number"]):
         return None
-    message = "a motion time is a number without its unit: units stand in brackets behind it"
+    message = "a motion time is a number without its unit: units stand in brackets after it"
     if here is None:
         return line.guess(begin, end, message, f"[{found['number']}] ({unit.name})")
     value = f"{float(found['number']) * unit.factor / UNITS[here].factor:.9g}"
@@ -131,7 +131,7 @@ def order(line: Line) -> Guess | None:
         message = f"the value of {word} has no brackets"
         if found["square"] and line.bare.count("[") == 1:
             # The brackets may be meant as the motion time, with the value of the option left out.
-            help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value behind it"
+            help_ = f"write {put}; or, if {found['square']} is the time, [{found['square']}] before {word} and a value after it"
             return line.guess(found.start(), found.end(), message, None, help_)
         return line.guess(found.start(), found.end(), message, put)
     if line.is_motion and (found := _BOTH_FRAMES.match(line.values)):
@@ -141,12 +141,12 @@ def order(line: Line) -> Guess | None:
             return line.guess(
                 at,
                 at + len(base),
-                f"{base} stands behind values, time and units",
+                f"{base} stands after values, time and units",
                 None,
                 f"write {base} there: the moving frame alone stands before the values",
             )
         return line.guess(
-            at, line.behind + found.end(), f"{base} stands behind the values: it is the base frame", put
+            at, line.behind + found.end(), f"{base} stands after the values: it is the base frame", put
         )
     times = [one for one in _INSIDE.finditer(line.bare, line.behind) if not _is_name(one["inside"])]
     if len(times) > 1:
@@ -166,7 +166,7 @@ def order(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end(),
-            f"{motion_time} stands before units, base frame and options, not behind {early}",
+            f"{motion_time} stands before units, base frame and options, not after {early}",
             f"{motion_time} {early}",
         )
     if found := re.match(
@@ -175,7 +175,7 @@ def order(line: Line) -> Guess | None:
         name = found["option"].split()[0].upper()
         return line.guess(
             line.behind + found.start("option"), line.behind + found.end("option"), f"{name} can't stand before the values", None,
-            f"write {found['option']} behind values, time and units: options come last",
+            f"write {found['option']} after values, time and units: options come last",
         )  # fmt: skip
     return None
 
@@ -260,7 +260,7 @@ def option(line: Line) -> Guess | None:
         return line.guess(
             found.start(),
             found.end("word"),
-            "BLEND has no length behind it",
+            "BLEND has no length after it",
             None,
             "write BLEND 5, with a length or an angle in the line's units",
         )

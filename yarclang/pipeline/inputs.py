@@ -243,7 +243,7 @@ def _of_project(project: Project, program: SourceFile | None, options: Options) 
         return _named(project.robot, project.folder, project.source, project.span_of("robot"), options)
     names = ", ".join(robot.name for robot in list_robots())
     help_ = f'say --robot NAME, or write a ROBOT line, or robot = "NAME" in yarc.toml; there are {names}'
-    return Result(None, (Diagnostic("Y1391", "it isn't said for which robot", program, help=help_),))
+    return Result(None, (Diagnostic("Y1391", "no robot is named", program, help=help_),))
 
 
 def _named(

@@ -182,7 +182,7 @@ def part(
             )
         else:
             message = f"a program can't be begun or paused inside a {word}: which way is taken isn't known"
-        help_ = f"begin in front of the {word}, or behind its END"
+        help_ = f"begin before the {word}, or after its END"
         return Result(None, (Diagnostic("Y1164", message, plan.program.source, inside.origin.span, help_),))
     program = replace(plan.program, start=motion.curve.points[0], steps=chosen)
     around = _cells(plan) if since is None else _cells_since(plan, *since)

@@ -162,7 +162,7 @@ class Carrying:
         if ended.well:
             self._say(f"goal {goal.number} has ended at its last point")
             return None
-        what = f"goal {goal.number} was ended before its last point: {ended.what or 'nobody says why'}"
+        what = f"goal {goal.number} was ended before its last point: {ended.what or 'no reason given'}"
         return Refusal(
             ended.code or _ENDED, what, ended.help or "send the goal again, from where the robot stands"
         )

@@ -199,7 +199,7 @@ def read_wait_else(
     if last.argument is not None:
         findings.add(
             "Y0412",
-            "nothing stands behind the ELSE of a WAIT",
+            "nothing may follow the ELSE of a WAIT",
             span,
             "write what is done in lines of its own, up to END",
         )

@@ -201,7 +201,7 @@ class _Arrangement:
         if block.otherwise is not None:
             first = f" in line {block.otherwise_head.line}" if block.otherwise_head else ""
             message = f"the {block.word} of line {block.line} has an ELSE already{first}"
-            help_ = "for a third way write an IF behind the first ELSE, with an END of its own"
+            help_ = "for a third case write an IF after the first ELSE, with an END of its own"
         else:
             message = (
                 f"the {block.word} of line {block.line} is open here, and only IF, WHEN and CASE have an ELSE"
@@ -228,7 +228,7 @@ class _Arrangement:
         block = self.open.pop()
         self.missing -= 1
         if block.head is not None:
-            help_ = "write END behind the last line of the block"
+            help_ = "write END after the last line of the block"
             self._refuse("Y0113", f"this {block.word} has no END before {before}", block.head, help_)
         self._nodes().extend(block.closed(None))
 

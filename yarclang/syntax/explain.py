@@ -17,8 +17,8 @@ _ORDER = (
 )
 _LET = "write LET PITCH = 60 (mm)"
 _FUNC = "write FUNC MID(A, B) = (A + B) / 2"
-_SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit behind its name"
-_CALL = "arguments stand behind the name with blanks between: CALL DRILL {HOLE} 20 1.5"
+_SUB = "write SUB DRILL {AT} DEPTH (mm) T (s): a frame in braces, a number's unit after its name"
+_CALL = "arguments follow the name, with blanks between: CALL DRILL {HOLE} 20 1.5"
 
 _BEGINNINGS = {"WORD", "INDEX", "CALL", "SUB", "LET", "FUNC", "SETS", "IF", "WHENS", "WAITS", "LONE"}
 _RUN = re.compile(r'[^\s;\[\](){}!"]*')
@@ -43,7 +43,7 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
     if before == "LONE":
         return _not_alone(token, place, stack)
     if before == "SUB":
-        return Fault("Y0101", "behind SUB stands its name", _SUB, place)
+        return Fault("Y0101", "SUB is followed by its name", _SUB, place)
     if expected == {"WORD"} and before == "LPAR":
         return _no_unit(text, token, place)
     if expected == {"RPAR"}:
@@ -96,23 +96,23 @@ def _no_name(token: Any, place: Place) -> Fault:
     if token.type in {"OR", "AND", "NOT"}:
         message = f"{str(token).upper()} is a word of the language and can't be declared"
         return Fault("Y0101", message, "choose another name", place)
-    return Fault("Y0101", "behind LET stands the name that is declared", _LET, place)
+    return Fault("Y0101", "LET is followed by the name that is declared", _LET, place)
 
 
 def _place_in_function(kinds: Sequence[str]) -> str:
     """Return a description of the misplaced item's position in the head of a FUNC."""
     if "RPAR" in kinds and "LPAR" in kinds:
-        return "behind the parameters of a FUNC: its `=` is missing"
+        return "the `=` after the parameters of a FUNC is missing"
     return (
         "between the brackets with the parameters of a FUNC"
         if "LPAR" in kinds
-        else "where the name of a FUNC and its parameters stand"
+        else "in the name and the parameters of a FUNC"
     )
 
 
 def _no_equals(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
-    help_ = f"the unit stands behind the number: {_LET}" if token.type == "LPAR" else _LET
-    missing = Fault("Y0101", f"`=` is missing behind {stack[-1]}", help_, place)
+    help_ = f"the unit stands after the number: {_LET}" if token.type == "LPAR" else _LET
+    missing = Fault("Y0101", f"`=` is missing after {stack[-1]}", help_, place)
     return foreign(text, place) or missing
 
 
@@ -131,7 +131,7 @@ def _no_unit(text: str, token: Any, place: Place) -> Fault:
     message = f"a unit stands in the brackets, not `{match.group() if match else token}`"
     if token.type == "RPAR":
         message = "no unit stands between the brackets"
-    help_ = "behind a number a bracket holds its unit: 60 (mm); a product has a `*`"
+    help_ = "a bracket after a number holds its unit: 60 (mm); a product has a `*`"
     return Fault("Y0101", message, help_, place)
 
 
@@ -139,7 +139,7 @@ def _second_unit(token: Any, place: Place, stack: Sequence[Any]) -> Fault:
     if token.type in {"$END", "LSQB", "FRAME", "LPAR", "STRING"}:
         return unclosed(stack)
     message = f"one number has one unit: {called(token)} can't stand here"
-    return Fault("Y0101", message, "write each unit behind its number: 20 (mm) 1.5 (s)", place)
+    return Fault("Y0101", message, "write each unit after its number: 20 (mm) 1.5 (s)", place)
 
 
 # All other lines.
@@ -171,7 +171,7 @@ def _dollar(text: str, place: Place) -> Fault | None:
         return Fault("Y0101", f"`{run}(` can't be read: one value runs into another", help_, place)
     message, help_ = f"`{run}` can't be read: an expression stands in brackets", ""
     if run == "$":
-        message = "behind `$` a name is missing, or an expression in round brackets"
+        message = "`$` must be followed by a name, or by an expression in round brackets"
         help_ = "write $NAME or $(2*NAME)"
     elif re.fullmatch(r"\$[0-9.]+", run):
         message, help_ = f"`{run}` can't be read", "a number stands without `$`"

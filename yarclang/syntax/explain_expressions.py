@@ -43,13 +43,13 @@ _FOREIGN = {
     "³": "write `**3`",
     "√": "write SQRT(...)",
     "π": "write PI",
-    "°": "write the unit behind the number, `30 (deg)`",
+    "°": "write the unit after the number, `30 (deg)`",
 }
 _FOREIGN_WORDS = {
     "MOD": "the remainder is `%`",
     "DIV": "write FLOOR(a / b)",
     "XOR": "write `<>` between two comparisons in brackets",
-    "THEN": "nothing stands behind the condition; what comes then has lines of its own, up to END",
+    "THEN": "nothing may follow the condition; the commands have lines of their own, up to END",
 }
 
 
@@ -59,7 +59,7 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
     if fault := _cut_off(text, token, place) or foreign(text, place):
         return fault
     if token.type == "NOT":
-        message = f"NOT can't stand behind `{last}`: it binds weaker"
+        message = f"NOT can't stand after `{last}`: it binds weaker"
         return Fault("Y0101", message, "put it in brackets: (NOT A)", place)
     if token.type == "VARIABLE":
         message = "inside an expression a name stands without `$`"
@@ -75,24 +75,24 @@ def no_operand(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fau
     if innermost and token.type in _ENDS:
         return unclosed(stack)
     if kind_of(last) == "IF":
-        return Fault("Y0101", "the condition behind IF is missing", "write IF PITCH > 50", place)
+        return Fault("Y0101", "the condition after IF is missing", "write IF PITCH > 50", place)
     if kind_of(last) == "WHENS":
         return Fault(
             "Y0101",
-            f"the condition behind {str(last).upper()} is missing",
+            f"the condition after {str(last).upper()} is missing",
             f"write {str(last).upper()} N < 3",
             place,
         )
     if kind_of(last) == "WAITS":
         return Fault(
-            "Y0101", "the condition behind WAIT is missing", "write WAIT DOOR = ON AND JOB > 2", place
+            "Y0101", "the condition after WAIT is missing", "write WAIT DOOR = ON AND JOB > 2", place
         )
     if kind_of(last) == "ASSIGN":
-        return Fault("Y0101", "the value behind `=` is missing", "write LET PITCH = 60 (mm)", place)
+        return Fault("Y0101", "the value after `=` is missing", "write LET PITCH = 60 (mm)", place)
     help_ = "write a number, a name, or an expression in brackets"
     if str(last) == "%":
         help_ += "; `%` is the remainder of a division"
-    return Fault("Y0101", f"something to compute with is missing behind `{last}`", help_, place)
+    return Fault("Y0101", f"an operand is missing after `{last}`", help_, place)
 
 
 def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fault:
@@ -112,7 +112,7 @@ def no_operator(text: str, token: Any, place: Place, stack: Sequence[Any]) -> Fa
         help_ = "write A < B AND B < C, or put one of them in brackets"
         return Fault("Y0101", f"`{token}` follows another comparison", help_, place)
     if token.type in {*_ENDS, "FRAME", "STRING"}:
-        message = f"{called(token)} can't stand {'inside' if opened else 'behind'} an expression"
+        message = f"{called(token)} can't stand {'inside' if opened else 'after'} an expression"
         help_ = "close the bracket before it" if opened else "the expression is the last part of LET and IF"
         return Fault("Y0101", message, help_, place)
     if shown(token).upper() in _FOREIGN_WORDS:
@@ -138,7 +138,7 @@ def _side_by_side(text: str, token: Any, place: Place) -> Fault:
     elif token.type == "INDEX":
         help_ = "a command has a line of its own"
     elif token.type == "LPAR":
-        help_ = "a product has a `*`; a unit stands behind a number only"
+        help_ = "a product has a `*`; a unit can only follow a number"
     return Fault("Y0101", f"no operator stands between `{left}` and `{right}`", help_, place)
 
 

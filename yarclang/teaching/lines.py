@@ -144,7 +144,7 @@ def move(program: Program, line: int, before: int) -> Edited:
     if moved is not None and moved.name.name == "ELSE":
         raise Trouble("ELSE stays between IF, WHEN or CASE and its END", "move the whole block", "block")
     if moved is not None and moved.name.name == "OF":
-        raise Trouble("OF stays in its CASE", "move the lines behind it, or the whole block", "block")
+        raise Trouble("OF stays in its CASE", "move the lines after it, or the whole block", "block")
     first, last = lines[0], lines[-1]
     after = before - 1
     row_end = program.last_row(after) if after else 0

@@ -115,8 +115,8 @@ def _mistake(document: type[Document], data: dict[str, Any], detail: Any, excuse
 
 _TYPES = {
     "float_type": "a number",
-    "int_type": "a whole number",
-    "int_from_float": "a whole number",
+    "int_type": "an integer",
+    "int_from_float": "an integer",
     "bool_type": "true or false",
     "string_type": 'a text in "quotes"',
     "list_type": "a list in [brackets]",
@@ -225,7 +225,7 @@ def _table(path: Path) -> str:
 def _shown(value: Any) -> str:
     """Return a value as a message shows it, cut if it is long."""
     if isinstance(value, int) and abs(value) >= 10**15:
-        return "a whole number of more than 15 digits"
+        return "an integer of more than 15 digits"
     text = f'"{value}"' if isinstance(value, str) else repr(value)
     return text if len(text) <= 40 else text[:37] + "..."
 

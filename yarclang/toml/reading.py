@@ -54,7 +54,7 @@ def parse_toml(source: SourceFile) -> dict[str, Any] | Diagnostic:
         line, column = (int(place[1]), int(place[2])) if place else (max(len(source.lines), 1), 1)
         if "integer string conversion" in what:
             digits = re.search(r"\d[\d_]{4000}", source.text)
-            what, line = "A whole number has too many digits", 1
+            what, line = "An integer has too many digits", 1
             if digits is not None:
                 line = source.text.count("\n", 0, digits.start()) + 1
         return Diagnostic(

@@ -52,7 +52,7 @@ def placed(numbers: Sequence[Fraction]) -> Step:
 
     It is given as three rows of the rotation, each followed by a coordinate of the origin [m].
     """
-    need(len(numbers) == 12, "a frame isn't told by 12 numbers")
+    need(len(numbers) == 12, "a frame doesn't have 12 numbers")
     columns = [[fixed(numbers[4 * row + column]) for row in range(3)] for column in range(4)]
     for i in range(3):
         for j in range(3):

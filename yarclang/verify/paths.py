@@ -242,7 +242,7 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     radius = length(*spoke)
     need(
         0 < sweep < 2 * PI and Fraction(1, 100) < told["via"] < Fraction(99, 100) and radius < 64 * ONE,
-        "an arc is told by other numbers",
+        "an arc has other numbers than it should",
     )
     need(abs(dot(spoke, side)) < _ROUND, "an arc isn't a circle's")
     need(abs(dot(spoke, spoke) - dot(side, side)) < _ROUND, "an arc isn't a circle's")

@@ -104,15 +104,15 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     content = read(text.decode("ascii"), robot["axes"], robot["motors"], robot["coordinate_system"])
     need(content.version == proof["version"], "the proof was made by another version than the text")
     same = (content.robot, content.fingerprint) == (robot["name"], robot["fingerprint"])
-    need(same, "the proof tells of another robot than the text")
+    need(same, "the proof is about another robot than the text")
     arm = Arm(robot)
     course.check_start(content, robot, program["start"])
     rows, done = course.follow(content)
     titles = [step["title"] for step in program["steps"]]
-    need([entry.title for entry in content.entries] == titles, "the text has other commands than told")
-    need(done == program["course"], "the text does something else than told, or in another order")
+    need([entry.title for entry in content.entries] == titles, "the text has other commands than the proof says")
+    need(done == program["course"], "the text's actions differ from the proof's, or are in another order")
     same = (content.safe, content.registers) == (program["safe"], program["registers"])
-    need(same, "the text has other safe values, registers or watched inputs than told")
+    need(same, "the text has other safe values, registers or watched inputs than the proof says")
     course.check_guard(content, robot)
     course.check_variables(content, robot, program["outputs"])
     verdict.checked += [
@@ -128,7 +128,7 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append("the header's duration, since ways part")
     for row, step in zip(rows, program["steps"], strict=True):
         free = bool(step.get("any_jerk", False))
-        need(free or not row.entry.any_jerk, f"{row.entry.title}: its jerk is free, and isn't told to be")
+        need(free or not row.entry.any_jerk, f"{row.entry.title}: its jerk is free, and the proof doesn't say so")
     _check_stands(content.start, robot)
     shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")
@@ -169,7 +169,7 @@ def _list_allowed(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdi
 def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:
     """Check that bodies stay apart, and list them."""
     cell = proof["cell"]
-    need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell is told by other names than a cell's")
+    need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell has other fields than a cell's")
     checked, left = check_apart(rows, cell, proof["planes"], arm)
     verdict.checked.append(checked)
     verdict.unchecked += left
@@ -192,7 +192,7 @@ def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: V
 
 def _check_robot(robot: dict[str, Any], verdict: Verdict) -> None:
     """Check the form of the robot's numbers, and list them."""
-    need(set(robot) == _OF_ROBOT, "the robot is told by other names than a robot's")
+    need(set(robot) == _OF_ROBOT, "the robot has other fields than a robot's")
     size = len(robot["joints"])
     need(0 < size <= 16, "the robot has 1 to 16 joints")
     for name in f"axes kinds motors counts {' '.join(_LIMITS)} lower upper".split():

@@ -157,7 +157,7 @@ def key_html(stage: Stage) -> str:
     if "tool" in kinds:
         entries.append((colours.TOOL, "what the robot carries"))
     if "part" in kinds:
-        entries.append((colours.PART, "parts; seen through where one only may be"))
+        entries.append((colours.PART, "parts; transparent if its presence isn't certain"))
     if "obstacle" in kinds:
         entries.append((colours.OBSTACLE, "obstacles"))
     shown = {item.colour for item in stage.items if item.kind == "zone"}

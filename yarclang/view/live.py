@@ -87,7 +87,7 @@ class _Link:
         """Return the source of the robot's messages, for people."""
         welcome = self.there.welcome
         what = "simulated" if welcome.simulated else f"at {welcome.status.controller}"
-        return f"{what}, told by {self.run.name}"
+        return f"{what}, reported by {self.run.name}"
 
 
 async def _show(whose: Whose, door: Door, ready: Callable[[Door, str], None]) -> None:

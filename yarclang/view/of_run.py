@@ -51,7 +51,7 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
     run, found = read.value, read.diagnostics
     if not len(run.times):
         message = f"{file} has no positions: {outcome_text(run)[0]}"
-        help_ = f"`yarc replay {file}` shows what was told"
+        help_ = f"`yarc replay {file}` shows the messages of the run"
         return Result(None, (*found, Diagnostic("Y1405", message, help=help_)))
     folder = Path(file).parent
     loaded = robot_made_for(folder, run.robot.name) if robot_name is None else named_robot(folder, robot_name)

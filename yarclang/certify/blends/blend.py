@@ -95,7 +95,7 @@ def _in_joints(judged: Judged, layout: Layout, proofs: Proofs, corner: Corner) -
         unit = robot.axis_units[joint]
         judged.find(
             "Y1166",
-            f"in the blend behind it {robot.joint_names[joint]} is up to {worst[joint] / unit:.6g} "
+            f"in the blend after it {robot.joint_names[joint]} is up to {worst[joint] / unit:.6g} "
             f"{robot.axis_unit_names[joint]} from the corner, {_how(away[joint], left[joint], joined[joint])}: "
             f"{(worst - allowed)[joint] / unit:.3g} more than the {allowed[joint] / unit:.6g} that are allowed",
             layout.places[corner.first].step,
@@ -176,14 +176,14 @@ def _of_frames(
         if not most <= together.radius[i]:
             judged.find(
                 "Y1166",
-                f"in the blend behind it the moving frame is up to {most / MM:.6g} mm from the corner, "
+                f"in the blend after it the moving frame is up to {most / MM:.6g} mm from the corner, "
                 f"{_how(*parts)}: {(most - radius[i]) / MM:.3g} more than the {radius[i] / MM:.6g} that are allowed",
                 step,
             )
         elif not angle[i] <= together.angle[i]:
             judged.find(
                 "Y1166",
-                f"in the blend behind it the moving frame is turned by up to {angle[i] / DEG:.6g} deg from its orientation in "
+                f"in the blend after it the moving frame is turned by up to {angle[i] / DEG:.6g} deg from its orientation in "
                 f"the corner; both motions turn by {turn[i] / DEG:.6g} deg there",
                 step,
             )

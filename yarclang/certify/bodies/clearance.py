@@ -167,7 +167,7 @@ def _finding(
         how += (
             f", whose margin is {margin / MM:.4g} mm"
             if margin > 0.0
-            else ", too near to be told from a touch"
+            else ", too near to be distinguished from contact"
         )
     names = dict.fromkeys(" and ".join(scene.names(one.pair)) for one, _ in contacts)
     names.pop(f"{moving} and {other}")

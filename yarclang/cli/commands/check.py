@@ -40,22 +40,22 @@ _PAUSE = 0.3
     "--plan/--no-plan",
     "plans",
     default=True,
-    help="Plan and prove the motions (default), or find only what needs neither.",
+    help="Plan and prove the motions (default), or only check without planning.",
 )
 @click.option("--strict", is_flag=True, help="A warning counts as an error.")
 @finding_words(
-    "--select", help="Tell (and fix) only these besides errors: codes, their beginnings (Y06), or names."
+    "--select", help="Report (and fix) only these besides errors: codes, their beginnings (Y06), or names."
 )
-@finding_words("--ignore", help="Don't tell (or fix) these; errors are told all the same.")
+@finding_words("--ignore", help="Don't report (or fix) these; errors are always reported.")
 @click.option(
-    "--max-findings", type=click.IntRange(min=0), metavar="N", help="Show at most so many findings."
+    "--max-findings", type=click.IntRange(min=0), metavar="N", help="Largest number of findings to show."
 )
 @click.option(
     "--format",
     "format_",
     type=click.Choice(["text", "json", "sarif", "github", "junit"]),
     default="text",
-    help="How to write the findings.",
+    help="Output format of the findings.",
 )
 @planning_options
 @tm_option
@@ -77,10 +77,10 @@ def command(
     no_cache: bool,
     **planning: Any,
 ) -> None:
-    """Check programs: everything that yarcc checks before it writes, and what else is worth saying.
+    """Check programs: everything that yarcc checks before it writes, and further warnings and notes.
 
     A folder means all .yarc files in it; - reads standard input. A FILE.toml is checked by itself: robot.toml is a robot's, yarc.toml a
-    project's, any other a cell's (for --robot, if it is given). `yarc.toml` says for which robot, in which cell, and which findings are told: docs/findings.md.
+    project's, any other a cell's (for --robot, if it is given). `yarc.toml` may name the robot, the cell, and the findings to report: docs/findings.md.
     """
     _check_usage(paths, fix, diff, watch, format_)
     one_for_products()

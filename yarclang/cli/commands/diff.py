@@ -28,7 +28,7 @@ _COLOURS = {"+": "green", "-": "red", "~": "yellow"}
 @click.option(
     "--tolerance",
     type=Numbers("MM[,DEG]", most=2, positive=True),
-    help="How far the tool may be off (default: the robot's tolerance of a path; DEG in the same ratio).",
+    help="Allowed difference of the tool (default: the robot's path tolerance; DEG in the same ratio).",
 )
 @click.option("--all", "all_commands", is_flag=True, help="Show commands that are the same, too.")
 @click.option(
@@ -48,7 +48,7 @@ def command(
     """Compare two programs by what the robot does: paths, times, configurations, outputs, waits. Comments, layout and renumbering
     are no difference.
 
-    The status is 0 where they are equal within the tolerance, and 1 where they differ, as diff's; 1 with an error where a program
+    The exit status is 0 if they are equal within the tolerance, and 1 if they differ, as for diff, or if a program
     can't be read or compiled.
     """
     if first == second == "-":

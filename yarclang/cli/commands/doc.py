@@ -21,12 +21,12 @@ def _modules(ctx: click.Context, param: click.Parameter, incomplete: str) -> lis
     type=click.Choice(["text", "markdown"]),
     default="text",
     show_default=True,
-    help="How to write the reference.",
+    help="Output format of the reference.",
 )
 def command(name: str | None, form: str) -> None:
     """Print the reference of a module; without one, list the modules.
 
-    A module is one of the working directory, else of the standard library.
+    The module is looked up in the working directory, then in the standard library.
     """
     from pathlib import Path
 

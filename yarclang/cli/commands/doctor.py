@@ -23,14 +23,14 @@ if TYPE_CHECKING:
     required=True,
     metavar="NAME|PATH",
     shell_complete=complete_robots,
-    help="The robot that hangs on the controller.",
+    help="The robot of the controller.",
 )
 @click.option(
     "--to",
     type=AddressType(),
     default=SIM,
     metavar="sim|tcp://HOST[:PORT]",
-    help="The controller (default: a simulator of our own).",
+    help="The controller (default: a built-in simulator).",
 )
 @format_option
 def command(robot: str, to: Address | None, format_: str) -> None:

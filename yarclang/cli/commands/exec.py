@@ -22,17 +22,17 @@ if TYPE_CHECKING:
     "--times",
     type=click.IntRange(1),
     default=1,
-    help="So many times, where the program ends where it starts.",
+    help="Number of times; the program must end where it starts.",
 )
-@click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
+@click.option("--positions", is_flag=True, help="Report the robot's position as well, 50 times a second.")
 @motion_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, **options: Any) -> None:
-    """Run a program without a terminal: nobody is asked, and standard output has an event a line, as JSON.
+    """Run a program without a terminal and without questions; standard output has one JSON event per line.
 
-    The last event is "ended"; its "status" is the exit status: 0 where the program came to its end, else 1. SIGTERM and SIGINT stop the robot on its path
-    and end then; a terminal that is closed changes nothing. `yarc status`, hold, resume, override and stop work from other terminals.
+    The last event is "ended"; its "status" is the exit status: 0 if the program came to its end, else 1. SIGTERM and SIGINT stop the robot on its path
+    and end the process; closing the terminal changes nothing. `yarc status`, hold, resume, override and stop work from other terminals.
     """
     check_controller_usage(to, options)
     from yarclang.cli.executing import Lines, execute, findings_line, not_repeated, refused_line

@@ -43,25 +43,25 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
 @click.option(
     "--tolerance",
     type=PositiveNumber("T", least=1e-6, most=0.1),
-    help="With --ros: how far a driver may leave the certified path between way-points, in rad, and m of sliding joints (default: 0.0001).",
+    help="With --ros: allowed deviation of a driver from the certified path, in rad, or m for prismatic joints (default: 0.0001).",
 )
 @click.option(
     "--linear",
     is_flag=True,
-    help="With --ros: keep the tolerance also for drivers that go straight from point to point.",
+    help="With --ros: keep the tolerance also for drivers that interpolate linearly.",
 )
 @click.option(
     "--ros-version",
     "version",
     type=click.Choice(["1", "2"]),
-    help="With --ros: whose names of fields to use (default: 2; 1 for a .bag).",
+    help="With --ros: version of ROS whose field names are used (default: 2; 1 for a .bag).",
 )
 @click.option(
     "--start",
     type=Numbers("Q1,Q2,..."),
-    help="With --ros: where the robot stands at first, as of yarcc.",
+    help="With --ros: start position of the robot, as for yarcc.",
 )
-@click.option("--overwrite", is_flag=True, help="Write over files that others have written or changed.")
+@click.option("--overwrite", is_flag=True, help="Overwrite files that weren't written by an export, or were changed since.")
 @tm_option
 @cell_option
 @robot_option
@@ -74,10 +74,10 @@ def command(
     robot: str | None,
     **wanted: Any,
 ) -> None:
-    """Write what ROS needs: MoveIt's configuration of a robot (--moveit), the nodes that move one that is served (--driver), or the certified motion of a program (--ros).
+    """Export to ROS: MoveIt's configuration of a robot (--moveit), the nodes that move a served robot (--driver), or the certified motion of a program (--ros).
 
-    The way-points of a trajectory are as few as keep every driver that interpolates by cubics or quintics within the tolerance of the certified path; the file says it.
-    What happens between motions (SET, WAIT, HOLD, WHEN) stands beside the trajectories.
+    A trajectory has as few way-points as possible with which every driver that interpolates by cubics or quintics stays within the tolerance of the certified path.
+    Actions between motions (SET, WAIT, HOLD, WHEN) are written beside the trajectories.
     """
     if moveit + driver + (ros is not None) != 1:
         raise click.UsageError("give one of --moveit, --driver and --ros PROGRAM.yarc")

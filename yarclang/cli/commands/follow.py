@@ -19,7 +19,7 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
     type=AddressType(),
     default=SIM,
     metavar="sim|tcp://HOST[:PORT]",
-    help="The controller: a simulator of our own (default), or a Turbo PMAC's address.",
+    help="The controller: a built-in simulator (default), or a Turbo PMAC's address.",
 )
 @click.option(
     "--unix",
@@ -30,7 +30,7 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
 @click.option(
     "--port",
     type=click.IntRange(0, 65535),
-    help="Listen on this TCP port of this computer instead (0: any that is free). Masters must say the token.",
+    help="Listen on this TCP port of this computer instead (0: any that is free). Masters must send the token.",
 )
 @click.option(
     "--token-file",
@@ -45,19 +45,19 @@ from yarclang.cli.options import PositiveNumber, cell_option, robot_option
     help="The largest speed of that frame, mm/s (default: the robot's, [jog] speed of its robot.toml).",
 )
 @cell_option
-@click.option("--positions", is_flag=True, help="Tell where the robot is as well, 50 times a second.")
+@click.option("--positions", is_flag=True, help="Report the robot's position as well, 50 times a second.")
 @click.option(
     "--log",
     type=click.Path(path_type=Path),
-    help="Where to write the run log (default: a new file in yarc-runs/).",
+    help="File for the run log (default: a new file in yarc-runs/).",
 )
 @click.option("--no-log", is_flag=True, help="Run without a log.")
 @patience_option
 @robot_option
 def command(to: Address | None, robot: str | None, **options: Any) -> None:
-    """Let another process steer the robot: joints, poses or velocities, a JSON object a line.
+    """Let another process steer the robot: joints, poses or velocities, one JSON object per line.
 
-    docs/coordinator.md has the lines. Each motion is proved before it is streamed. Without a line for 200 ms the robot rests. Standard output has an event a line; the first is
+    docs/coordinator.md describes the lines. Each motion is proved before it is streamed. After 200 ms without a line the robot comes to rest. Standard output has one event per line; the first is
     "listening", with the socket, or with port and token. SIGTERM and SIGINT bring the robot to rest, and end.
     """
     if options["log"] and options["no_log"]:

@@ -62,7 +62,7 @@ class _Time(ParamType[str]):
 @click.command("import")
 @click.argument("file", type=click.Path(allow_dash=True))
 @click.option(
-    "-o", "--output", metavar="OUT.yarc", help="Where to write the program (- for standard output)."
+    "-o", "--output", metavar="OUT.yarc", help="File for the program (- for standard output)."
 )
 @robot_option
 @click.option(
@@ -75,7 +75,7 @@ class _Time(ParamType[str]):
     "--as",
     "form",
     type=click.Choice(["moves", "spline", "timed"]),
-    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time where the file has times of joint values).",
+    help="Stop at each target, pass all in one go, or pass each at its time (default: at its time if the file has joint values with times).",
 )
 @click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(
@@ -84,17 +84,17 @@ class _Time(ParamType[str]):
 @click.option(
     "--tolerance",
     type=PositiveNumber("T"),
-    help="Take as few targets as keep the others within T (deg and mm) of the way.",
+    help="Take as few targets as possible, so that the others stay within T (deg and mm) of the path.",
 )
 @click.option(
     "--topic",
     metavar="NAME",
-    help="The only topic of a bag that is read; one of joint states is a recording.",
+    help="Topic of a bag to read. Joint states count as a recording.",
 )
 @click.option(
     "--voxel",
     type=PositiveNumber("MM"),
-    help="The edge of the cubes that a point cloud becomes, in mm.",
+    help="Edge of the cubes that a point cloud becomes, in mm.",
 )
 def command(
     file: str,
@@ -109,10 +109,10 @@ def command(
     topic: str | None,
     voxel: float | None,
 ) -> None:
-    """Make a YARC program of FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
+    """Make a YARC program from FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
-    FILE.csv becomes FILE.yarc; - reads standard input. Way-points with times keep these; long lists go into a CSV file beside the program. The program isn't
-    planned: yarc check does that. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml.
+    FILE.csv becomes FILE.yarc; - reads standard input. Way-points keep their times; long lists go into a CSV file beside the program. The program isn't
+    planned: use yarc check. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml.
     """
     if Path(file).suffix.lower() in _CLOUDS:
         others = {

@@ -30,7 +30,7 @@ _MOST_PLACES = 8
     "--source",
     metavar="FILE.yarc",
     type=click.Path(),
-    help="Of a .pmc: its program (default: looked for beside it, and in the working folder).",
+    help="For a .pmc: its program (default: looked for beside it, and in the working folder).",
 )
 @click.option(
     "--ways", is_flag=True, help="Show all ways and loops of a program as a tree, with their times."
@@ -49,11 +49,11 @@ def command(
     format_: str,
     **planning: Any,
 ) -> None:
-    """Show all that is known of one command: frames, target, joints, every inverse-kinematics solution and why it was or wasn't
-    taken, what limits the time, what was proved, and the lines for the controller.
+    """Show everything about one command: frames, target, joints, every inverse-kinematics solution and why it was or wasn't
+    chosen, the limits of its time, its proof, and the lines for the controller.
 
-    The command is told by its index, by its place among loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
-    back to its command. With --ways it is the whole program: which ways it may take, and how long each of them is.
+    Name the command by its index, by its place in loops and calls ("P0020(I=2)>P0010"), or by --line. A line of a .pmc leads
+    back to its command. With --ways show the whole program: its branches, and their durations.
     """
     from yarclang.pipeline.controller_text import is_compiled
 

@@ -27,7 +27,7 @@ def _address(ctx: click.Context, param: click.Parameter, value: str | None) -> t
 )
 @click.option("--robot", metavar="NAME|PATH", help="The robot of programs that name none, as for yarc check.")
 def command(stdio: bool, tcp: tuple[str, int] | None, robot: str | None) -> None:
-    """Check programs while they are typed: a language server, which editors start by themselves.
+    """Start the language server, which checks programs during typing. Editors start it themselves.
 
     docs/editors.md says how to set up an editor.
     """

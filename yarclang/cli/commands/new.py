@@ -39,7 +39,7 @@ def _of_template(name: str, robot: Robot) -> str:
     help="Begin with a program for a task: pick-place, pallet, weld, glue, tend or empty.",
 )
 def command(name: str, robot: str | None, template: str | None) -> None:
-    """Make the folder NAME with a program for a robot, its settings, and what editors and CI need."""
+    """Make the folder NAME with a program for a robot, its settings, and files for editors and CI."""
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_all
     from yarclang.diagnostics import has_errors

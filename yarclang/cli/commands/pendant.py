@@ -26,7 +26,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Beyond this machine only with TLS.",
+    help="Address to listen on. Beyond this machine only with TLS.",
 )
 @click.option(
     "--port",
@@ -44,7 +44,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
 @click.option(
     "--tls",
     type=click.Choice(["self-signed"]),
-    help="Make a certificate of our own; its fingerprint is printed.",
+    help="Make a self-signed certificate; its fingerprint is printed.",
 )
 @click.option(
     "--tls-cert", type=click.Path(dir_okay=False, path_type=Path), help="The certificate, in PEM form."
@@ -53,7 +53,7 @@ _LIBRARIES = ("argon2", "cryptography", "starlette", "uvicorn", "websockets")
 @click.option(
     "--data",
     type=click.Path(file_okay=False, path_type=Path),
-    help="Where users, sessions and the audit trail are kept (default: yarc/pendant in the user's state folder).",
+    help="Folder of users, sessions and the audit trail (default: yarc/pendant in the user's state folder).",
 )
 def command(to: Address | None, folder: Path, **options: Any) -> None:
     """Serve the pendant: pages for a browser or a tablet, to watch, run and jog a robot. Ctrl-C ends.

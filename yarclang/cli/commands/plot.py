@@ -19,14 +19,14 @@ _FORMATS = ("png", "svg", "pdf")
     "-o",
     "--output",
     metavar="OUT",
-    help="Where to draw: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
+    help="File to write: .png, .svg or .pdf (- for PNG on standard output; default: FILE.png beside the source).",
 )
 @planning_options
 @tm_option
 def command(file: str, output: str | None, **planning: Any) -> None:
     """Draw the motion of a program: joints against their limits, and the tool's path. - reads standard input.
 
-    Of a run's log (.mcap): what was planned and what became of it.
+    For a run's log (.mcap): planned and actual motion.
     """
     from yarclang.report.runs.kind import is_log
 

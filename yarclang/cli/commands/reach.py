@@ -17,7 +17,7 @@ from yarclang.cli.options import robot_argument
 def command(robot: str, output: str | None) -> None:
     """Draw where a robot can hold its flange, and in how many orientations, from the side and from above.
 
-    A robot that came out wrong of its URDF is seen by it: joints that miss leave few orientations or a thin shell.
+    The picture shows errors of a URDF: with missing joints there are few orientations, or a thin shell.
     """
     from yarclang.cli.show import show_findings
     from yarclang.cli.work import write_whole

@@ -9,9 +9,9 @@ from yarclang.cli.address import trouble_is_said
 
 @click.command("registers")
 @click.argument("file", required=False, metavar="[FILE.yarc]")
-@click.option("--forget", is_flag=True, help="Forget what they hold: a run begins with their first values.")
+@click.option("--forget", is_flag=True, help="Delete the values: the next run begins with the initial ones.")
 def command(file: str | None, forget: bool) -> None:
-    """Say what KEPT registers held last, and which places were taught (JPOS, LPOS), of one program or of all, on
+    """Print the last values of KEPT registers and the taught places (JPOS, LPOS), of one program or of all, on
     each controller.
     """
     if forget and file is None:

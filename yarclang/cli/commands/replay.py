@@ -43,10 +43,10 @@ class _Speed(ParamType[float]):
     metavar="N|max",
     default="1",
     show_default=True,
-    help="How fast: as it happened, N times as fast, or at once.",
+    help="Speed: as recorded, N times as fast, or at once.",
 )
 def command(file: str, speed: float) -> None:
-    """Show a recorded run as it happened: states, remarks, progress, joint positions (deg, mm)."""
+    """Show a recorded run: states, remarks, progress, joint positions (deg, mm)."""
     from yarclang.cli.show import show_findings
     from yarclang.report.runs.log import read_run
 

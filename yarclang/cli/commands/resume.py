@@ -12,7 +12,7 @@ _PATIENCE = 20.0
 
 @click.command("resume")
 @run_option
-@click.option("--answer", type=int, metavar="N", help="What a HOLD of the program has asked for.")
+@click.option("--answer", type=int, metavar="N", help="Answer to the question of a HOLD.")
 def command(run: str | None, answer: int | None) -> None:
     """Go on after a hold, or to the next command of `yarc run --step`."""
     with trouble_is_said():

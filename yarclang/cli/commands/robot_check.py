@@ -20,9 +20,9 @@ _COLOURS = {"ok": "green", "note": "cyan", "to do": "red"}
 @robot_argument("robot", metavar="[FOLDER|robot.toml|NAME]", default=".")
 @format_option
 def command(robot: str, format_: str) -> None:
-    """Go through the checklist of a robot: its files, limits, kinematics, motors, and values that are still guesses.
+    """Check a robot: its files, limits, kinematics, motors, and values that are still guesses.
 
-    The exit status is 1 while something is to do.
+    The exit status is 1 while anything is left to do.
     """
     import os
     from itertools import zip_longest

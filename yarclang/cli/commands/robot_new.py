@@ -59,14 +59,14 @@ _EACH = "one for all joints, or one a joint"
 @click.option(
     "--allow-missing-meshes",
     is_flag=True,
-    help="Leave out collision meshes that aren't there: nothing sees what their links hit.",
+    help="Leave out missing collision meshes: collisions of their links aren't found.",
 )
-@click.option("-y", "--yes", is_flag=True, help="Ask nothing; what isn't said goes by rules.")
+@click.option("-y", "--yes", is_flag=True, help="Ask nothing; missing values come from rules.")
 def command(urdf: str, yes: bool, output: str | None, **said: Any) -> None:
-    """Make a robot's folder, robot.toml and a copy of the URDF, of a URDF.
+    """Make a robot's folder from a URDF: robot.toml and a copy of the URDF.
 
-    The chain, its frames and limits come from URDF. What that doesn't have comes from the options, from answers on a
-    terminal, or from stated rules; each value that came from a rule has a comment with "guess:" in robot.toml.
+    The chain, its frames and limits come from the URDF. Missing values come from the options, from answers on a
+    terminal, or from rules; each value from a rule has a comment with "guess:" in robot.toml.
     """
     from yarclang.cli.show import show_findings
     from yarclang.diagnostics import Diagnostic
@@ -157,7 +157,7 @@ def _given(arm: Arm, said: dict[str, Any]) -> Given:
         raise click.UsageError("--counts has a 0: such a motor would move nothing")
     motors = said["motors"]
     if motors is not None and any(number != int(number) for number in motors):
-        raise click.UsageError("--motors are whole numbers")
+        raise click.UsageError("--motors are integers")
     return Given(
         position=dict(_position(arm, text) for text in said["position"]),
         velocity=said["velocity"],

@@ -18,7 +18,7 @@ from yarclang.cli.preparing import machines, prepared, session_options
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Whoever reaches the ports can move the robot: simple_message has no passwords.",
+    help="Address to listen on. Anyone who reaches the ports can move the robot: simple_message has no passwords.",
 )
 @click.option(
     "--port",
@@ -36,7 +36,7 @@ from yarclang.cli.preparing import machines, prepared, session_options
 @click.option(
     "--hold-on-disconnect",
     is_flag=True,
-    help="Hold the robot on its path when the motion client goes; else its goal goes on.",
+    help="Hold the robot on its path when the motion client disconnects; otherwise its goal goes on.",
 )
 def command(to: Address | None, **options: Any) -> None:
     """Let MoveIt move a robot: the controller's side of ROS-Industrial's stock client nodes (simple_message). Ctrl-C ends.

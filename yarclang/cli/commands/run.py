@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 @click.command("run")
 @run_options
-@click.option("--step", is_flag=True, help="Pause behind each command; Enter or `yarc resume` goes on.")
-@click.option("--loop", is_flag=True, help="Again and again, where the program ends where it starts.")
-@click.option("--times", type=click.IntRange(1), help="As --loop, so many times.")
+@click.option("--step", is_flag=True, help="Pause after each command; Enter or `yarc resume` goes on.")
+@click.option("--loop", is_flag=True, help="Repeat without end; the program must end where it starts.")
+@click.option("--times", type=click.IntRange(1), help="Repeat N times, as --loop.")
 @click.option(
     "--job",
     type=click.IntRange(0),
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
 @click.option(
     "--recover",
     is_flag=True,
-    help="From wherever the robot stands, move slowly to the program's start, or to the nearest place at which it may begin; carry nothing of it out.",
+    help="Move slowly from the robot's position to the program's start, or to the nearest place at which it may begin; don't run the program.",
 )
-@click.option("--dry-run", is_flag=True, help="Look at everything, move nothing.")
+@click.option("--dry-run", is_flag=True, help="Check everything, move nothing.")
 @click.option("--yes", "-y", is_flag=True, help="Don't ask before an approach or a recovery.")
 @motion_options
 @planning_options
 @tm_option
 def command(file: str, to: Address | None, first: str | None, job: int | None, **options: Any) -> None:
-    """Run a program on a controller: compile it, look at the controller, stream, and watch until the robot stands.
+    """Run a program on a controller: compile it, check the controller, stream, and watch until the robot stands.
 
     Ctrl-C holds on the path, a second one aborts. Without --to the robot is simulated, and stands where the program starts.
     """

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     "file",
     type=click.Path(allow_dash=True),
     metavar="FILE",
-    help="Judge a settings text that was saved or edited instead, and tell where it differs. - is standard input.",
+    help="Check a saved or edited settings text instead, and report the differences. - is standard input.",
 )
 def command(robot: str, file: str | None) -> None:
-    """Print what a controller has to be told once about ROBOT (a name or a path): axis definitions,
+    """Print the settings that a controller needs once for ROBOT (a name or a path): axis definitions,
     feedback, limits, and the guard of the rotary buffer.
 
-    The text is read back and proved before it is printed; exit status 1 says that it isn't proved, and nothing is printed.
+    The text is read back and proved before it is printed; exit status 1 means that the proof failed and nothing is printed.
     """
     from yarclang.cli.show import show_findings
     from yarclang.pipeline.inputs import named_robot

@@ -93,7 +93,7 @@ on and amplifiers stay bad until $$$.
     type=_Address(),
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Other addresses than loopback let the network in.",
+    help="Address to listen on. Other addresses than loopback let the network in.",
 )
 @click.option(
     "--rate",
@@ -101,18 +101,18 @@ on and amplifiers stay bad until $$$.
     metavar="real|N|max",
     default="real",
     show_default=True,
-    help="How fast time passes: real time, N times as fast (if the computer can), or as fast as it goes. `yarc run --to` needs real time.",
+    help="Speed of time: real time, N times as fast (if the computer can), or as fast as possible. `yarc run --to` needs real time.",
 )
 @click.option(
     "--fault",
     "faults",
     metavar="FAULT",
     multiple=True,
-    help="What goes wrong, and when: see below. May be given several times.",
+    help="A fault and its time: see below. May be given several times.",
 )
 @cell_option
 @inputs_option
-@click.option("--seed", type=int, default=0, show_default=True, help="Of what faults do by chance.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of random faults.")
 def command(
     robot: str | None,
     port: int,
@@ -123,9 +123,9 @@ def command(
     cell: str | None,
     inputs: str | None,
 ) -> None:
-    """Be a Turbo PMAC on a TCP port until Ctrl-C.
+    """Simulate a Turbo PMAC on a TCP port until Ctrl-C.
 
-    Standard error tells when a fault begins, and what a program's words that aren't simulated do.
+    Standard error reports the begin of faults, and words of a program that aren't simulated.
     """
     import asyncio
 

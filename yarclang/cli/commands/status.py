@@ -32,10 +32,10 @@ _LEAST_WIDTH = 11
     "format_",
     type=click.Choice(["text", "json"]),
     default="text",
-    help="How to write it.",
+    help="Output format.",
 )
 def command(run: str | None, to: Address | None, robot: str | None, format_: str) -> None:
-    """Say how a run is going. With --to and --robot: ask a controller how it is, without changing anything."""
+    """Print the state of a run. With --to and --robot: ask a controller for its state, without changing anything."""
     check_controller_options(to, robot, run)
     with trouble_is_said():
         from yarclang.cli.ordering import status_of
@@ -97,7 +97,7 @@ def _ask_controller(to: Address, name: str) -> Picture:
     if loaded.value is None:
         raise SystemExit(1)
     if (run := run_on(to.host, to.port)) is not None:
-        click.echo(f"{run.name} drives this controller: `yarc status --run {run.name}` tells more", err=True)
+        click.echo(f"{run.name} drives this controller: see `yarc status --run {run.name}`", err=True)
     elif (holder := holder_of(to.host, to.port)) is not None:
         click.echo(f"{holder} drives this controller", err=True)
     return asyncio.run(_look(to, loaded.value))

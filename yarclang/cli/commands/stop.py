@@ -39,7 +39,7 @@ _LET_END = 2.0
 def command(run: str | None, to: Address | None, robot: str | None, abort: bool) -> None:
     """End a run: on its path, at rest.
 
-    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, as behind a run that was killed.
+    With --to and --robot it needs no run: whatever the robot's coordinate system does is ended, for example after a killed run.
     """
     check_controller_options(to, robot, run)
     with trouble_is_said():
@@ -93,7 +93,7 @@ def _tell_run(to: Address, what: str) -> None:
         until = time.monotonic() + _LET_END
         if (run := run_on(to.host, to.port)) is None:
             if (holder := holder_of(to.host, to.port)) is not None:
-                text = f"{holder} drives this controller and can't be told: the controller is told itself"
+                text = f"{holder} drives this controller and can't be reached: the controller itself is told to stop"
                 click.echo(text, err=True)
             return
         click.echo(f"{run.name} drives this controller: it is told to end", err=True)

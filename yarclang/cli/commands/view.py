@@ -44,7 +44,7 @@ _LIBRARY = "viser"
     "--host",
     default="127.0.0.1",
     show_default=True,
-    help="Where to listen. Other addresses than loopback let the network in.",
+    help="Address to listen on. Other addresses than loopback let the network in.",
 )
 @click.option("--no-browser", is_flag=True, help="Open no browser; the address is printed in any case.")
 @planning_options
@@ -61,9 +61,9 @@ def command(
 ) -> None:
     """Show a program, its robot and its cell in three dimensions, in a browser, until Ctrl-C. - reads standard input.
 
-    FILE is a program (.yarc), what yarcc made of one (.pmc), or the log of a run (.mcap), which is shown beside its plan.
-    Programs with errors are shown as far as they can be planned; findings stand on the path. With --live a robot is shown that `yarc serve`, `run` or
-    `repl` drives now: it is watched, and not moved.
+    FILE is a program (.yarc), a controller text (.pmc), or the log of a run (.mcap), which is shown beside its plan.
+    Programs with errors are shown as far as they can be planned; findings are marked on the path. --live shows a robot that `yarc serve`, `run` or
+    `repl` drives now, without moving it.
     """
     _check_usage(file, live, run, to, planning)
     from importlib.util import find_spec

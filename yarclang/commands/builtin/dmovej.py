@@ -16,7 +16,7 @@ COMMAND = CommandSpec(
     old_name="DMOVJ",
     summary="changes the joint position by increments",
     doc="""\
-Moves as MOVEJ does, to the joint position that is where the robot stands plus the values.
+Moves as MOVEJ does, to the robot's present joint position plus the values.
 """,
     build=_build,
     examples=("P0010 DMOVEJ 5 0 0 0 -10 0 [2] (deg,s)",),

@@ -11,8 +11,8 @@ def _build(arguments: ActionArguments) -> tuple[Action, ...]:
 COMMAND = ActionSpec(
     name="EXIT",
     title="Leave the loop",
-    summary="leaves the innermost LOOP or WHILE; the program goes on behind its end",
-    wants="nothing behind it",
+    summary="leaves the innermost LOOP or WHILE; the program goes on after its end",
+    wants="nothing after it",
     build=_build,
     forms=(ActionForm(()),),
     examples=("EXIT",),

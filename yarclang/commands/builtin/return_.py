@@ -11,8 +11,8 @@ def _build(arguments: ActionArguments) -> tuple[Action, ...]:
 COMMAND = ActionSpec(
     name="RETURN",
     title="Leave the SUB",
-    summary="leaves the SUB; the program goes on behind its CALL",
-    wants="nothing behind it",
+    summary="leaves the SUB; the program goes on after its CALL",
+    wants="nothing after it",
     build=_build,
     forms=(ActionForm(()),),
     examples=("RETURN",),

@@ -12,7 +12,7 @@ def _build(arguments: ActionArguments) -> tuple[Action, ...]:
 COMMAND = ActionSpec(
     name="SAY",
     title="Say",
-    summary="tells the operator something, and goes on",
+    summary="shows a text to the operator, and goes on",
     wants="a text in quotes",
     build=_build,
     forms=(ActionForm((Slot.TEXT,)),),

@@ -114,7 +114,7 @@ class Motion(Part):
         last = coordinator.history.last()
         if last is None or not stands_there(coordinator.robot, start, last[0][-1].end):
             what = "nothing has moved yet" if last is None else "the robot was moved since its last motion"
-            return Result(None, (Diagnostic("Y1614", f"there is no motion to take back: {what}"),))
+            return Result(None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}"),))
         group, before = last
         program = backwards(coordinator.robot, group, before)
         if isinstance(program, Diagnostic):
@@ -124,7 +124,7 @@ class Motion(Part):
             what = "the cell has changed since the last motion"
             help_ = "move the robot with a new command: it is proved against the cell as it is now"
             return Result(
-                None, (Diagnostic("Y1614", f"there is no motion to take back: {what}", help=help_),)
+                None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}", help=help_),)
             )
         program = replace(program, start=start)
         if program.cell is not None:

@@ -127,7 +127,7 @@ class Judge:
             return points
         last = points[-3:] if len(points) >= 3 else np.concatenate([self._behind, points])[-3:]
         if np.ptp(last, axis=0).any():
-            return "the way behind it doesn't end at rest"
+            return "the path after it doesn't end at rest"
         control = np.concatenate([self._behind, points])
         count = len(control) - 3
         cubics = Cubics.of_spline(control, np.arange(count), np.full(count, self._segment))

@@ -202,7 +202,7 @@ class Steered:
             remedy = 'say {"finish": true} first, or connect anew'
             raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
-            what = "the live motion has ended: nobody said for long what is wanted, or somebody stopped it"
+            what = "the live motion has ended: no target came for too long, or somebody stopped it"
             raise Trouble(what, "begin another", UNDER_WAY)
         live, rests = self._client.live, self._rests()
         made = await live.drive(target, moving=self._moving, settings=self._settings, name=self._title)

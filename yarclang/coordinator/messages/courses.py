@@ -18,7 +18,7 @@ class CourseCommand(Message):
 
 
 class NearestProved(Message):
-    """The smallest proved distance between bodies: which ones (empty: all stay farther apart), in which command, and when it was seen [s]; null: that isn't told."""
+    """The smallest proved distance between bodies: the two bodies (empty: all stay farther apart), the command, and the time [s]; null: not known."""
 
     distance_mm: float
     first: str
@@ -29,23 +29,23 @@ class NearestProved(Message):
 
 
 class ProgramCourse(Reply):
-    """What is run of a program, along its longest ways: the motion, and what was proved of it. The times count from the program's beginning, as those of `progress` do."""
+    """Course of a program along its longest branches: its motion, and the proved distances. The times count from the program's beginning, as those of `progress` do."""
 
     course: Course
-    """Empty where `unknown` says why."""
+    """Empty if `unknown` gives a reason."""
     commands: tuple[CourseCommand, ...]
     """The motions of the course."""
     takes: Takes
     nearest: NearestProved | None
-    """Null: no bodies are known, or none of them move against each other."""
+    """Null: no bodies are known, or no two of them move against each other."""
     path: PathBound
     peaks: Peaks | None
-    """Null where nothing moves."""
+    """Null if nothing moves."""
     left_out: int
-    """How many motions of shorter ways of a WHEN the course leaves out."""
+    """Number of motions in shorter branches of a WHEN that the course leaves out."""
     unknown: str
-    """Why the motion isn't known; empty: it is."""
+    """Reason for which the motion isn't known; empty if it is known."""
     sha256: str
-    """Of the program's text that was proved (UTF-8); empty: only a controller text is known."""
+    """SHA-256 of the proved program text (UTF-8); empty if only a controller text is known."""
     changed: bool | None
-    """Whether the file has another text by now: what was proved is what runs. Null: the file can't be read, or there is none."""
+    """True if the file has changed since; the proved text is the one that runs. Null: the file can't be read, or there is none."""

@@ -12,7 +12,7 @@ from yarclang.runtime.state import State
 
 
 class BaseEvent(Message):
-    """Something has happened."""
+    """Base class of events."""
 
     event: str
     time_s: float
@@ -37,7 +37,7 @@ class ValuesAsked(BaseEvent):
 
 
 class Position(BaseEvent):
-    """Where the robot is, 50 times a second: actual positions, and how far the program is."""
+    """Actual positions of the robot, 50 times a second, and the time of the program."""
 
     event: Literal["position"] = "position"
     joints: Joints
@@ -66,7 +66,7 @@ class Found(BaseEvent):
 
 
 class Told(BaseEvent):
-    """Something worth knowing, in words."""
+    """A message for people."""
 
     event: Literal["message"] = "message"
     text: str
@@ -74,18 +74,18 @@ class Told(BaseEvent):
     stopped_by: tuple[str, ...] = ()
     """The bodies and zones that stop a live motion, if the text says why it is stopped."""
     code: str | None = None
-    """The code of the finding, if it is one."""
+    """Code of the finding, if there is one."""
 
 
 class OwnerChanged(BaseEvent):
-    """Somebody else may move the robot now; null: nobody does."""
+    """The owner of the robot has changed; null: no owner."""
 
     event: Literal["owner"] = "owner"
     owner: str | None
 
 
 class OverrideChanged(BaseEvent):
-    """The pace is another one now, in percent of the programmed speed."""
+    """The override has changed, in percent of the programmed speed."""
 
     event: Literal["override"] = "override"
     percent: float
@@ -116,9 +116,9 @@ class PartBegan(BaseEvent):
     offset_s: float
     duration_s: float
     number: int
-    """Which step or pass, from 1."""
+    """Number of the step or pass, from 1."""
     of: int | None
-    """Of so many; null: without end."""
+    """Total number; null: without end."""
 
 
 class Paused(BaseEvent):
@@ -188,13 +188,13 @@ class InputChanged(BaseEvent):
 
 
 class SceneChanged(BaseEvent):
-    """The bodies, zones or parts around the robot may be other ones now, or elsewhere: ask for `scene`."""
+    """The bodies, zones or parts around the robot may have changed: ask for `scene`."""
 
     event: Literal["scene_changed"] = "scene_changed"
 
 
 class Missed(BaseEvent):
-    """So many events came faster than this subscriber took them, and were left out."""
+    """Number of events that were dropped because this subscriber was too slow."""
 
     event: Literal["missed"] = "missed"
     count: int

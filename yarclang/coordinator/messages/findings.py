@@ -44,7 +44,7 @@ class FindingWithin(Message):
 
 
 class Finding(Message):
-    """One finding. Lines and columns count from 1; `end_column` lies behind the last character."""
+    """One finding. Lines and columns count from 1; `end_column` is the column after the last character."""
 
     file: str | None
     line: int | None

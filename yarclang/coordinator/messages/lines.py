@@ -62,7 +62,7 @@ def read_order(line: bytes, most: int = MOST_LINE) -> Asked:
         return Asked(content, ends=True)
     id_ = content.pop("id", None)
     if isinstance(id_, bool) or not isinstance(id_, int | str | None):
-        return Asked(Denied(error=f'"id" is {_shown(id_)}; it may be a whole number or a text'))
+        return Asked(Denied(error=f'"id" is {_shown(id_)}; it may be an integer or a text'))
     return Asked(_order_in(content), id_)
 
 

@@ -43,7 +43,7 @@ Line = Annotated[str, Field(description="a text")]
 
 
 class Hello(Order[replies.Welcome]):
-    """Become a client: the first order of whoever stays. Others know it by `name`; where that is taken, a number is added."""
+    """Become a client; the first order of each connection that stays. Others see its `name`; if the name is taken, a number is added."""
 
     order: Literal["hello"] = "hello"
     version: Annotated[int, Field(description="the version of the protocol")] = VERSION
@@ -51,7 +51,7 @@ class Hello(Order[replies.Welcome]):
 
 
 class AskStatus(Order[replies.Status]):
-    """How is it going?"""
+    """Ask for the state of the robot and its run."""
 
     order: Literal["status"] = "status"
 
@@ -63,10 +63,10 @@ class Hold(Order[replies.Taken]):
 
 
 class Resume(Order[replies.Taken]):
-    """Go on: behind a hold, at a HOLD of the program, to the next step. `value` is what a HOLD has asked for."""
+    """Go on: after a hold, at a HOLD of the program, to the next step. `value` is the answer to a HOLD's question."""
 
     order: Literal["resume"] = "resume"
-    value: Annotated[int | None, Field(description="a whole number, or null")] = None
+    value: Annotated[int | None, Field(description="an integer, or null")] = None
 
 
 class Step(Order[replies.Taken]):
@@ -76,26 +76,26 @@ class Step(Order[replies.Taken]):
 
 
 class Stop(Order[replies.Taken]):
-    """Come to rest on the path, and end what is under way."""
+    """Come to rest on the path, and end the run."""
 
     order: Literal["stop"] = "stop"
 
 
 class Abort(Order[replies.Taken]):
-    """Each motor comes to rest at once, off the path."""
+    """Stop each motor at once, off the path."""
 
     order: Literal["abort"] = "abort"
 
 
 class Override(Order[replies.Taken]):
-    """Another pace, for what is under way and what comes."""
+    """Set the override, for the present motion and all later ones."""
 
     order: Literal["override"] = "override"
     percent: Percent
 
 
 class Listen(Order[replies.Done]):
-    """Be told all events from now on; positions only if they are wanted."""
+    """Receive all events from now on; positions only on request."""
 
     order: Literal["listen"] = "listen"
     positions: Annotated[bool, Field(description="true or false")] = False
@@ -109,38 +109,38 @@ class Own(Order[replies.Done]):
 
 
 class Give(Order[replies.Done]):
-    """Give the robot over to another client."""
+    """Hand the robot over to another client."""
 
     order: Literal["give"] = "give"
     to: Name
 
 
 class Release(Order[replies.Released]):
-    """Leave the robot to nobody; what became of the log of its motions is answered."""
+    """Release the robot. The reply says what became of the log of its motions."""
 
     order: Literal["release"] = "release"
 
 
 class Clear(Order[replies.Done]):
-    """Look at the controller behind a fault; where all is well, motions are possible again."""
+    """Inspect the controller after a fault; if all is well, motions are possible again."""
 
     order: Literal["clear"] = "clear"
 
 
 class Look(Order[replies.Looked]):
-    """Look at everything on the controller that must be so before a motion; nothing moves."""
+    """Check all conditions on the controller that a motion needs; nothing moves."""
 
     order: Literal["look"] = "look"
 
 
 class Connect(Order[replies.Done]):
-    """Try at once to make a connection to the controller that was lost; it is tried again and again anyway."""
+    """Try to reconnect to the controller at once, without waiting for the next automatic attempt."""
 
     order: Literal["connect"] = "connect"
 
 
 class Enable(Order[replies.Serviced]):
-    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay where it is. Behind it everything is looked at."""
+    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay in place. Afterwards everything is inspected."""
 
     order: Literal["enable"] = "enable"
 
@@ -152,7 +152,7 @@ class Disable(Order[replies.Serviced]):
 
 
 class AskHoming(Order[replies.HomeSearches]):
-    """What would the controller's own home search of each motor do?"""
+    """Ask what the controller's own home search of each motor would do."""
 
     order: Literal["homing"] = "homing"
 
@@ -187,7 +187,7 @@ class SaveSettings(Order[replies.Done]):
 
 
 class AskPlace(Order[replies.Place]):
-    """Where is the robot commanded to stand, and where is a frame in another then?"""
+    """Ask for the commanded position of the robot, and for the pose of a frame in another."""
 
     order: Literal["where"] = "where"
     base: Name = "{B}"
@@ -195,19 +195,19 @@ class AskPlace(Order[replies.Place]):
 
 
 class AskFrames(Order[replies.Frames]):
-    """Which frames have a name in the session, and where are they?"""
+    """Ask for the named frames of the session, and their poses."""
 
     order: Literal["frames"] = "frames"
 
 
 class AskHealth(Order[replies.Health]):
-    """How are the motors, the link and the buffer? What was heard last is answered, also while the robot is under way."""
+    """Ask for the state of motors, link and buffer, as last reported; also during a motion."""
 
     order: Literal["health"] = "health"
 
 
 class Read(Order[replies.Value]):
-    """What is the value of an input or output that the session declares?"""
+    """Ask for the value of an input or output that the session declares."""
 
     order: Literal["read"] = "read"
     name: Name
@@ -226,9 +226,9 @@ class Fill(Order[replies.Filled]):
 
     order: Literal["fill"] = "fill"
     values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
-    """By the names of the registers."""
+    """Values by the names of the registers."""
     number: Annotated[int | None, Field(description="the number of a question, or null")] = None
-    """Of the question that is answered (`values_wanted`): one that isn't open any more is refused. Null: whichever is open."""
+    """Number of the question that is answered (`values_wanted`). A number that isn't open any more is refused. Null: the open question."""
 
 
 class SetInput(Order[replies.Value]):
@@ -240,32 +240,32 @@ class SetInput(Order[replies.Value]):
 
 
 class AskSurroundings(Order[replies.Surroundings]):
-    """What is around the robot: where it is described, its cell, and inputs and outputs with their values? Those of a real controller are known only while nothing is under way."""
+    """Ask for the robot's surroundings: its cell, the cell's file, and inputs and outputs with their values. Those of a real controller are known only while nothing is under way."""
 
     order: Literal["surroundings"] = "surroundings"
 
 
 class AskParts(Order[replies.Parts]):
-    """Where are the parts of the session's cell, or of another one? Of one that is named, and whose parts nothing has moved, none are told."""
+    """Ask for the places of the parts of the session's cell, or of another one. A named cell whose parts nothing has moved is answered with an empty list."""
 
     order: Literal["parts"] = "parts"
     cell: Annotated[str | None, Field(description="path of a cell's file, or null for the session's")] = None
 
 
 class AskModel(Order[replies.Model]):
-    """What is the robot, for programs that draw it: its URDF with the files of its meshes, its joints and their limits?"""
+    """Ask for the robot's description, for programs that draw it: its URDF with the files of its meshes, its joints and their limits."""
 
     order: Literal["model"] = "model"
 
 
 class AskScene(Order[replies.Scene]):
-    """What is around the robot, for programs that draw it: the bodies, zones and parts of its cell, and where they are now? `scene_changed` tells when to ask again."""
+    """Ask for the robot's surroundings, for programs that draw them: the bodies, zones and parts of its cell, and their present places. `scene_changed` signals a change."""
 
     order: Literal["scene"] = "scene"
 
 
 class PlacePart(Order[replies.Parts]):
-    """Say where a part of the session's cell is: the person at the robot knows it."""
+    """Enter the place of a part of the session's cell, as seen by the person at the robot."""
 
     order: Literal["place-part"] = "place-part"
     part: Annotated[Name | None, Field(description="a name, or null for all (only with `at` `file`)")] = None
@@ -285,13 +285,13 @@ class PlacePart(Order[replies.Parts]):
 
 
 class AskDeclarations(Order[replies.Declarations]):
-    """What does the session declare?"""
+    """Ask for the declarations of the session."""
 
     order: Literal["declarations"] = "declarations"
 
 
 class Adopt(Order[replies.Adopted]):
-    """Let these declarations hold, in the place of all that were accepted before."""
+    """Replace all declarations of the session by these."""
 
     order: Literal["adopt"] = "adopt"
     declarations: Annotated[tuple[str, ...], Field(description="a list of texts")]
@@ -323,11 +323,11 @@ class Go(Order[replies.Ended]):
     order: Literal["go"] = "go"
     offer: Annotated[int, Field(description="the number of an offer")]
     held: Annotated[bool, Field(description="true or false")] = False
-    """Whether it moves only as long as `keep` comes every 0.2 s; else it comes to rest on its path, and `resume` goes on."""
+    """True: move only while `keep` comes every 0.2 s; otherwise come to rest on the path until `resume`."""
 
 
 class Keep(Order[replies.Done]):
-    """Say that what this client holds (`go` with `held`) is still wanted."""
+    """Keep a held motion (`go` with `held`) going."""
 
     order: Literal["keep"] = "keep"
 
@@ -337,14 +337,14 @@ class Load(Order[replies.Loaded]):
 
     order: Literal["load"] = "load"
     file: Annotated[str, Field(description="the path of a file")]
-    """Its path; its name, where `text` is given."""
+    """Path of the file; with `text`, the program's name."""
     text: Annotated[str | None, Field(description="a text, or null")] = None
-    """Of the program, in the place of the file's."""
+    """Text of the program, instead of the file's."""
     first: Annotated[str | None, Field(description="the index of a command, or null")] = None
     """The command to begin with."""
     by_steps: Annotated[bool, Field(description="true or false")] = False
     here: Annotated[bool, Field(description="true or false")] = False
-    """Whether a program that doesn't say START begins where the robot stands."""
+    """True: a program without START begins where the robot stands."""
     start: Annotated[tuple[Number, ...] | None, Field(description="a list of numbers, or null")] = None
     """Where the program starts [deg or mm]."""
     tolerance: Annotated[
@@ -375,7 +375,7 @@ class AskCourse(Order[courses.ProgramCourse]):
 
     order: Literal["course"] = "course"
     program: Annotated[int, Field(description="the number of a program")]
-    samples: Annotated[int, Field(ge=2, le=2000, description="a whole number from 2 to 2000")] = 500
+    samples: Annotated[int, Field(ge=2, le=2000, description="an integer from 2 to 2000")] = 500
     """How many joint positions are told."""
 
 
@@ -390,7 +390,7 @@ class Run(Order[replies.Ended]):
     program: Annotated[int, Field(description="the number of a program")]
     approach: Annotated[bool, Field(description="true or false")] = False
     """Whether to move slowly to its start first, if the robot isn't there."""
-    times: Annotated[int | None, Field(ge=1, description="a whole number from 1, or null")] = 1
+    times: Annotated[int | None, Field(ge=1, description="an integer from 1, or null")] = 1
     """How often; null: until somebody stops it."""
     unless_stopped: Annotated[bool, Field(description="true or false")] = False
     """Whether it doesn't begin if somebody has ordered a stop since this client said `own`, for one that plans and runs by itself."""

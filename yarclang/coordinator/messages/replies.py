@@ -16,7 +16,7 @@ class Reply(Message):
 
 
 class Denied(Message):
-    """Nothing was done, and why; what to do about it, and the code of the finding that it is, if it is one."""
+    """The order was denied: the reason, a remedy, and the code of the finding, if there is one."""
 
     ok: Literal[False] = False
     error: str
@@ -25,11 +25,11 @@ class Denied(Message):
 
 
 class Done(Reply):
-    """It was done."""
+    """The order was carried out."""
 
 
 class Taken(Reply):
-    """An order was taken; in which state it found the robot. That it is carried out by now isn't said."""
+    """The order was accepted: the state of the robot at that time. It may not have been carried out yet."""
 
     state: State
 
@@ -43,53 +43,53 @@ class Joint(Message):
 
 
 class Command(Message):
-    """What is executed, and its line in the program."""
+    """Command that is being executed, and its line in the program."""
 
     title: str
     line: int
 
 
 class Status(Reply):
-    """How it is going."""
+    """State of the robot and of its run."""
 
     program: str
-    """What is under way, else what the process is for."""
+    """Name of what is under way, otherwise of the process's purpose."""
     robot: str
     controller: str
-    """Its address, HOST:PORT."""
+    """Address of the controller, HOST:PORT."""
     state: State
     why: str
     command: Command | None
     done: float
-    """How far the program is [s]."""
+    """Time of the program that has passed [s]."""
     left: float
-    """What is to go at the present override [s]."""
+    """Remaining time at the present override [s]."""
     override: float
     """Percent of the programmed speed."""
     joints: tuple[Joint, ...]
     waiting: int
-    """Orders that weren't looked at yet."""
+    """Number of orders that wait to be handled."""
     pid: int
     since: str
-    """When it began, ISO 8601."""
+    """Start time, ISO 8601."""
     owner: str | None = None
-    """Who may move the robot."""
+    """Client that may move the robot."""
     clients: tuple[str, ...] = ()
-    """Who is attached."""
+    """Names of the attached clients."""
     cell: str | None = None
-    """The cell.toml that motions keep to."""
+    """cell.toml against which motions are checked."""
     log: str | None = None
-    """Where motions are logged; null: nowhere yet."""
+    """File in which motions are logged; null: none yet."""
     log_lost: str = ""
-    """What has happened to that file; empty: it is there."""
+    """Fault of that file; empty: none."""
     asks: Question | None = None
-    """What a HOLD asks the operator for; null: nothing."""
+    """Question of a HOLD to the operator; null: none."""
     wants: ValuesWanted | None = None
-    """Which values the program takes from outside; null: none."""
+    """Values that the program takes from outside now; null: none."""
 
 
 class Filled(Reply):
-    """The values are in their registers as soon as the program looks, within 20 ms: which ones, as integers."""
+    """The values were accepted, as integers; the program sees them in its registers within 20 ms."""
 
     values: dict[str, int]
 
@@ -104,19 +104,19 @@ class Welcome(Reply):
     """Of the robot."""
     simulated: bool
     serves: bool
-    """Whether the process is there to serve others (`yarc serve`)."""
+    """True if the process serves clients (`yarc serve`)."""
     checked: int
-    """How many things were looked at on the controller when the process began."""
+    """Number of checks on the controller at the start of the process."""
     folder: str
     status: Status
 
 
 class Place(Reply):
-    """Where the robot is commanded to stand: exactly, and as the pose of a frame in another."""
+    """Commanded position of the robot, exact, and as the pose of a frame in another."""
 
     joints: Joints
     exact: tuple[float, ...]
-    """The same in the order of the joints, unrounded [rad or m]."""
+    """Joint positions in the order of the joints, unrounded [rad or m]."""
     pose: tuple[tuple[float, ...], ...] | None
     """(4, 4) base_from_moving [m]; null where a name means nothing."""
     findings: tuple[Finding, ...]
@@ -160,11 +160,11 @@ class Health(Reply):
     reply_s: float
     slowest_s: float
     silence_s: float
-    """For how long the computer may be silent before its controller holds."""
+    """Longest silence of the computer before its controller holds [s]."""
     ahead: int | None
     guard: bool
     link: str = ""
-    """Why there is no connection to the controller; empty: there is one."""
+    """Reason for a missing connection to the controller; empty: connected."""
 
 
 class Value(Reply):
@@ -193,25 +193,25 @@ class Surroundings(Reply):
 
 
 class PartPlace(Message):
-    """Where a part of the cell is."""
+    """Place of a part of the cell."""
 
     name: str
     held: str | None
-    """The output whose gripper holds it; empty for one that hangs on the flange for good; null: it lies."""
+    """Output whose gripper holds the part; empty for a part that is fixed to the flange; null: it isn't held."""
     sure: bool
-    """false: it may be here, or elsewhere."""
+    """false: the place isn't certain."""
     pose: tuple[tuple[float, ...], ...]
     """(4, 4) base_from_part [m]; of a part that is held, flange_from_part."""
 
 
 class Parts(Reply):
-    """Where the parts of the session's cell are."""
+    """Places of the parts of the session's cell."""
 
     parts: tuple[PartPlace, ...]
     moved: bool
-    """false: nothing has moved them, and they are where the cell's file has them."""
+    """false: nothing has moved the parts, and they are at the places of the cell's file."""
     doubt: str | None
-    """Why nobody knows where they are; null: it is known."""
+    """Reason for which the places aren't known; null: they are known."""
     findings: tuple[Finding, ...]
 
 
@@ -262,32 +262,32 @@ class SceneItem(Message):
     name: str
     kind: Literal["body", "zone", "part"]
     rule: Literal["allowed", "forbidden", "slow", "posture"] | None
-    """Of a zone: to stay inside, to stay outside, to go slowly inside, to keep the joints in a window inside."""
+    """Rule of a zone: stay inside, stay outside, be slow inside, keep the joints in a window inside."""
     speed: float | None
-    """Of a slow zone [mm/s]."""
+    """Speed of a slow zone [mm/s]."""
     sure: bool
-    """false: a part that may be here, or elsewhere."""
+    """false: a part whose place isn't certain."""
     carried: bool
     """true: the robot carries it."""
     frame: str
-    """The link of the URDF in which the pose is told: {B}, or {FLANGE} for what the robot carries."""
+    """Link of the URDF in which the pose is given: {B}, or {FLANGE} for carried bodies."""
     pose: tuple[tuple[float, ...], ...]
     """(4, 4) frame_from_item [m]."""
     shape: SceneShape
 
 
 class Scene(Reply):
-    """What is around the robot: of the cell of the program that was run last, else of the session's."""
+    """Surroundings of the robot: the cell of the program that was run last, otherwise the session's."""
 
     version: str
-    """Another one if anything else here is another one."""
+    """Changes with any other field."""
     cell: str | None
     """The file of the cell; null: there is none."""
     items: tuple[SceneItem, ...]
     notes: tuple[str, ...]
-    """What can't be shown, and why."""
+    """Items that can't be shown, with reasons."""
     doubt: str | None
-    """Why nobody knows where the parts are; null: it is known."""
+    """Reason for which the places of parts aren't known; null: they are known."""
 
 
 class Declarations(Reply):
@@ -298,38 +298,38 @@ class Declarations(Reply):
 
 
 class Adopted(Reply):
-    """Whether declarations hold from now on."""
+    """True if the declarations are in force from now on."""
 
     holds: bool
     findings: tuple[Finding, ...]
 
 
 class Peak(Message):
-    """How much of a limit is used at most (1: all of it), and by which joint or motor; empty where nothing moves."""
+    """Largest used share of a limit (1: all of it), and the joint or motor; empty if nothing moves."""
 
     name: str
     share: float
 
 
 class Peaks(Message):
-    """How much of the limits a motion uses at most."""
+    """Largest used shares of the limits in a motion."""
 
     velocity: Peak
     acceleration: Peak
     jerk: Peak | None
-    """Null where the program lets it be any."""
+    """Null if the program doesn't limit it."""
     motor_velocity: Peak
 
 
 class PathBound(Message):
-    """How far the real path is from the programmed one at most, as proved."""
+    """Proved bound of the distance between the real and the programmed path."""
 
     position_mm: float
     angle_deg: float
 
 
 class ClearanceBound(Message):
-    """How far bodies stay apart at least, as proved; which ones, if they come near at all."""
+    """Proved smallest distance between bodies, and their names, if they come near at all."""
 
     distance_mm: float
     first: str
@@ -369,7 +369,7 @@ class Takes(Message):
 
 
 class OfferDescribed(Message):
-    """What would be done, if the owner says `go`."""
+    """A planned and proved motion, which `go` of the owner starts."""
 
     number: int
     text: str
@@ -377,17 +377,17 @@ class OfferDescribed(Message):
     duration_s: float
     takes: Takes
     moves: bool
-    """False where there are only declarations, which hold from then on."""
+    """False if there are only declarations, which are in force after `go`."""
     start: Joints
     end: Joints
     motions: tuple[MotionOffered, ...]
     parts: tuple[str, ...]
-    """What its SETs do to parts of the cell, in their order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`."""
+    """Effects of its SETs on parts of the cell, in order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`."""
     course: Course
 
 
 class Offered(Reply):
-    """What a text would do; null where a finding forbids it, or where there is nothing to do."""
+    """Offer for a text; null if a finding forbids it, or if there is nothing to do."""
 
     offer: OfferDescribed | None
     findings: tuple[Finding, ...]
@@ -421,13 +421,13 @@ class ProgramDescribed(Message):
     begins_within: bool
     guarded: bool
     by_legs: bool
-    """Whether it waits or decides on the way, so that which commands are executed isn't known before."""
+    """True if the program waits or branches, so that the executed commands aren't known before."""
     not_looped: str
-    """Why it can't be carried out again and again; empty: it can."""
+    """Reason for which the program can't be repeated; empty: it can."""
     first: str
-    """The index of the command that is run first."""
+    """Index of the first command of the run."""
     tools: tuple[str, ...] | None
-    """The tools that are on the flange where what is run begins, of a cell with tools that are changed; null: the cell has none."""
+    """Tools on the flange at the beginning of the run; null if the cell has no tools that are changed."""
 
 
 class Loaded(Reply):
@@ -442,9 +442,9 @@ class Way(Reply):
 
     text: str
     duration_s: float | None
-    """Null: none is needed, or there is none."""
+    """Null: no motion is needed, or none is possible."""
     title: str
-    """Of the motion's command."""
+    """Index of the motion's command."""
     end: Joints
     findings: tuple[Finding, ...]
     zone: str
@@ -462,11 +462,11 @@ class Recovery(Reply):
     offer: OfferDescribed | None
     """The motion, which `go` carries out; null if the robot stands there, or if no motion is proved."""
     share: float
-    """How fast the slowest joint moves, as a share of its limits."""
+    """Speed as a share of the joints' limits."""
     assumed: tuple[str, ...]
-    """Parts of which nobody has said where they are: they are taken to be where the program has them at that place."""
+    """Parts with unconfirmed places: assumed to be as in the program at that place."""
     refused: tuple[Finding, ...]
-    """Why it isn't the start, if it isn't."""
+    """Reason for which the place isn't the start, if it isn't."""
     findings: tuple[Finding, ...]
 
 
@@ -482,14 +482,14 @@ class SourcePlace(Message):
 
 
 class RestingPlace(Message):
-    """In which command a robot rests on its path, and how far into the program [s]."""
+    """Command in which the robot rests on its path, and the time in the program [s]."""
 
     title: str
     done_s: float
 
 
 class Ended(Reply):
-    """How something has ended. `joints` is null where nobody knows."""
+    """End of a run or motion. `joints` is null if the position isn't known."""
 
     well: bool
     what: str | None = None
@@ -501,16 +501,16 @@ class Ended(Reply):
     state: State
     moved: bool = False
     on_the_way: bool = False
-    """Whether the robot was on the way to the program's start."""
+    """True if the robot was on its way to the program's start."""
     passes: int = 1
     where: SourcePlace | None = None
-    """Where the command stands that a fault is about."""
+    """Place of the command that a fault is about."""
     resting: RestingPlace | None = None
-    """Where on its path the robot rests, if it does."""
+    """Place on its path at which the robot rests, if it does."""
     is_motion: bool = True
-    """Whether what was executed is a motion of the program."""
+    """True if the executed motion is one of the program."""
     go_on: str | None = None
-    """The command to begin with (--from) to go on; empty: the first one; null: nobody knows."""
+    """Command with which to continue (--from); empty: the first one; null: not known."""
 
 
 class LogTold(Message):
@@ -523,7 +523,7 @@ class LogTold(Message):
 
 
 class Released(Reply):
-    """The robot is nobody's; what became of the log of what was moved meanwhile, if there was one."""
+    """The robot was released; what became of the log of its motions, if there was one."""
 
     log: LogTold | None
 
@@ -596,10 +596,10 @@ class SettingsSent(Reply):
 
 
 class Wanted(Reply):
-    """What is wanted of a live motion is done, `lag_s` later."""
+    """A target of a live motion is accepted; the robot follows `lag_s` later."""
 
     lag_s: float
     behind: Joints | None
-    """How far what is streamed is behind a master."""
+    """Distance of each streamed joint to its master [deg or mm]."""
     why: str
-    """What keeps the robot from what is wanted; empty: nothing does."""
+    """Obstacle to the target; empty: none."""

@@ -14,7 +14,7 @@ from yarclang.coordinator.messages.orders import Order
 
 
 class BeThere(Order[replies.Wanted]):
-    """Follow these joints [deg or mm]; `rate` [per s] is estimated where it isn't told."""
+    """Follow these joints [deg or mm]; `rate` [per s] is estimated if it is missing."""
 
     key: ClassVar[str] = "joints"
     joints: Annotated[
@@ -38,7 +38,7 @@ class HoldPose(Order[replies.Wanted]):
 
 
 class MoveJoints(Order[replies.Wanted]):
-    """Joints move so fast [deg/s or mm/s]."""
+    """Move joints at these speeds [deg/s or mm/s]."""
 
     key: ClassVar[str] = "velocity"
     velocity: Annotated[
@@ -48,7 +48,7 @@ class MoveJoints(Order[replies.Wanted]):
 
 
 class MoveTool(Order[replies.Wanted]):
-    """The tool moves so [mm/s along, deg/s about], along axes of {B} or its own."""
+    """Move the tool at these speeds [mm/s along, deg/s about], along the axes of {B} or its own."""
 
     key: ClassVar[str] = "twist"
     twist: Annotated[
@@ -66,10 +66,10 @@ class Finish(Order[replies.Wanted]):
     """Come to rest within the limits."""
 
     key: ClassVar[str] = "finish"
-    finish: Annotated[Literal[True], Field(description="true, or isn't said")] = True
+    finish: Annotated[Literal[True], Field(description="true, or absent")] = True
 
 
 Want = BeThere | HoldPose | MoveJoints | MoveTool | Finish
 
 KINDS: tuple[type[Order[Any]], ...] = (BeThere, HoldPose, MoveJoints, MoveTool, Finish)
-"""All that can be wanted."""
+"""All kinds of targets."""

@@ -86,7 +86,7 @@ def about(made: Exported) -> Iterator[str]:
     yield f"robot {made.robot.name} {made.robot.fingerprint}"
     kinds = ", ".join(f"{kind} (at most {bound.max():.3g})" for kind, bound in made.proved.items())
     yield f"tolerance {number(made.wishes.tolerance)} {unit}, proved for each joint at every instant if the driver interpolates: {kinds}"
-    yield "cubic: through positions and velocities; quintic: through accelerations too, as ros_control does where there are any"
+    yield "cubic: through positions and velocities; quintic: through accelerations too, if there are any, as ros_control does"
     if not made.wishes.straight:
         yield "a driver that goes in straight lines from point to point isn't within it: export with --linear for such a one"
 

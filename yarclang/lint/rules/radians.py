@@ -29,7 +29,7 @@ def _look(program: Program, around: Surroundings) -> Iterator[Remark]:
                 message = (
                     f"{value:.5g} deg looks like {turn} deg in rad; as it stands, the joint hardly moves"
                 )
-                yield remark_at(step.origin, message, "write (rad) behind the values, or the values in deg")
+                yield remark_at(step.origin, message, "write (rad) after the values, or the values in deg")
                 break
 
 

@@ -73,7 +73,7 @@ def not_tangent(off: tuple[float, float] | None, origin: Origin) -> Message:
     elif off[0] > off[1]:
         why = f"they meet at {off[0] / DEG:.3g} deg"
     else:
-        why = f"the frame turns differently before and behind, by {off[1] / DEG * MM:.3g} deg/mm"
+        why = f"the frame turns differently before and after the corner, by {off[1] / DEG * MM:.3g} deg/mm"
     message = f"BLEND 0 needs two paths that are tangent: {why}"
     return (
         "Y0607",

@@ -170,7 +170,7 @@ def ways_part(robot: Robot, one: Array, other: Array, where: Turn) -> Message:
     help_ = "end both at the same joint positions, with MOVEJ to a JOINTS name"
     match where:
         case NextPass():
-            message = f"a pass of this loop doesn't end where it begins: {far} off"
+            message = f"a pass of this loop doesn't end where it began: {far} off"
             help_ = "lead back to where the loop begins, with MOVEJ to a JOINTS name"
         case Loop():
             message = (

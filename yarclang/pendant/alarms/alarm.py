@@ -39,7 +39,7 @@ class Raised:
         """Return the cause with printable texts of bounded length."""
         return Raised(
             self.source,
-            printable(self.what, MOST_WHAT) or "nobody says what",
+            printable(self.what, MOST_WHAT) or "no reason given",
             printable(self.code, 10),
             printable(self.remedy, MOST_REMEDY),
         )

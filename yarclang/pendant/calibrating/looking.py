@@ -65,7 +65,7 @@ def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
     tip[:3, 3] = touching.value.flange_from_tip
     what = f"The tip goes to {asked.distance:g} mm from the point that was touched, back towards the flange"
     if asked.tilt:
-        what = f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: from there on the tip must stay where it is, {asked.distance:g} mm from the point"
+        what = f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: after that the tip must stay in place, {asked.distance:g} mm from the point"
     return LookText(text=_block(frame_line(_NAME, tip, "FLANGE"), _NAME, pose, "B"), what=what)
 
 

@@ -1,4 +1,4 @@
-"""What is said of alarms, and of the findings that their codes name."""
+"""Messages about alarms, and about the findings that their codes name."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST_NUMBERS = 1000
 
 
 class JointAt(Message):
-    """Where a joint was [deg or mm]."""
+    """Position of a joint [deg or mm]."""
 
     name: str
     value: float
@@ -26,36 +26,36 @@ class AlarmShown(Message):
     number: int
     time: str
     last: str
-    """When it came last."""
+    """Time of its last occurrence."""
     count: int
-    """How often it came: the same within a minute is counted."""
+    """Number of occurrences, each within a minute of the one before."""
     holds: bool
     ended: str | None
-    """Since when it doesn't hold any more; null: it holds."""
+    """Time at which its cause was gone; null: it still holds."""
     acknowledged: str | None
-    """When somebody acknowledged it; null: nobody has."""
+    """Time of its acknowledgement; null: not acknowledged."""
     by: str
-    """Who has acknowledged it; empty: nobody."""
+    """User who has acknowledged it; empty: nobody."""
     source: str
-    """Who tells of it: `state`, `run`, `message`, `motors`, `guard`, `coordinator`, `audit`, `disk`, `alarms`."""
+    """Source of the alarm: `state`, `run`, `message`, `motors`, `guard`, `coordinator`, `audit`, `disk`, `alarms`."""
     code: str
-    """Of the finding (GET /api/findings/CODE); empty: it is none."""
+    """Code of the finding (GET /api/findings/CODE); empty: none."""
     title: str
-    """What the code means; empty: there is none."""
+    """Title of the finding; empty: no code."""
     what: str
     remedy: str
     program: str
-    """What was under way; empty: nothing was."""
+    """Motion or program under way; empty: none."""
     file: str
     """The program's file in the project; empty: not known."""
     line: int
-    """Of the command that was carried out; 0: not known."""
+    """Line of the command that was executed; 0: not known."""
     command: str
     joints: tuple[JointAt, ...]
     flange: tuple[float, ...] | None
     """(4, 4) base_from_flange, row by row [m]."""
     owner: str
-    """Who owned the robot; empty: nobody."""
+    """Owner of the robot; empty: nobody."""
 
 
 class AlarmList(Message):
@@ -63,15 +63,15 @@ class AlarmList(Message):
 
     alarms: tuple[AlarmShown, ...]
     open: int
-    """How many hold or nobody has acknowledged."""
+    """Number of alarms that hold or aren't acknowledged."""
     all: int
-    """How many are kept."""
+    """Number of stored alarms."""
     more: bool
     """True if there are more of these."""
     version: int
-    """Another number if any alarm is another one."""
+    """Number that changes with any alarm."""
     trouble: str
-    """Why alarms can't be written: they are only in memory then; empty: they are written."""
+    """Reason for which alarms are only in memory; empty: they are written to disk."""
 
 
 class Acknowledge(Message):
@@ -84,7 +84,7 @@ class Acknowledge(Message):
 
 
 class Acknowledged(Message):
-    """How many alarms nobody had acknowledged before."""
+    """Number of newly acknowledged alarms."""
 
     count: int
 
@@ -99,6 +99,6 @@ class FindingShown(Message):
     title: str
     why: str
     example: str
-    """What is wrong; empty: there is no example."""
+    """Example with the fault; empty: none."""
     better: str
-    """What to write instead; empty: there is no example."""
+    """Corrected example; empty: none."""

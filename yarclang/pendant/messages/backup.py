@@ -1,4 +1,4 @@
-"""What is said of backups of the project."""
+"""Messages about backups of the project."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class KeptRestore(Message):
 
 
 class BackupShown(Message):
-    """What a backup would have; sizes in bytes."""
+    """Content of a future backup; sizes in bytes."""
 
     robot: str
     files: int
@@ -35,11 +35,11 @@ class BackupShown(Message):
     """Logs of runs, which are left out unless they are wanted."""
     logs_size: int
     trouble: str
-    """Why no backup can be made; empty: it can."""
+    """Reason for which no backup can be made; empty: it can."""
     left_out: tuple[FileAndWhy, ...]
     """Files that no backup can have, the first 100."""
     notes: tuple[str, ...]
-    """What isn't in it."""
+    """Files that are left out."""
     undo: tuple[KeptRestore, ...]
     """Restores that can be undone, the newest first."""
     waits: bool
@@ -59,9 +59,9 @@ class RestorePlan(Message):
     """What restoring the backup that was uploaded would change. With a conflict it can't be restored."""
 
     number: str
-    """Of the upload."""
+    """Id of the upload."""
     digest: str
-    """Of the plan: what is restored is what was seen."""
+    """Id of the plan, which makes sure that the shown plan is the one that is carried out."""
     size: int
     robot: str
     made: str
@@ -77,7 +77,7 @@ class RestorePlan(Message):
     restart: tuple[str, ...]
     """Files that count only after a restart."""
     undoes: bool
-    """True if it is what an earlier restore has replaced."""
+    """True if the upload holds the files that an earlier restore replaced."""
 
 
 class ApplyRestore(Message):

@@ -1,4 +1,4 @@
-"""What is said of a calibration: how it begins, its touches, what they say, and the file that its result is written into."""
+"""Messages about a calibration: how it begins, its touches, what they say, and the file that its result is written into."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ class TakeTouch(Message):
 
 
 class RemoveTouch(Message):
-    """Take touch `at` (from 0) away."""
+    """Remove touch `at` (from 0)."""
 
     version: Version
     at: Place
@@ -76,7 +76,7 @@ class TouchShown(Message):
 
 
 class SpreadRow(Message):
-    """One number of what the spread of the touches does."""
+    """One number of the result's uncertainty, from the spread of the touches."""
 
     label: str
     value: str
@@ -175,7 +175,7 @@ class LookCalibration(Message):
 
 
 class LookText(Message):
-    """Text of an offer that leads there, and what to look for, in words."""
+    """Text of an offer that leads there, and a description of what to look for."""
 
     text: str
     what: str

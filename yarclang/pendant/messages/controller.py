@@ -1,4 +1,4 @@
-"""What is said of the controller's side of the system: what waits for a restart, and the end of the pendant's process."""
+"""Messages about the controller's side of the system: what waits for a restart, and the end of the pendant's process."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class ControllerShown(Message):
     simulated: bool
     served: bool
     since: str
-    """When the process that owns the robot began, ISO 8601."""
+    """Start time of the process that owns the robot, ISO 8601."""
     waiting: tuple[WaitingFile, ...]
     """Files that wait for a restart."""
 

@@ -20,7 +20,7 @@ class AlarmBar(Message):
     open: int
     """How many alarms hold or nobody has acknowledged."""
     version: int
-    """Another number if any alarm is another one."""
+    """Number that changes with any alarm."""
 
 
 NO_ALARM = AlarmBar(number=0, code="", text="", holds=False, open=0, version=0)

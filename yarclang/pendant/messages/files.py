@@ -1,4 +1,4 @@
-"""What is said of the files of the project: what there is, their texts, what was deleted, what has changed since the last commit."""
+"""Messages about the files of the project: what there is, their texts, what was deleted, what has changed since the last commit."""
 
 from __future__ import annotations
 

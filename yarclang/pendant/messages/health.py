@@ -1,4 +1,4 @@
-"""What is said of the pendant's computer, its process and its data."""
+"""Messages about the pendant's computer, its process and its data."""
 
 from __future__ import annotations
 

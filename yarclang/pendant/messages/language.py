@@ -1,4 +1,4 @@
-"""What is said of the language of programs."""
+"""Messages about the language of programs."""
 
 from __future__ import annotations
 

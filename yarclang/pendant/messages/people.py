@@ -1,4 +1,4 @@
-"""What is said of people: who they are, their sessions, what they did."""
+"""Messages about people: who they are, their sessions, what they did."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a program that is edited: its list, its forms, changes and the edits that make them, templates."""
+"""Messages about a program that is edited: its list, its forms, changes and the edits that make them, templates."""
 
 from __future__ import annotations
 

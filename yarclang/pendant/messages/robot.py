@@ -1,4 +1,4 @@
-"""What is said of the robot: what it is, who controls it, the programs of its project."""
+"""Messages about the robot: what it is, who controls it, the programs of its project."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from yarclang.pendant.messages.people import Name
 
 
 class GiveControl(Message):
-    """The id of the session that gets control of the robot, empty: nobody; or `refuse`: that session is told that it doesn't."""
+    """Id of the session that gets control of the robot (empty: release it); `refuse`: deny that session's request."""
 
     to: Name = ""
     refuse: bool = False

@@ -1,4 +1,4 @@
-"""What is said of logs of runs."""
+"""Messages about logs of runs."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Literal
 from yarclang.coordinator.messages.message import Message
 
 Place = Literal["project", "logs"]
-"""Where a log lies: in the project, or in the folder where this robot's motions are logged."""
+"""Folder of a log: the project's, or the one in which this robot's motions are logged."""
 
 
 class RunListed(Message):
@@ -15,7 +15,7 @@ class RunListed(Message):
 
     place: Place
     file: str
-    """Its path there."""
+    """Path of the log in that folder."""
     size: int
     changed: str
     state: Literal["whole", "under way", "cut off", "unreadable"]
@@ -24,13 +24,13 @@ class RunListed(Message):
     robot: str
     controller: str
     client: str
-    """Who ordered the first motion; empty: the log doesn't say."""
+    """User who ordered the first motion; empty: not in the log."""
     started: str
     duration_s: float | None
     well: bool | None
-    """True if the run came to its end; null: the log doesn't say."""
+    """True if the run came to its end; null: not in the log."""
     what: str
-    """Why it didn't end well."""
+    """Reason for a failure."""
     code: str
 
 
@@ -40,7 +40,7 @@ class RunList(Message):
     runs: tuple[RunListed, ...]
     cut: bool
     folder: str
-    """Where this robot's motions are logged; empty: not known here."""
+    """Folder in which this robot's motions are logged; empty: not known here."""
 
 
 class RunJoint(Message):
@@ -62,11 +62,11 @@ class RunLines(Message):
     names: tuple[str, ...]
     values: tuple[tuple[float, ...], ...]
     breaks: tuple[int, ...]
-    """Where in `times` another pass begins: lines aren't drawn across."""
+    """Indices in `times` at which another pass begins: no line is drawn across."""
 
 
 class RunSpan(Message):
-    """A state from when to when [s since the log was opened]."""
+    """A state, with its begin and end [s since the log was opened]."""
 
     state: str
     from_s: float
@@ -74,7 +74,7 @@ class RunSpan(Message):
 
 
 class RunEvent(Message):
-    """Something that was told, at a time [s since the log was opened]."""
+    """A message, with its time [s since the log was opened]."""
 
     time_s: float
     text: str
@@ -82,7 +82,7 @@ class RunEvent(Message):
 
 
 class RunStretch(Message):
-    """A value of a signal, from when to when [s]."""
+    """A value of a signal, with its begin and end [s]."""
 
     from_s: float
     to_s: float
@@ -90,7 +90,7 @@ class RunStretch(Message):
 
 
 class RunWait(Message):
-    """A wait for an input, from when to when [s]; `met` is true if it came."""
+    """A wait for an input, with its begin and end [s]; `met` is true if the input came."""
 
     from_s: float
     to_s: float
@@ -107,7 +107,7 @@ class RunSignal(Message):
 
 
 class RunWay(Message):
-    """Where the robot was: for each time [s], the joints [deg or mm]."""
+    """Positions of the robot: for each time [s], the joints [deg or mm]."""
 
     times: tuple[float, ...]
     joints: tuple[tuple[float, ...], ...]
@@ -128,14 +128,14 @@ class RunShown(Message):
     code: str
     remedy: str
     notes: tuple[str, ...]
-    """What can't be relied on, or isn't shown, and why."""
+    """Unreliable or missing parts of the log, with reasons."""
     joints: tuple[RunJoint, ...]
     lines: tuple[RunLines, ...]
     planned: RunLines | None
-    """Where the joints were to be; null: not known."""
+    """Commanded positions of the joints; null: not known."""
     states: tuple[RunSpan, ...]
     signals: tuple[RunSignal, ...]
     events: tuple[RunEvent, ...]
     more_events: int
-    """Events that aren't here."""
+    """Number of events that are left out."""
     way: RunWay

@@ -20,21 +20,21 @@ class SceneItem(Message):
 
     name: str
     kind: Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
-    """`shape` is a collision shape of a link or a tool that is drawn by what it looks like."""
+    """`shape`: a collision shape of a link or a tool that has another, visual shape."""
     joint: int
-    """How many joints move it, those from the base on."""
+    """Number of joints, from the base on, that move the body."""
     pose: tuple[float, ...]
     """(3, 4) base_from_item with all joints at zero, row by row [m]."""
     colour: Colour
     """Red, green, blue, from 0 to 255."""
     opacity: float
     mesh: str
-    """For /api/scene/mesh/{id}."""
+    """Id for /api/scene/mesh/{id}."""
     named: bool
     """True if its name is written at it."""
     begins_s: float | None = None
     ends_s: float | None = None
-    """It is there from `begins_s` up to, but not at, `ends_s` of the program's time [s]; null: from the beginning, to the end."""
+    """The body exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the beginning, to the end."""
 
 
 class SceneAxes(Message):
@@ -42,7 +42,7 @@ class SceneAxes(Message):
 
     name: str
     joint: int
-    """How many joints move it."""
+    """Number of joints that move the frame."""
     pose: tuple[float, ...]
     """(3, 4) base_from_frame with all joints at zero, row by row [m]."""
     program: bool
@@ -55,10 +55,10 @@ class SceneShown(Message):
     """What is to be seen. Placements of the joints (`Display.links`) move it."""
 
     version: str
-    """Another one if anything of this is another one."""
+    """Changes with any other field."""
     title: str
     notes: tuple[str, ...]
-    """What can't be shown, and why."""
+    """Items that can't be shown, with reasons."""
     joints: tuple[str, ...]
     items: tuple[SceneItem, ...]
     axes: tuple[SceneAxes, ...]
@@ -73,7 +73,7 @@ class SceneShown(Message):
     """The corners of a box around the robot at HOME and all bodies [m]."""
     robot_low: tuple[float, ...]
     robot_high: tuple[float, ...]
-    """The same of the robot alone."""
+    """Corners of a box around the robot alone [m]."""
     eye: tuple[float, ...]
     target: tuple[float, ...]
     """From where it is seen at first, and at what the eye looks [m]."""

@@ -12,32 +12,32 @@ class SignalShown(Message):
 
     name: str
     variable: str
-    """Of the controller."""
+    """The controller's variable."""
     kind: Literal["input", "output"]
     declared: bool
     """True if the cell's file declares it; else the session or the program does."""
     comment: str
-    """Beside it, or above it, in the cell's file."""
+    """Comment beside or above it in the cell's file."""
     safe: float | None
-    """Its value at any stop, hold or fault; null: it stays as it is."""
+    """Safe value, set at any stop, hold or fault; null: unchanged."""
     grips_at: float | None
-    """The value at which the output closes a gripper; null: it moves none."""
+    """Value at which the output closes a gripper; null: no gripper."""
     removes_at: float | None
-    """The value at which a machine takes parts away; null: none does."""
+    """Value at which a machine takes parts away; null: no such machine."""
     sensor: bool
     """True if a sensor of the cell drives the input."""
 
 
 class SignalsShown(Message):
-    """All inputs and outputs; `version` is another one as soon as one of them is."""
+    """All inputs and outputs; `version` changes with each of them."""
 
     version: str
     cell: str | None
     """The file of the cell."""
     fixed: str
-    """Why inputs can't be set by hand; empty: they can."""
+    """Reason for which inputs can't be set by hand; empty: they can."""
     trouble: str
-    """Why the cell's file can't be read: what it says is missing here; empty: it can."""
+    """Reason for which the cell's file can't be read (its content is missing here); empty: it can."""
     signals: tuple[SignalShown, ...]
 
 
@@ -65,6 +65,6 @@ class SignalValues(Message):
     version: str
     values: tuple[float | None, ...]
     heard: tuple[int, ...]
-    """Indices of values that were told while a program runs, and may be others by now."""
+    """Indices of values that were reported during a run and may have changed since."""
     waiting: Waiting | None
     held: tuple[HeldParts, ...]

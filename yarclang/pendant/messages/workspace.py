@@ -1,4 +1,4 @@
-"""What is said of the workspace: zones, obstacles, limits of joints; drafts of changes, what they break, and distances."""
+"""Messages about the workspace: zones, obstacles, limits of joints; drafts of changes, what they break, and distances."""
 
 from __future__ import annotations
 

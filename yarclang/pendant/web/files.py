@@ -240,7 +240,7 @@ ROUTES = (
     Route("POST", "/api/files/rename", _rename, "Give a file or folder another path, which must be free.", TwoPaths, OnePath, "programmer"),
     Route("POST", "/api/files/folder", _folder, "Make a folder.", OnePath, OnePath, "programmer"),
     Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath, DeletedShown, "programmer"),
-    Route("POST", "/api/files/restore", _restore, "Bring back what was deleted; tell the path where it is now.", Restore, OnePath, "programmer"),
+    Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore, OnePath, "programmer"),
     Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList, "viewer"),
     Route("POST", "/api/upload/{path:path}", _upload, "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
     Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None, None, "viewer"),

@@ -15,7 +15,7 @@ def _resume(session: Session, rest: str) -> None:
     try:
         value = int(rest) if rest else None
     except ValueError:
-        raise Misused(f"{rest!r} isn't a whole number: .resume 3 answers what a HOLD asks") from None
+        raise Misused(f"{rest!r} isn't an integer: .resume 3 answers a HOLD's question") from None
     session.order(orders.Resume(value=value))
 
 
@@ -47,7 +47,7 @@ COMMANDS = (
     DotCommand(
         ".resume",
         "[N]",
-        "go on behind a hold, or to the next step (Enter); N answers what a HOLD asks",
+        "go on after a hold, or to the next step (Enter); N answers a HOLD's question",
         "orders",
         _resume,
         overtakes=True,

@@ -29,6 +29,6 @@ COMMANDS = (
     DotCommand(".own", "", "move the robot from now on; others watch", "session", _own),
     DotCommand(".release", "", "let others move the robot", "session", _release),
     DotCommand(
-        ".clear", "", "look at the controller behind a fault, and go on if all is well", "session", _clear
+        ".clear", "", "inspect the controller after a fault, and go on if all is well", "session", _clear
     ),
 )

@@ -129,7 +129,7 @@ def _told(inspected: Inspected, step: Step) -> str | None:
         case Hold(text=text):
             return f"the robot stands until the operator goes on{f': {printable(text)}' if text else ''}"
         case When(condition=condition, within=float(within)):
-            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines behind ELSE are carried out"
+            return f"the robot stands until {in_words(condition)}, or until {within:g} s are over: then the lines after ELSE are carried out"
         case When(offset=Offset() as offset):
             return f"{{{offset.name}}} is shifted by {offset_words(offset)}: the lines up to END are planned and proved there when it runs, and refused into the ELSE; what stands here is the place without a shift"
         case When(condition=condition):

@@ -96,7 +96,7 @@ def read_run(file: str) -> Result[RecordedRun]:
     except OSError as error:
         reason = reason_of(error)
         return _refused("Y0107", f"{file} can't be read: {reason}", "check the path and its rights")
-    logs = "logs are the .mcap files that `yarc run` writes, in yarc-runs/ if nobody says where"
+    logs = "logs are the .mcap files that `yarc run` writes, by default in yarc-runs/"
     records = read_records(content)
     if records is None:
         return _refused("Y1401", f"{file} {'is no MCAP file' if content else 'is empty'}", logs)

@@ -105,7 +105,7 @@ def _method(robot: Robot) -> Item:
             "inverse kinematics",
             "note",
             found,
-            "move by joint values (MOVEJ, MOVEJ_SPLINE) where a pose is refused",
+            "move by joint values (MOVEJ, MOVEJ_SPLINE) if a pose is refused",
         )
     if robot.size > 6:
         more = f"{robot.size - 6} joint{'s' * (robot.size > 7)}"

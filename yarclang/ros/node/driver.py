@@ -817,7 +817,7 @@ def _said(refused: Refused) -> str:
 
 
 def _why(ended: dict[str, Any]) -> str:
-    what = f"the goal was ended before its last point: {ended['what'] or 'nobody says why'}"
+    what = f"the goal was ended before its last point: {ended['what'] or 'no reason given'}"
     return _worded(ended["code"] or "", what, ended["help"] or "")
 
 

@@ -263,7 +263,7 @@ def guard_works(operation: Operation, robot: Robot) -> Script[Checked]:
     subject = f"guard PLC {GUARD_PLC}"
     wanted = "holds when the rotary runs low"
     remedy = (
-        f"without it nobody stops the robot when this computer fails: download `yarc settings {robot.name}`"
+        f"without it nothing stops the robot when this computer fails: download `yarc settings {robot.name}`"
     )
     yield from operation.ask("CLOSE ALL")
     (full,) = yield from operation.numbers(ROTARY_FULL, 1)

@@ -241,7 +241,7 @@ def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]
         met = yield from wait_until(operation, barrier, barrier.decided, held)
         if not met:
             known = known_of(barrier.decided, held)
-            operation.remark(f"{title(barrier)}: {known}: the lines behind its ELSE are carried out")
+            operation.remark(f"{title(barrier)}: {known}: the lines after its ELSE are carried out")
         return met
     if not barrier.again:
         held.inputs = yield from read_inputs(operation, barrier, barrier.decided)

@@ -89,7 +89,7 @@ def figures(link: Link) -> Measured:
         "aren't executed" if link.stops_at_error else "ARE executed: a refused line is a fault of the run"
     )
     lines.append(
-        f"link: the controller counts the lines of a packet {first}; lines behind a refused one {behind}"
+        f"link: the controller counts the lines of a packet {first}; lines after a refused one {behind}"
     )
     values = {
         "round_trip_median_ms": link.median * 1e3,

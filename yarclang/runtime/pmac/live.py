@@ -136,7 +136,7 @@ class LiveStream:
             if self._source.ended:
                 return self._ahead == 0
             if self._source.expired(now):
-                yield from self._hold("nobody says any more what is wanted")
+                yield from self._hold("no target comes any more")
                 raise Stopped(abort=False)
             if self._ahead < loading_of(self.job).low + _LATE:
                 # Further lines would come too late: come to rest on the path, while there is enough of it.

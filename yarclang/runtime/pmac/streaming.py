@@ -431,7 +431,7 @@ class Stream:
         if operation.state is State.MOVE:
             yield from self.holding.hold(f"this process stood still for {slept:.0f} s")
         operation.remark(
-            "nobody has looked after the robot meanwhile: look at it, then Enter or `yarc resume` goes on",
+            "the robot was unattended meanwhile: look at it, then Enter or `yarc resume` goes on",
             warning=True,
         )
 

@@ -178,7 +178,7 @@ class Decided:
         # A RETURN in a loop is an EXIT that sets the flag; the steps after the loop do the rest.
         leaves_all = returns and not around.loops
         self.ended = Ended(
-            f"{name} leaves {what}", f"move {word} behind it, or into a WHEN", returns=leaves_all
+            f"{name} leaves {what}", f"move {word} after it, or into a WHEN", returns=leaves_all
         )
 
     def _open_loop(self, left: bool) -> None:

@@ -98,7 +98,7 @@ class Declaring:
             )
             return
         if spec.at_the_top and file.command_seen:
-            findings.add("Y0208", f"{word} stands behind a command", span, "move it above the first command")
+            findings.add("Y0208", f"{word} stands after a command", span, "move it above the first command")
             return
         file.seen.setdefault(word, statement.line)
         if not file.is_program and spec.of_programs:

@@ -180,7 +180,7 @@ def base_of_line(
     if defaults.base is not None and defaults.statement is not None:
         return base_axes(defaults.statement, defaults.base, defaults.scope, may_move, findings)
     word = statement.name.name
-    help_ = "write it behind the units, as {B}" + (", or {FLANGE} for a tool" if may_move else "")
+    help_ = "write it after the units, as {B}" + (", or {FLANGE} for a tool" if may_move else "")
     message, subject = (
         f"{'FRAME' if may_move else word} doesn't say in which frame it is given",
         LeftOut("the frame in which it is given"),
@@ -309,7 +309,7 @@ def numbers_of_line(
         verb = "is" if len(given) == 1 else "are"
         message = f"{statement.name.name} wants {len(labels)} values ({' '.join(labels)}), {len(given)} {verb} given"
         missing = labels[len(given) :]
-        help_ = f"write {' '.join(missing)} behind them" if given else "write one for each behind the name"
+        help_ = f"write {' '.join(missing)} after them" if given else "write one for each after the name"
         if not missing:
             help_ = f"take the last {len(given) - len(labels)} away"
         where = from_to(given[0].place, given[-1].place) if given else None

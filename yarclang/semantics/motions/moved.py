@@ -53,7 +53,7 @@ def moved_by(line: Line) -> Moved:
     elif defaults.moving is not None and defaults.statement is not None:
         moving = moving_frame(defaults.statement, defaults.moving, defaults.scope, line.findings)
     else:
-        help_ = "write it behind the name, as {TCP}, or in DEFAULT"
+        help_ = "write it after the name, as {TCP}, or in DEFAULT"
         message = f"{line.name.full} doesn't say which frame it moves"
         subject = LeftOut("the frame that it moves")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)
@@ -65,7 +65,7 @@ def moved_by(line: Line) -> Moved:
     elif defaults.base is not None and defaults.statement is not None:
         base = base_axes(defaults.statement, defaults.base, defaults.scope, may_move, line.findings)
     else:
-        help_ = "write the base frame behind the units, as {B}, or in DEFAULT"
+        help_ = "write the base frame after the units, as {B}, or in DEFAULT"
         message = f"{line.name.full} doesn't say in which frame its values are given"
         subject = LeftOut("the frame in which its values are given")
         line.findings.add("Y0302", message, statement.head_span, help_, subject=subject)

@@ -45,7 +45,7 @@ def limited(line: Line, timing: Timing) -> tuple[Timing, float | None, Reading |
             message = "STRETCH stretches the times of a timetable: only MOVEJ_TIMED takes it"
             line.findings.add("Y0412", message, span, "take it away, and write another motion time")
         elif word == "ELSE" and not statement.waits_else:
-            message = "ELSE stands behind the time of a WAIT, or in a line of its own"
+            message = "ELSE stands after the time of a WAIT, or in a line of its own"
             line.findings.add("Y0412", message, span, "take it away")
         elif word == "BLEND":
             blend = _blend(line, option)

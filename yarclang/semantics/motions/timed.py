@@ -40,7 +40,7 @@ def refuse_rates(line: Line) -> None:
     for waypoint in line.statement.waypoints:
         for part in (waypoint.time, waypoint.velocity, waypoint.acceleration):
             if part is not None:
-                what = "a time of its own" if isinstance(part, Time) else f"{part.word.name} behind its time"
+                what = "a time of its own" if isinstance(part, Time) else f"{part.word.name} after its time"
                 message = f"a way-point of {line.name.spec.name} takes no {what}".replace("no a ", "no ")
                 line.findings.add(
                     "Y0421",
@@ -277,7 +277,7 @@ def _rates(line: Line, name: str, factors: Array) -> Array | None:
             message = f"way-point {number} has no {word}, and others have: all have it, or none"
             span = line.statement.span(waypoint.place)
             line.findings.add(
-                "Y0421", message, span, f"write {word} and a value for each joint behind its time"
+                "Y0421", message, span, f"write {word} and a value for each joint after its time"
             )
             return None
         row = [_plain(line, value, "a rate") for value in rate.values]

@@ -463,7 +463,7 @@ def _refuse_cell(line: str, number: int, column: int, findings: Collector) -> No
     if not text:
         message = "this cell is empty"
     elif text.lower().lstrip("+-") in {"nan", "inf", "infinity"}:
-        message = f"{text} is no place where a joint can be"
+        message = f"{text} is beyond any joint position"
     elif _is_number(text):
         message = f"{text[:_SHOWN]} is beyond the largest value, {LARGEST_NUMBER:,.0f}"
     else:

@@ -193,7 +193,7 @@ def formula_of(applied: Applied, scope: Scope) -> Formula:
     name, found, given = applied.function, scope.name(applied.function.name), len(applied.arguments)
     if not isinstance(found, Formula):
         if all(isinstance(one, Name) and one.text.lower() in UNITS for one in applied.arguments):
-            message = f"only a number has a unit behind it; {name.text} has that of its declaration"
+            message = f"only a number can be followed by a unit; {name.text} has the unit of its declaration"
             help_ = "take the bracket away, or write the number: 60 (mm)"
             raise EvaluationError(name.place, "Y0109", message, help_)
         subject = unknown(name.text, [*FUNCTIONS, *sorted(set(scope.names(Formula)))])

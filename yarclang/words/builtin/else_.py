@@ -4,6 +4,6 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="ELSE",
-    summary="what is done where the condition of IF or WHEN doesn't hold, or no OF has the value",
+    summary="lines for when the condition of IF or WHEN doesn't hold, or no OF has the value",
     example="ELSE",
 )

@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="START",
-    summary="where the robot stands at first",
+    summary="joint position at which the program starts",
     example="START HOME",
     at_the_top=True,
     once=True,

@@ -14,6 +14,7 @@ from yarclang.hir import WaitInput, WaitUntil, When, searches_of
 from yarclang.pipeline.inputs import Options, open_program
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.pipeline.replanning import replanned
+from yarclang.pipeline.shifting import shifted
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.actions import Trouble
@@ -122,7 +123,10 @@ def played(name, held=None, folder=EXAMPLES, outputs=None, within=600.0, stop=No
 
     def replan(wanted):
         begins = [abs(one.begins - wanted.begins) for one in job.commands]
-        return replanned(compiled.plan, int(np.argmin(begins)), wanted.joints, Request(robot))
+        number, request = int(np.argmin(begins)), Request(robot)
+        if wanted.values is not None:
+            return shifted(compiled.plan, number, wanted.joints, wanted.values, request)
+        return replanned(compiled.plan, number, wanted.joints, request)
 
     world.replan = replan
     world.perform(connect(world.operation))
@@ -157,7 +161,7 @@ def test_an_example_runs_to_its_end(name):
 
 
 def test_there_are_such_examples():
-    assert len(NAMES) == 22
+    assert len(NAMES) == 23
 
 
 def test_the_called_jobs_are_those_of_their_numbers():
@@ -183,6 +187,7 @@ def test_the_called_jobs_are_those_of_their_numbers():
         ("24_recovery_at_start.yarc", {"PHASE": 0, "DONE": 0, "LOST": 0}),
         ("25_stack_height.yarc", {"LEFT": 1}),
         ("26_rows_by_camera.yarc", {"SEEN": 1, "ROW": 2, "MISSED": 0, "STAMPED": 2}),
+        ("27_bin_picking.yarc", {"SEEN": 1, "DX": 321, "DY": 1100, "TURN": 0, "MISSED": 1}),
     ],
 )
 def test_what_is_counted_is_what_was_done(name, registers):

@@ -143,7 +143,7 @@ def test_anywhere_in_the_box(tally, values, delay, seed):
     off = path_of(meant.plan).distance(
         world.machine.positions(np.arange(since, until, 0.02), job.robot.controller.motors)
     )
-    assert off < 1.0
+    assert off < 10.0  # counts; a shift is thousands
     assert [one.kind for one in world.told if isinstance(one, Planned)] == ["offset"]
     assert '"certified": true' in down.certificate or down.certificate
 
@@ -208,7 +208,7 @@ def lying(answer, jobs):
     ],
 )
 def test_what_was_planned_does_what_the_text_does(lie):
-    world, job, value = made((100, 0, 0, 0))
+    world, job, _ = made((100, 0, 0, 0))
     honest = world.replan
     world.replan = lambda wanted: lying(answer := honest(wanted), lie(answer.jobs))
     assert run(world, job).well

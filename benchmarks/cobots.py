@@ -44,7 +44,7 @@ def main() -> None:
 
 
 def _measured(name: str, folder: Path) -> tuple[float, float]:
-    robot = _robot(name, folder)
+    robot = robot_of(name, folder)
     cell = folder / f"{name}.toml"
     cell.write_text(_cell(robot), encoding="utf-8")
     head = [f'ROBOT "{_where(robot)}"', f'CELL "{cell}"', "DEFAULT {FLANGE} [4] (mm,deg,s) {B}", "START HOME"]
@@ -54,7 +54,8 @@ def _measured(name: str, folder: Path) -> tuple[float, float]:
     )
 
 
-def _robot(name: str, folder: Path) -> Robot:
+def robot_of(name: str, folder: Path) -> Robot:
+    """Return a robot by its name, one of `arms.FILES` too."""
     if name not in arms.FILES:
         robot = load_robot(name).value
         assert robot is not None

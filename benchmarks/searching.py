@@ -1,4 +1,4 @@
-"""How soon a watched input holds the robot, and how long what follows a search takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
+"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
 
 `yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the input, as a PLC would. The clock begins when that client is about to
 write, and ends when the bytes of the hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as well.
@@ -23,13 +23,19 @@ from pathlib import Path
 import numpy as np
 
 from yarclang.pipeline.replanning import replanned
+from yarclang.pipeline.shifting import shifted
 from yarclang.pipeline.stages import Request, compile_module
 from yarclang.robot.description import load_robot
+from yarclang.robot.kinematics import flange_poses
 from yarclang.runtime.actions import Replanned
 from yarclang.runtime.pmac.messages import Ask
 from yarclang.runtime.pmac.protocol import GREETING, Connection
 from yarclang.source import SourceFile
 from yarclang.syntax.parse import parse
+from yarclang.transforms import roll_pitch_yaw
+
+sys.path.insert(0, str(Path(__file__).parent))
+from cobots import robot_of
 
 PROGRAM = """ROBOT INDUSTRIAL6
 INPUT CURTAIN M11
@@ -55,6 +61,9 @@ main(["run", sys.argv[1], "--to", sys.argv[2], "--no-log", "--yes"])
 SEARCHES = {
     "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n",
 }
+
+
+PICKS = ("INDUSTRIAL6", "UR5")
 
 
 class Beside:
@@ -139,6 +148,58 @@ def planned(name: str, text: str) -> list[float]:
     return found
 
 
+def picked(name: str, rounds: int) -> list[float]:
+    """Return the CPU times to plan and prove a pick and place, six motions and two SETs, somewhere in the box
+    of an OFFSET [ms].
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        robot = robot_of(name, Path(folder))
+    begin = robot.home.copy()
+    begin[[1, 2, 4]] += np.radians((-20.0, 25.0, 30.0))
+    flange = flange_poses(robot.chain, begin[None])[0]
+    turn = " ".join(f"{one:.4f}" for one in np.degrees(roll_pitch_yaw(flange[:3, :3])))
+
+    def at(x: float, z: float) -> str:
+        x, y, z = flange[:3, 3] * 1e3 + np.array([x, 0.0, z])
+        return f"{x:.2f} {y:.2f} {z:.2f} {turn}"
+
+    # 60 mm along the base's z axis
+    above = " ".join(f"{one:.3f}" for one in flange[2, :3] * 60.0)
+    text = f"""OUTPUT GRIP M1
+REGISTER DX -2000..2000 0
+REGISTER DY -2000..2000 0
+REGISTER TURN -1000..1000 0
+DEFAULT {{FLANGE}} [50%] (mm,deg,s) {{B}}
+FRAME {{PART}} {at(0.0, -60.0)}
+FRAME {{PLACE}} {at(120.0, -60.0)}
+START {" ".join(f"{one:.4f}" for one in np.degrees(begin))} (deg)
+OFFSET {{PART}} X DX Y DY RZ TURN
+  P0010 MOVEJ_RPY {above} 0 0 0 {{PART}}
+  P0020 MOVEL 0 0 0 0 0 0 {{PART}}
+  P0030 SET GRIP ON
+  P0040 MOVEL {above} 0 0 0 {{PART}}
+  P0050 MOVEJ_RPY {above} 0 0 0 {{PLACE}}
+  P0060 MOVEL 0 0 0 0 0 0 {{PLACE}}
+  P0070 SET GRIP OFF
+  P0080 MOVEL {above} 0 0 0 {{PLACE}}
+END
+"""
+    parsed = parse(SourceFile("pick.yarc", text)).value
+    assert parsed is not None
+    compiled = compile_module(parsed, Request(robot))
+    made = compiled.value
+    assert made is not None, compiled.diagnostics
+    draw, found = random.Random(0), []
+    here = made.plan.motions[0].curve.points[0]
+    for _ in range(rounds):
+        values = (draw.randint(-2000, 2000), draw.randint(-2000, 2000), 0, draw.randint(-1000, 1000))
+        since = time.process_time()
+        answer = shifted(made.plan, 0, here, values, Request(robot))
+        found.append((time.process_time() - since) * 1e3)
+        assert isinstance(answer, Replanned), answer
+    return found
+
+
 def main() -> None:
     """Print the measurements."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -148,6 +209,11 @@ def main() -> None:
         times = planned(name, text)
         print(
             f"{name}: what follows a search {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst)"
+        )
+    for name in PICKS:
+        times = picked(name, rounds)
+        print(
+            f"{name}: a pick and place with an OFFSET {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst) of CPU time"
         )
     with tempfile.TemporaryDirectory() as folder:
         found = sorted(edges(rounds, Path(folder)))

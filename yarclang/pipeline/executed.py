@@ -14,10 +14,10 @@ import numpy as np
 
 from yarclang.certify.read.reader import reader_of
 from yarclang.certify.read.text import Barred, ControllerText, Dwelt, Entry, Put, Run, Stood, Unreadable
+from yarclang.decisions import SHIFTS, Shifted
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.frozen import frozen
 from yarclang.lasting import NO_TIME, Lasting
-from yarclang.decisions import SHIFTS, Shifted
 from yarclang.memory import NO_MEMORY
 from yarclang.motion.curve import Curve
 from yarclang.pipeline.line_map import LineMap, map_lines

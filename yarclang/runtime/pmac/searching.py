@@ -67,15 +67,21 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     way = f", {answer.length / MM:.2f} mm from where it began" if answer.length else ""
     follows = f"; what follows is planned and proved from there ({operation.now - since:.3f} s)"
     operation.remark(f"{title(barrier)}: {search.name} found{way}{follows if answer.jobs else ''}")
-    yield from _held_meanwhile(operation, search.name)
+    yield from held_meanwhile(operation, f"where {search.name} was found")
     return list(answer.jobs)
 
 
-def _held_meanwhile(operation: Operation, name: str) -> Script[None]:
-    """Carry out orders that were given while the robot came to rest; a hold lasts until a person resumes."""
+def held_meanwhile(operation: Operation, where: str) -> Script[None]:
+    """Carry out orders that were given while the robot came to rest, or while something was planned; a hold
+    lasts until a person resumes.
+
+    Args:
+        operation: the run.
+        where: where the robot stands, in words.
+    """
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
-        operation.go(Event.HOLD, f"held where {name} was found; Enter or `yarc resume` goes on")
+        operation.go(Event.HOLD, f"held {where}; Enter or `yarc resume` goes on")
         while not (yield from obey(operation)):
             yield Wait(operation.now + LOOK)
         operation.go(Event.END, "the operator goes on")

@@ -9,7 +9,7 @@ from yarclang.runtime.job import Job, Leg
 from yarclang.runtime.notices import Planned
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
-from yarclang.runtime.pmac.searching import deeds
+from yarclang.runtime.pmac.searching import deeds, held_meanwhile
 
 
 def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
@@ -24,6 +24,9 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
 
     Returns:
         The jobs to stream instead of the legs of the branch; empty if it can't be carried out.
+
+    Raises:
+        Stopped: the run was stopped meanwhile.
     """
     barrier = job.legs[place].barrier
     assert barrier is not None
@@ -48,6 +51,7 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
             answer = "other commands would move, set or wait there than without a shift"
         else:
             made = list(found.jobs)
+    yield from held_meanwhile(operation, f"at {title(barrier)}")
     if answer:
         refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {said} it can't be done: {answer}"
         operation.remark(refused, warning=True)

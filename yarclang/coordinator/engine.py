@@ -271,7 +271,9 @@ class Engine:
         if self.lost:
             raise Trouble(f"there is no connection to the controller: {self.lost}", "wait", "Y1606")
         if self.operation.state is State.FAULT and not serves:
-            raise Trouble("after a fault nothing moves before the controller was inspected", "clear it", code="Y1612")
+            raise Trouble(
+                "after a fault nothing moves before the controller was inspected", "clear it", code="Y1612"
+            )
         self.operation.orders.clear()  # they belonged to something else
         if not self._closing:
             self.under_way = name

@@ -18,9 +18,7 @@ def alike(line: Line) -> Guess | None:
     if found := _DEGREES.search(line.bare):
         every = _DEGREES.sub("", line.text)
         unit = line.units.get("angle")
-        help_ = (
-            f"take it away: the line's units have {unit}" if unit else "write (deg) after the motion time"
-        )
+        help_ = f"take it away: the line's units have {unit}" if unit else "write (deg) after the motion time"
         repaired = (every,) if unit == "deg" else ()
         return Guess(
             found.start(),

@@ -106,9 +106,7 @@ def read_project(source: SourceFile, folder: Path) -> Result[Project]:
         )
     teach = data.get("teach", False)
     if not isinstance(teach, bool):
-        say(
-            "teach", "teach is true or false", "write teach = true if people are within reach of the robot"
-        )
+        say("teach", "teach is true or false", "write teach = true if people are within reach of the robot")
     levels = _levels(data.get("findings", {}), source, findings)
     jobs = _jobs(data.get("jobs", {}), source, findings)
     if findings:

@@ -108,7 +108,10 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     course.check_start(content, robot, program["start"])
     rows, done = course.follow(content)
     titles = [step["title"] for step in program["steps"]]
-    need([entry.title for entry in content.entries] == titles, "the text has other commands than the proof says")
+    need(
+        [entry.title for entry in content.entries] == titles,
+        "the text has other commands than the proof says",
+    )
     need(done == program["course"], "the text's actions differ from the proof's, or are in another order")
     same = (content.safe, content.registers) == (program["safe"], program["registers"])
     need(same, "the text has other safe values, registers or watched inputs than the proof says")
@@ -127,7 +130,10 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append("the header's duration, since ways part")
     for row, step in zip(rows, program["steps"], strict=True):
         free = bool(step.get("any_jerk", False))
-        need(free or not row.entry.any_jerk, f"{row.entry.title}: its jerk is free, and the proof doesn't say so")
+        need(
+            free or not row.entry.any_jerk,
+            f"{row.entry.title}: its jerk is free, and the proof doesn't say so",
+        )
     _check_stands(content.start, robot)
     shares = ", ".join(f"{what} {float(share):.3%}" for what, share in check_limits(rows, robot).items())
     verdict.checked.append(f"joints stay in their ranges; largest shares of limits: {shares}")

@@ -61,7 +61,11 @@ _KINDS = {".yaml": "yaml", ".yml": "yaml", ".json": "json", ".bag": "bag"}
     type=Numbers("Q1,Q2,..."),
     help="With --ros: start position of the robot, as for yarcc.",
 )
-@click.option("--overwrite", is_flag=True, help="Overwrite files that weren't written by an export, or were changed since.")
+@click.option(
+    "--overwrite",
+    is_flag=True,
+    help="Overwrite files that weren't written by an export, or were changed since.",
+)
 @tm_option
 @cell_option
 @robot_option

@@ -61,9 +61,7 @@ class _Time(ParamType[str]):
 
 @click.command("import")
 @click.argument("file", type=click.Path(allow_dash=True))
-@click.option(
-    "-o", "--output", metavar="OUT.yarc", help="File for the program (- for standard output)."
-)
+@click.option("-o", "--output", metavar="OUT.yarc", help="File for the program (- for standard output).")
 @robot_option
 @click.option(
     "--units", type=_Units(), help="Units of the columns that don't name theirs, as in mm,deg,s (tables)."

@@ -123,9 +123,7 @@ class Motion(Part):
         if program.cell is not None and not await coordinator.plan(holds_still, program.cell):
             what = "the cell has changed since the last motion"
             help_ = "move the robot with a new command: it is proved against the cell as it is now"
-            return Result(
-                None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}", help=help_),)
-            )
+            return Result(None, (Diagnostic("Y1614", f"there is no motion to reverse: {what}", help=help_),))
         program = replace(program, start=start)
         if program.cell is not None:
             around = replace(program.cell, present=None)

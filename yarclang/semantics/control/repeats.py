@@ -60,9 +60,7 @@ def repeats(head: Statement, values: list[Value], scope: Scope, findings: Collec
     whole = round(found.value)
     # 3 * 0.1 * 10 is meant as 3, in spite of its rounding.
     if found.unit is not None or whole < 0 or abs(found.value - whole) > 1e-9 * max(1, whole):
-        findings.add(
-            "Y0414", f"{head.name.name} {found}: an integer of 0 or more is needed", span, example
-        )
+        findings.add("Y0414", f"{head.name.name} {found}: an integer of 0 or more is needed", span, example)
         return None
     if whole > MOST_ROUNDS:
         message = f"{head.name.name} {whole:,}: {AT_MOST} {MOST_ROUNDS:,} rounds"

@@ -145,7 +145,7 @@ def test_lengths_and_angles(slider):
         (f"{HEADER}\n1;1;2;3;4;5;6", "Y1382", 2, 1, "this line has 1 cell"),
         (f"{HEADER}\n1,1,2,3,4,5,six", "Y1382", 2, 13, "'six' is not a number"),
         (f"{HEADER}\n1,1,2, nan,4,5,6", "Y1382", 2, 8, "nan is beyond any joint position"),
-        (f"{HEADER}\n1,1,2,-inf,4,5,6", "Y1382", 2, 7, "-inf is no place"),
+        (f"{HEADER}\n1,1,2,-inf,4,5,6", "Y1382", 2, 7, "-inf is beyond"),
         (f"{HEADER}\n1,1,,3,4,5,6", "Y1382", 2, 5, "this cell is empty"),
         (f"{HEADER}\n1,1,1e99,3,4,5,6", "Y1382", 2, 5, "1e99 is beyond the largest value"),
         (f"{HEADER}\n1,1,1e999,3,4,5,6", "Y1382", 2, 5, "1e999 is beyond the largest value"),

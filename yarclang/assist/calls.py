@@ -82,7 +82,7 @@ def outgoing(caller: Caller, view: View) -> Iterator[Calls]:
         caller: a SUB of the view's file, or the lines outside of all SUBs.
         view: the file.
     """
-    found: dict[tuple[str, Span], tuple[Caller, list[Place]]] = {}
+    callers: dict[tuple[str, Span], tuple[Caller, list[Place]]] = {}
     own = caller.symbol.name if caller.symbol else ""
     for use in view.sketch.names.uses:
         inside = _inside(view.sketch, use.span.line)
@@ -92,9 +92,9 @@ def outgoing(caller: Caller, view: View) -> Iterator[Calls]:
         if target is None or target.symbol.kind != "sub":
             continue
         called = _of(target)
-        places = found.setdefault((called.source.name, called.name_span), (called, []))[1]
+        places = callers.setdefault((called.source.name, called.name_span), (called, []))[1]
         places.append(Place(view.sketch.source, use.span))
-    for called, places in found.values():
+    for called, places in callers.values():
         yield Calls(called, tuple(places))
 
 

@@ -82,18 +82,18 @@ class Cursor:
     @property
     def values(self) -> tuple[Lexeme, ...]:
         """Return the complete values in front of the place, in its way-point."""
-        found: list[Lexeme] = []
+        lexemes: list[Lexeme] = []
         depth = 0
         for one in self.before[1:]:
             if one.text in {"[", "(", "$("}:
                 depth += 1
             if one.text == ";" and not depth:
-                found.clear()
+                lexemes.clear()
             elif (one.kind in _VALUES and not depth) or (depth == 1 and one.text == "$("):
-                found.append(one)
+                lexemes.append(one)
             if one.text in {"]", ")"}:
                 depth = max(depth - 1, 0)
-        return tuple(found[:-1] if self.bracket == "$(" else found)
+        return tuple(lexemes[:-1] if self.bracket == "$(" else lexemes)
 
     @property
     def way_point(self) -> int:

@@ -56,25 +56,25 @@ def _of_word(view: View, statement: Statement | None, line: int, lexeme: Lexeme)
     """Yield the paragraphs for a word of the language and its command. Numbers stand for their command."""
     word = lexeme.name
     if statement is None:
-        told = command_text(word) or word_text(word) or unit_text(word)
-        yield from [told] if told and lexeme.kind == "word" else []
+        text = command_text(word) or word_text(word) or unit_text(word)
+        yield from [text] if text and lexeme.kind == "word" else []
         return
     is_head = line == statement.line and lexeme.start == statement.name.place.start
     head = statement.name.name
     if statement.index is None and head in DECLARED:
-        told = command_text(head) if is_head else _inner_word(lexeme)
-        yield from [told] if told else []
+        text = command_text(head) if is_head else _inner_word(lexeme)
+        yield from [text] if text else []
         return
     if lexeme.kind == "word" and not is_head:
-        if told := _inner_word(lexeme):
-            yield told
+        if text := _inner_word(lexeme):
+            yield text
         return
     if lexeme.kind in {"mark", "frame"}:
         return
     known = list(command_lines(view, line))
     yield from known
-    if is_head and (told := command_text(head)):
-        yield from ["", "---", "", told] if known else [told]
+    if is_head and (text := command_text(head)):
+        yield from ["", "---", "", text] if known else [text]
 
 
 def _inner_word(lexeme: Lexeme) -> str:

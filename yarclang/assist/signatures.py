@@ -158,9 +158,9 @@ def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
 def _of_call(view: View, cursor: Cursor) -> Signature | None:
     """Return the parameters of the SUB that is called."""
     arguments = [
-        one
-        for one in cursor.before[1:]
-        if one.kind in {"word", "frame", "number", "string"} or one.text == "$("
+        lexeme
+        for lexeme in cursor.before[1:]
+        if lexeme.kind in {"word", "frame", "number", "string"} or lexeme.text == "$("
     ]
     if not arguments or arguments[0].kind != "word":
         return None
@@ -170,7 +170,7 @@ def _of_call(view: View, cursor: Cursor) -> Signature | None:
     sub = described_sub(sketch, inner if dot else name) if sketch else None
     if sub is None:
         return None
-    values = tuple(ValueText(one.name, one.meaning) for one in sub.parameters)
+    values = tuple(ValueText(lexeme.name, lexeme.meaning) for lexeme in sub.parameters)
     active = _arguments(cursor.before[2:])
     return Signature(
         f"CALL {name}",

@@ -95,17 +95,17 @@ def _of_line(
     line: int, pieces: tuple[Lexeme, ...], named: dict[tuple[int, int], tuple[Tint, bool]], goes_on: bool
 ) -> Iterator[Tinted]:
     head_at = 1 if pieces and pieces[0].kind == "index" else 0
-    for number, one in enumerate(pieces):
+    for number, piece in enumerate(pieces):
         tint: Tint | None
-        if one.kind in {"frame", "word", "open_frame"}:
-            found = list(_names(line, one, named))
+        if piece.kind in {"frame", "word", "open_frame"}:
+            found = list(_names(line, piece, named))
             if found:
                 yield from found
                 continue
         is_called = number + 1 < len(pieces) and pieces[number + 1].text == "("
-        tint = _plain(one, is_head=number == head_at and not goes_on, is_called=is_called)
+        tint = _plain(piece, is_head=number == head_at and not goes_on, is_called=is_called)
         if tint is not None:
-            yield Tinted(line, one.start, one.end, tint)
+            yield Tinted(line, piece.start, piece.end, tint)
 
 
 def _names(line: int, piece: Lexeme, named: dict[tuple[int, int], tuple[Tint, bool]]) -> Iterator[Tinted]:

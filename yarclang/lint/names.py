@@ -67,7 +67,7 @@ class Names:
 
 def names_of(module: Module) -> Names:
     """Collect the names of a file. An unreadable line may use any name: no name is unused then."""
-    found = Names()
+    names = Names()
     depth, sub_depth = 0, 0
     for statement in each(module.statements):
         word = statement.name.name
@@ -78,11 +78,11 @@ def names_of(module: Module) -> Names:
             sub_depth = 0 if sub_depth == depth else sub_depth
             depth -= 1
         if word not in DECLARATIONS and not sub_depth:
-            found.is_program = True
-        _read(statement, word, found)
+            names.is_program = True
+        _read(statement, word, names)
     if module.unreadable_lines:
-        found.is_program = False
-    return found
+        names.is_program = False
+    return names
 
 
 def _read(statement: Statement, word: str, found: Names) -> None:

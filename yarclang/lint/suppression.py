@@ -70,8 +70,8 @@ def suppress(
         return found
     said, suppressions = _read(source)
     by_line: dict[tuple[str, int], list[Suppression]] = {}
-    for one in each(suppressions):
-        by_line.setdefault((one.code, one.line), []).append(one)
+    for suppression in each(suppressions):
+        by_line.setdefault((suppression.code, suppression.line), []).append(suppression)
     used: set[Suppression] = set()
     kept: list[Diagnostic] = []
     for finding in each(found):
@@ -79,10 +79,14 @@ def suppress(
         used.update(by)
         if not by:
             kept.append(finding)
-    for one in each(suppressions) if is_whole else ():
-        if one not in used and one.line not in unjudged:
-            message = f"line {one.line} has no finding {one.code}: the comment suppresses nothing"
-            said.append(Diagnostic("Y1701", message, source, one.span, "take it away", one.fix))
+    for suppression in each(suppressions) if is_whole else ():
+        if suppression not in used and suppression.line not in unjudged:
+            message = (
+                f"line {suppression.line} has no finding {suppression.code}: the comment suppresses nothing"
+            )
+            said.append(
+                Diagnostic("Y1701", message, source, suppression.span, "take it away", suppression.fix)
+            )
     return (*kept, *said)
 
 
@@ -119,22 +123,22 @@ def _read(source: SourceFile) -> tuple[list[Diagnostic], list[Suppression]]:
     following: list[int] = []
     for number, line in each(enumerate(source.lines, 1)):
         begin = len(code_of(line))
-        if (found := _COMMENT.search(line, begin)) is None:
+        if (match := _COMMENT.search(line, begin)) is None:
             continue
         if line[:begin].strip():
             target = number
         else:
             following = following or _next_lines(source)
             target = following[number - 1] or number
-        whole = Span.on_line(number, found.start() + 1, found.end() + 1)
-        words = list(_WORD.finditer(line, found.start(1), found.end(1))) if found[1] else []
-        if not words or not found[1].endswith("]"):
+        whole = Span.on_line(number, match.start() + 1, match.end() + 1)
+        words = list(_WORD.finditer(line, match.start(1), match.end(1))) if match[1] else []
+        if not words or not match[1].endswith("]"):
             help_ = "write ! yarc: ignore[Y0505], with the codes of the findings"
             said.append(
                 Diagnostic("Y1702", "this comment doesn't say what it suppresses", source, whole, help_)
             )
             continue
-        whole_fix = _without(source, number, found)
+        whole_fix = _without(source, number, match)
         unknown = 0
         for at, word in each(enumerate(words)):
             span = Span.on_line(number, word.start() + 1, word.end() + 1)

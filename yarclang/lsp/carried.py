@@ -43,8 +43,8 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
     Fixes are left out, because they would be those of the older text.
     """
     same = unchanged(planned.source.lines, source.lines)
-    for one in planned.findings:
-        span = one.span
+    for finding in planned.findings:
+        span = finding.span
         if span is None:
             continue
         line, end_line = same.now(span.line), same.now(span.end_line)
@@ -52,14 +52,14 @@ def carried(planned: Planned, source: SourceFile) -> Iterator[Diagnostic]:
             there = span if line == span.line else Span(line, span.column, end_line, span.end_column)
             # takes a third of the time of `replace`; long programs have many findings
             yield Diagnostic(
-                one.code,
-                one.message,
+                finding.code,
+                finding.message,
                 source,
                 there,
-                one.help,
+                finding.help,
                 None,
-                one.place,
-                one.level,
-                one.within,
-                one.subject,
+                finding.place,
+                finding.level,
+                finding.within,
+                finding.subject,
             )

@@ -9,7 +9,7 @@ from yarclang.units import MM
 
 def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
     """Return the proved distances of a command, and its speeds in slow zones: name and text of each."""
-    found = [
+    distances = [
         (name, distance_text(clearance))
         for name, clearance in (
             ("clearance to the cell", command.clearance),
@@ -20,8 +20,8 @@ def distances_of(command: CommandCertificate) -> tuple[tuple[str, str], ...]:
     ]
     if command.zone_speed is not None:
         name = "speed below its ceiling" if command.zone_speed.of_motion else "speed in slow zones"
-        found.append((name, _speed_text(command.zone_speed)))
-    return tuple(found)
+        distances.append((name, _speed_text(command.zone_speed)))
+    return tuple(distances)
 
 
 def distance_text(clearance: Clearance) -> str:

@@ -109,22 +109,26 @@ def describe_module(module: Module) -> ModuleText:
     name = PurePath(module.source.name).stem.upper()
     comments = {line: re.sub(r"^!+ ?", "", text).rstrip() for line, text in module.comment_lines}
     subs, functions = (
-        [one for one in module.statements if one.index is None and one.name.name == word]
+        [
+            statement
+            for statement in module.statements
+            if statement.index is None and statement.name.name == word
+        ]
         for word in ("SUB", "FUNC")
     )
     first = min(comments, default=0)
-    above_all = min((one.line for one in module.statements), default=first + 1)
+    above_all = min((statement.line for statement in module.statements), default=first + 1)
     top: list[str] = []
     if first and first < above_all:
         top = _downwards(comments, first)
         # a comment directly above the first SUB or FUNC describes that one
-        if first + len(top) in {one.line for one in (*subs, *functions)}:
+        if first + len(top) in {statement.line for statement in (*subs, *functions)}:
             top = []
     return ModuleText(
         name,
         _paragraphs(top),
-        tuple(_sub(one, comments, name) for one in subs),
-        tuple(_function(one, comments) for one in functions),
+        tuple(_sub(statement, comments, name) for statement in subs),
+        tuple(_function(statement, comments) for statement in functions),
     )
 
 

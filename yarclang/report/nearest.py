@@ -76,22 +76,22 @@ def nearest_places(certificate: Certificate, robot: Robot, cell: Cell | None) ->
     measure = _Measure(certificate.tolerance, robot, cell)
     for command in certificate.commands:
         source = source_command(command)
-        for one in measure.of(command):
-            key = (*source, one.what)
+        for place in measure.of(command):
+            key = (*source, place.what)
             known = worst.get(key)
-            if known is None or one.rank > known.rank:
-                worst[key] = one
+            if known is None or place.rank > known.rank:
+                worst[key] = place
         if len(worst) > _MANY:
             worst = _foremost(worst)
     first: dict[str, _Found] = {}
-    for one in worst.values():
-        known = first.get(one.what)
-        if known is None or one.rank > known.rank:
-            first[one.what] = one
+    for place in worst.values():
+        known = first.get(place.what)
+        if known is None or place.rank > known.rank:
+            first[place.what] = place
     chosen = nlargest(MOST, first.values(), key=_rank)
-    rest = (one for one in worst.values() if one.share is not None and first[one.what] is not one)
+    rest = (place for place in worst.values() if place.share is not None and first[place.what] is not place)
     chosen += nlargest(MOST - len(chosen), rest, key=_rank)
-    return tuple(one.told() for one in sorted(chosen, key=_rank, reverse=True))
+    return tuple(place.told() for place in sorted(chosen, key=_rank, reverse=True))
 
 
 _MANY = 4_096

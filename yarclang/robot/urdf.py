@@ -131,7 +131,7 @@ def _register(
     first: dict[str, Element] = {}
     for element in elements:
         name = element.attributes.get("name", "")
-        made = read(element)
+        item = read(element)
         if not name:
             urdf.say("Y1342", f"<{element.tag}> has no name.", f'Write <{element.tag} name="...">.', element)
         elif not _NAME.fullmatch(name):
@@ -144,8 +144,8 @@ def _register(
             line = bisect.bisect_right(urdf.starts, first[name].start)
             message = f"A second {element.tag} {name}; the first is in line {line}."
             urdf.say("Y1344", message, "Give one of the two another name.", element, "name")
-        elif made is not None:
-            first[name], names[name] = element, made
+        elif item is not None:
+            first[name], names[name] = element, item
             continue
         else:
             first[name] = element

@@ -56,7 +56,7 @@ def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
     folder = (robot.folder / robot.urdf).parent
     base_from_root = np.linalg.inv(places[base][0])
     colours = {one.attributes.get("name", ""): _colour(urdf, one) for one in urdf.root.all("material")}
-    found: list[Visual] = []
+    visuals: list[Visual] = []
     for name, link in urdf.links.items():
         root_from_link, joint = places[name]
         for body in link.all("visual"):
@@ -78,8 +78,8 @@ def visual_shapes(robot: Robot) -> tuple[Visual, ...]:
             colour = None
             if material is not None:
                 colour = _colour(urdf, material) or colours.get(material.attributes.get("name", ""))
-            found.append(Visual(name, joint, constant(placed), made, colour))
-    return tuple(found)
+            visuals.append(Visual(name, joint, constant(placed), made, colour))
+    return tuple(visuals)
 
 
 def _colour(urdf: Urdf, material: Element) -> Colour | None:

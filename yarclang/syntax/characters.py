@@ -106,16 +106,16 @@ def fault_in(text: str) -> Fault | None:
     if is_plain(text):
         return None
     rows = text.split("\n")
-    found = [one for number, row in enumerate(rows) for one in _in_row(number, row)]
-    if not found:
+    faults = [one for number, row in enumerate(rows) for one in _in_row(number, row)]
+    if not faults:
         return None
-    first = next((one for one in found if is_not_text(one.character)), found[0])
+    first = next((one for one in faults if is_not_text(one.character)), faults[0])
     message = f"{_called(first.character)} can't stand in {first.where or 'code'}"
-    if others := len(found) - 1:
+    if others := len(faults) - 1:
         message += f"; {others:,} more of this statement can't either"
     place = Place(first.row, first.column, first.column + 1)
     code = "Y0103" if is_not_text(first.character) else "Y0118"
-    return Fault(code, message, _help(first), place, *_fix(rows, found))
+    return Fault(code, message, _help(first), place, *_fix(rows, faults))
 
 
 def _in_row(number: int, row: str) -> Iterator[_Found]:
@@ -182,7 +182,7 @@ def _ends(row: str) -> frozenset[int]:
     """Return those line ends in a line that only some editors know, and that become real ones because a
     statement follows.
     """
-    found: list[int] = []
+    ends: list[int] = []
     opens: bool | None = None
     word = len(row)
     for at in range(len(row) - 1, -1, -1):
@@ -192,8 +192,8 @@ def _ends(row: str) -> frozenset[int]:
             if opens is None:
                 opens = opens_statement(row[word:])
             if opens:
-                found.append(at)
-    return frozenset(found)
+                ends.append(at)
+    return frozenset(ends)
 
 
 def _fix(rows: list[str], found: list[_Found]) -> tuple[str, tuple[tuple[Place, str], ...]]:

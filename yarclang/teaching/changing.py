@@ -89,26 +89,26 @@ def _pieces(
         labels = " and ".join(given)
         raise Trouble(f"{labels} can't both stand in a line", "leave one of them empty", "field")
     for name, text in changed.items():
-        one = placed[name]
-        if one.part == "time" and given and name not in given:
+        piece = placed[name]
+        if piece.part == "time" and given and name not in given:
             continue  # the other time replaces this one
-        place = one.place
+        place = piece.place
         if place is None:
             if text:
-                added.setdefault(one.part, []).append(one.form.replace("@", text))
+                added.setdefault(piece.part, []).append(piece.form.replace("@", text))
             continue
         row, begin, end = place.row, place.start - 1, place.end - 1
         line = program.content(statement.line + row)
-        if not text and one.part != "value":
+        if not text and piece.part != "value":
             begin = len(line[:begin].rstrip(" \t"))
-        put = one.form.replace("@", text) if text or one.part == "value" else ""
+        put = piece.form.replace("@", text) if text or piece.part == "value" else ""
         found.setdefault(row, []).append((begin, end, put))
     for part in _ORDER:
         if part in added:
             row, column = _behind(statement, program, part)
-            put = "".join(f" {one}" for one in added[part])
+            put = "".join(f" {piece}" for piece in added[part])
             pieces = found.setdefault(row, [])
-            same = next((one for one in pieces if one[0] == one[1] == column), None)
+            same = next((piece for piece in pieces if piece[0] == piece[1] == column), None)
             if same is not None:  # a further part at this place, in the order of the language
                 pieces.remove(same)
                 put = same[2] + put

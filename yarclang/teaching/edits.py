@@ -226,19 +226,19 @@ class Draft:
 
     def _text(self) -> str:
         program = self.program
-        made: list[str] = []
-        made += [row + program.end for row in self.added.get(0, ())]
+        parts: list[str] = []
+        parts += [row + program.end for row in self.added.get(0, ())]
         for line, old in enumerate(program.ended, 1):
             if line not in self.gone:
-                made.append(self.content(line) + _end(old))
-            made += [row + program.end for row in self.added.get(line, ())]
+                parts.append(self.content(line) + _end(old))
+            parts += [row + program.end for row in self.added.get(line, ())]
         open_end = bool(program.ended) and not _end(program.ended[-1])
-        for number, row in enumerate(made[:-1]):
+        for number, row in enumerate(parts[:-1]):
             if not _end(row):
-                made[number] = row + program.end
-        if made and open_end:
-            made[-1] = made[-1].removesuffix(_end(made[-1]))
-        return "".join(made)
+                parts[number] = row + program.end
+        if parts and open_end:
+            parts[-1] = parts[-1].removesuffix(_end(parts[-1]))
+        return "".join(parts)
 
     def _edits(self) -> tuple[Edit, ...]:
         program, edits = self.program, list[Edit]()

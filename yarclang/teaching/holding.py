@@ -190,7 +190,7 @@ def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> lis
         joints: (n,) [rad or m].
         units: units of the texts, by kind.
     """
-    made = []
+    numbers = []
     for at, (kind, value) in enumerate(zip(joint_kinds(robot), joints.tolist(), strict=True)):
         unit = units[kind]
         factor, digits = UNITS[unit].factor, _digits(kind, unit) + (kind == "length")
@@ -201,8 +201,8 @@ def joint_numbers(robot: Robot, joints: Array, units: Mapping[Kind, str]) -> lis
             shown = math.floor(upper / step + 1e-6) * step
         elif shown < lower - 1e-9 and value / factor >= lower - step:
             shown = math.ceil(lower / step - 1e-6) * step
-        made.append(number_text(shown, digits))
-    return made
+        numbers.append(number_text(shown, digits))
+    return numbers
 
 
 def pose_numbers(pose: Array, units: Mapping[Kind, str], *, quaternion: bool = False) -> list[str]:

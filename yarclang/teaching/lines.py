@@ -78,17 +78,17 @@ def delete(program: Program, first: int, last: int) -> Edited:
 
 def _whole(program: Program, lines: set[int]) -> set[int]:
     """Return lines with all rows of their statements and blocks."""
-    found = set(lines)
+    whole = set(lines)
     for line in lines:
         statement = program.sketch.statement_at(line)
         if statement is not None:
-            found.update(range(statement.line, statement.line + statement.rows))
+            whole.update(range(statement.line, statement.line + statement.rows))
     for first, rows in program.unreadable.items():
         span = range(first, first + rows)
         if any(line in lines for line in span):
-            found.update(span)
-    _add_blocks(program.sketch.nodes, found)
-    return found
+            whole.update(span)
+    _add_blocks(program.sketch.nodes, whole)
+    return whole
 
 
 def _add_blocks(nodes: tuple[Node, ...], found: set[int]) -> None:

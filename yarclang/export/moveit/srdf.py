@@ -84,7 +84,7 @@ def disabled_pairs(robot: Robot, bodies: Bodies, scene: Scene) -> list[tuple[str
     joints = {body.name: body.joint for body in scene.bodies}
     checked = {frozenset(scene.names(pair)) for pair in range(len(scene.pairs.first))}
     at_home = {frozenset(pair) for pair in scene.at_home}
-    found = []
+    pairs = []
     for one, other in combinations(sorted(joints), 2):
         pair = frozenset((one, other))
         if pair in checked:
@@ -92,5 +92,5 @@ def disabled_pairs(robot: Robot, bodies: Bodies, scene: Scene) -> list[tuple[str
         allowed = tuple(sorted((one, other))) in robot.allowed
         reason = "User" if allowed else "Default" if pair in at_home else "Adjacent"
         links = sorted((bodies.link_of(one), bodies.link_of(other)))
-        found.append((links[0], links[1], reason))
-    return sorted(found)
+        pairs.append((links[0], links[1], reason))
+    return sorted(pairs)

@@ -117,7 +117,7 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
         robot: the robot of the program.
         names: names of the controller's variables in the program.
     """
-    made = _Making(
+    making = _Making(
         mapped,
         robot,
         names,
@@ -126,8 +126,8 @@ def course_of(content: ControllerText, mapped: LineMap, robot: Robot, names: Map
     )
     for item, place in zip(content.course, content.schedule.places, strict=False):
         go_on()
-        made.take(item, float(place))
-    return made.done()
+        making.take(item, float(place))
+    return making.done()
 
 
 class _Making:

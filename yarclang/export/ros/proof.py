@@ -52,7 +52,7 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         differences: list[State] = []
         for when in (at[rows], at[rows + 1]):
             driven, executed = values(powers, when - time[here]), path.at(own, when - path.begin[own])
-            x, v, a = (one - other for one, other in zip(driven, executed, strict=True))
+            x, v, a = (array - other for array, other in zip(driven, executed, strict=True))
             differences.append((x, v, a))
         first, second = differences
         length = at[rows + 1] - at[rows]
@@ -61,8 +61,8 @@ def deviation(path: Path, points: Points, kind: Interpolation) -> Array:
         np.maximum(worst, np.abs(first[0]).max(axis=0), out=worst)
         close = (found > worst).any(axis=1)
         if close.any():
-            x, v, a = (one[close] for one in first)
-            y, w, b = (one[close] for one in second)
+            x, v, a = (array[close] for array in first)
+            y, w, b = (array[close] for array in second)
             found = largest((x, v, a), (y, w, b), length[close], _HALVINGS)
             np.maximum(worst, found.max(axis=0), out=worst)
     return worst

@@ -28,16 +28,23 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
     names = around.names
     # unused_tool.py reports frames on the flange.
     on_flange = set(around.robot.flange_from_frame)
-    for one in names.declared:
-        if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:
-            on_flange.add(one.name)
-    for one in names.unused(*_KINDS):
-        if one.word == "FRAME" and one.name in on_flange:
+    for declared in names.declared:
+        if (
+            declared.word == "FRAME"
+            and declared.statement.base is not None
+            and declared.statement.base.name in on_flange
+        ):
+            on_flange.add(declared.name)
+    for declared in names.unused(*_KINDS):
+        if declared.word == "FRAME" and declared.name in on_flange:
             continue
-        shown = f"{{{one.name}}}" if one.word == "FRAME" else one.name
-        message = f"no line of this file uses the {_KINDS[one.word]} {shown}"
+        shown = f"{{{declared.name}}}" if declared.word == "FRAME" else declared.name
+        message = f"no line of this file uses the {_KINDS[declared.word]} {shown}"
         yield Remark(
-            message, one.span, "take the line away, or was another name meant further down?", _without(one)
+            message,
+            declared.span,
+            "take the line away, or was another name meant further down?",
+            _without(declared),
         )
 
 

@@ -12,16 +12,20 @@ from yarclang.syntax.ast import Module
 def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: ARG001  (every rule gets both)
     names = around.names
     on_flange = set(around.robot.flange_from_frame)
-    for one in names.declared:
-        if one.word == "FRAME" and one.statement.base is not None and one.statement.base.name in on_flange:
-            on_flange.add(one.name)
-    for one in names.unused("FRAME"):
-        if one.name in on_flange:
-            message = f"no line of this file uses the tool {{{one.name}}}"
+    for declared in names.declared:
+        if (
+            declared.word == "FRAME"
+            and declared.statement.base is not None
+            and declared.statement.base.name in on_flange
+        ):
+            on_flange.add(declared.name)
+    for declared in names.unused("FRAME"):
+        if declared.name in on_flange:
+            message = f"no line of this file uses the tool {{{declared.name}}}"
             yield Remark(
                 message,
-                one.span,
-                f"name {{{one.name}}} in DEFAULT or in the commands that move it, or take the line away",
+                declared.span,
+                f"name {{{declared.name}}} in DEFAULT or in the commands that move it, or take the line away",
             )
 
 

@@ -34,20 +34,20 @@ async def _actions(server: Server, params: types.CodeActionParams) -> list[types
     if analysis is None or document is None or analysis.document is not document:
         return []
     only = params.context.only
-    made: list[types.CodeAction] = []
+    actions: list[types.CodeAction] = []
     if _wanted(types.CodeActionKind.QuickFix.value, only):
-        made += _quick_fixes(server, document, analysis, params.range)
+        actions += _quick_fixes(server, document, analysis, params.range)
     if document.is_program:
         if _wanted(RENUMBER, only):
-            made += _renumber(server, document)
+            actions += _renumber(server, document)
         if _wanted(FIX_ALL, only) and _fixable(document, analysis.checked):
-            made.append(_fix_all(uri))
+            actions.append(_fix_all(uri))
             # A general request must not wait for planning.
             if only is not None or (not _resolves(server) and analysis.is_whole):
-                await _resolve(server, made[-1])
+                await _resolve(server, actions[-1])
             elif not _resolves(server):
-                made.pop()
-    return [one for one in made if one.edit is not None or one.data is not None]
+                actions.pop()
+    return [one for one in actions if one.edit is not None or one.data is not None]
 
 
 def _wanted(kind: str, only: Any) -> bool:

@@ -64,19 +64,19 @@ def _tokens(server: Server, document: Document, first: int, last: int | None) ->
     data: list[int] = []
     line = character = 0
     text, read = "", 0
-    for one in tints(document.sketch, first, last):
-        if one.line != read:
-            text, read = document.source.line(one.line), one.line
-        start, end = (units_of(text[: at - 1], server.encoding) for at in (one.start, one.end))
-        same = one.line - 1 == line
+    for tint in tints(document.sketch, first, last):
+        if tint.line != read:
+            text, read = document.source.line(tint.line), tint.line
+        start, end = (units_of(text[: at - 1], server.encoding) for at in (tint.start, tint.end))
+        same = tint.line - 1 == line
         data += (
-            one.line - 1 - line,
+            tint.line - 1 - line,
             start - (character if same else 0),
             end - start,
-            _NUMBERS[one.tint],
-            _DECLARES if one.declares else 0,
+            _NUMBERS[tint.tint],
+            _DECLARES if tint.declares else 0,
         )
-        line, character = one.line - 1, start
+        line, character = tint.line - 1, start
     return types.SemanticTokens(data)
 
 

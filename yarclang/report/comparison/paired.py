@@ -71,17 +71,17 @@ def _closest(first: Sequence[Act], second: Sequence[Act]) -> list[Pair]:
         return _aligned(
             first,
             second,
-            [(one.kind, one.place, one.name) for one in first],
-            [(one.kind, one.place, one.name) for one in second],
+            [(candidate.kind, candidate.place, candidate.name) for candidate in first],
+            [(candidate.kind, candidate.place, candidate.name) for candidate in second],
             _apart,
         )
     cost = np.full((n + 1, m + 1), np.inf)
     cost[:, m] = np.arange(n, -1, -1) * _ALONE
     cost[n, :] = np.arange(m, -1, -1) * _ALONE
     pair: list[list[float]] = []
-    for one in first:
+    for candidate in first:
         go_on()
-        pair.append([_cost(one, other) for other in second])
+        pair.append([_cost(candidate, other) for other in second])
     for i in range(n - 1, -1, -1):
         go_on()
         for k in range(m - 1, -1, -1):

@@ -207,7 +207,7 @@ def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
     robot = studied.request.robot
     assert isinstance(step, Motion)
     in_joints, goals = not step.leads_frame, step.goals
-    found: list[WayPoint] = []
+    waypoints: list[WayPoint] = []
     stands = way.start
     chosen_ones = way.motion.waypoints if way.motion is not None else None
     for place, goal in enumerate(goals):
@@ -221,13 +221,13 @@ def _waypoints(studied: Studied, number: int, way: Way) -> tuple[WayPoint, ...]:
                 pose = tool_poses(robot.chain, chosen[None], goal.flange_from_moving)[0]
             if pose is not None:
                 near = goal.near if isinstance(goal, PoseGoal) else None
-                found.append(
+                waypoints.append(
                     _waypoint(
                         studied, number, pose, goal.flange_from_moving, near, stands, chosen, in_joints, last
                     )
                 )
         stands = goal.q if isinstance(goal, JointGoal) else chosen if chosen is not None else stands
-    return tuple(found)
+    return tuple(waypoints)
 
 
 def _waypoint(

@@ -62,7 +62,7 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
     number = min(count, MOST_BARS)
     bars = []
     for bar in range(number):
-        first, behind = bar * count // number, (bar + 1) * count // number
+        first, end = bar * count // number, (bar + 1) * count // number
         origin = plan.origin_of(first)
         # from the dark end to a colour that is visible on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (bar / max(number - 1, 1)))
@@ -70,9 +70,9 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
         bars.append(
             Bar(
                 first=first,
-                behind=behind,
+                behind=end,
                 start=float(plan.begins[first]),
-                end=float(plan.ends[behind - 1]),
+                end=float(plan.ends[end - 1]),
                 index=origin.index,
                 name=origin.name,
                 colour=(red, green, blue),

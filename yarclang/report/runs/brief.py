@@ -130,10 +130,10 @@ def _end(read: ReadAt, start: int, offsets: int, size: int) -> dict[str, Any]:
             group, begins, length = struct.unpack_from("<BQQ", content)
             if start <= begins < size and length <= _MOST_INDEX:
                 groups[group] = read(begins, length)
-    found: dict[str, Any] = {}
+    ending: dict[str, Any] = {}
     for _, content in _records(groups.get(_STATISTICS, b"")):
         first, last = struct.unpack_from("<QQ", content, 26)
-        found["duration"] = max(0.0, (last - first) / 1e9)
+        ending["duration"] = max(0.0, (last - first) / 1e9)
     channels = {
         struct.unpack_from("<H", content)[0]
         for _, content in _records(groups.get(_CHANNEL, b""))
@@ -146,12 +146,12 @@ def _end(read: ReadAt, start: int, offsets: int, size: int) -> dict[str, Any]:
             continue
         for message in _messages(read(begins, length), channels):
             outcome = json.loads(message)
-            found["well"] = outcome["well"] is True
-            found["what"] = str(outcome["what"])[:_LONGEST]
-            found["code"] = str(outcome.get("code", ""))[:10]
-        if "well" in found:
+            ending["well"] = outcome["well"] is True
+            ending["what"] = str(outcome["what"])[:_LONGEST]
+            ending["code"] = str(outcome.get("code", ""))[:10]
+        if "well" in ending:
             break
-    return found
+    return ending
 
 
 def _messages(chunk: bytes, channels: set[int]) -> Iterator[bytes]:

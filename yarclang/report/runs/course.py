@@ -74,19 +74,19 @@ def marks_of(run: RecordedRun, tracking: Tracking) -> tuple[Mark, ...]:
     """Return remarks, orders, and the causes of states that weren't planned. Simultaneous events become one
     mark.
     """
-    found: list[Mark] = []
-    for one in run.told:
-        if isinstance(one, Remark):
-            text = one.text
-        elif isinstance(one, Changed) and one.state in TROUBLED and one.why:
-            text = f"{one.state.value}: {one.why}"
+    marks: list[Mark] = []
+    for message in run.told:
+        if isinstance(message, Remark):
+            text = message.text
+        elif isinstance(message, Changed) and message.state in TROUBLED and message.why:
+            text = f"{message.state.value}: {message.why}"
         else:
             continue
-        if found and one.time - found[-1].time < _AT_ONCE:
-            found[-1] = replace(found[-1], text=f"{found[-1].text}; {text}")
+        if marks and message.time - marks[-1].time < _AT_ONCE:
+            marks[-1] = replace(marks[-1], text=f"{marks[-1].text}; {text}")
         else:
-            found.append(Mark(one.time, _program_time(run, tracking, one.time), text))
-    return tuple(found)
+            marks.append(Mark(message.time, _program_time(run, tracking, message.time), text))
+    return tuple(marks)
 
 
 def outcome_text(run: RecordedRun) -> tuple[str, bool | None]:

@@ -75,16 +75,16 @@ def draw_commands(axes: Axes, shown: Shown) -> None:
     count = min(len(commands), MOST_BARS)
     bars = []
     for bar in range(count):
-        first, behind = bar * len(commands) // count, (bar + 1) * len(commands) // count
+        first, end = bar * len(commands) // count, (bar + 1) * len(commands) // count
         command = commands[first]
         red, green, blue, _ = colormaps["Greys"](0.2 + 0.17 * (bar % 2))
         index = "" if command.index == "-" else command.index
         bars.append(
             Bar(
                 first,
-                behind,
+                end,
                 command.begins,
-                commands[behind - 1].ends,
+                commands[end - 1].ends,
                 index,
                 command.name,
                 (red, green, blue),

@@ -142,7 +142,7 @@ def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, floa
     as a branch, too.
     """
     open_: list[tuple[int, float, float | None]] = []
-    found: dict[int, tuple[float, float, float]] = {}
+    ways: dict[int, tuple[float, float, float]] = {}
     loops: list[list[tuple[int, float]]] = []
     for number, (item, now) in enumerate(zip(content.course, schedule.places, strict=False)):
         match item:
@@ -152,13 +152,13 @@ def _ways(content: ControllerText, schedule: Schedule) -> list[tuple[float, floa
                 open_[-1] = (*open_[-1][:2], now)
             case Barred(kind="end") if open_:
                 first, begins, second = open_.pop()
-                found[first] = (begins, now if second is None else second, now)
+                ways[first] = (begins, now if second is None else second, now)
             case Barred(kind="loop"):
                 loops.append([])
             case Barred(kind="exit") if loops:
                 loops[-1].append((number, now))
             case Barred(kind="endloop") if loops:
-                found |= {exit_: (begins, now, now) for exit_, begins in loops.pop()}
+                ways |= {exit_: (begins, now, now) for exit_, begins in loops.pop()}
             case _:
                 pass
-    return [found[first] for first in sorted(found)]
+    return [ways[first] for first in sorted(ways)]

@@ -45,17 +45,19 @@ def signal_rows(run: RecordedRun) -> tuple[SignalRow, ...]:
     changes: dict[tuple[str, bool], list[tuple[float, float]]] = {}
     waits: dict[tuple[str, bool], list[tuple[float, float, bool]]] = {}
     begun: tuple[tuple[str, bool], float] | None = None
-    for one in run.told:
-        match one:
+    for message in run.told:
+        match message:
             case OutputSet() | InputChanged() | WaitBegan() | WaitEnded():
-                key = (one.name, not isinstance(one, OutputSet))
-                changes.setdefault(key, []).append((one.time, one.value))
+                key = (message.name, not isinstance(message, OutputSet))
+                changes.setdefault(key, []).append((message.time, message.value))
                 waits.setdefault(key, [])
-                if isinstance(one, WaitBegan):
-                    begun = (key, one.time)
-                elif isinstance(one, WaitEnded):
-                    since = begun[1] if begun is not None and begun[0] == key else one.time - one.waited
-                    waits[key].append((since, one.time, one.met))
+                if isinstance(message, WaitBegan):
+                    begun = (key, message.time)
+                elif isinstance(message, WaitEnded):
+                    since = (
+                        begun[1] if begun is not None and begun[0] == key else message.time - message.waited
+                    )
+                    waits[key].append((since, message.time, message.met))
                     begun = None
             case _:
                 pass
@@ -84,11 +86,11 @@ def draw_signals(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: fl
         unit: its name.
     """
     shown = rows[:MOST_ROWS]
-    for row, one in enumerate(shown):
-        middle, colour = len(shown) - 1 - row, INPUT if one.is_input else OUTPUT
-        for begins, ends, value in one.stretches:
+    for row, signal in enumerate(shown):
+        middle, colour = len(shown) - 1 - row, INPUT if signal.is_input else OUTPUT
+        for begins, ends, value in signal.stretches:
             _draw_stretch(axes, (begins / factor, ends / factor), middle, value, colour)
-        for begins, ends, is_met in one.waits:
+        for begins, ends, is_met in signal.waits:
             axes.barh(
                 middle,
                 max(ends - begins, 0.003 * end) / factor,
@@ -102,7 +104,7 @@ def draw_signals(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: fl
             )
     axes.set_xlim(0.0, end / factor)
     axes.set_ylim(-0.6, len(shown) - 0.4)
-    axes.set_yticks(range(len(shown)), [_cut(one.name) for one in reversed(shown)])
+    axes.set_yticks(range(len(shown)), [_cut(signal.name) for signal in reversed(shown)])
     axes.tick_params(length=0, labelsize=8)
     axes.tick_params(axis="x", length=2.5, labelsize=8.5)
     axes.set_xlabel(f"time since the log was opened [{unit}]", labelpad=1)

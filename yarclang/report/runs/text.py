@@ -160,24 +160,24 @@ class Moment:
 def moments_of(run: RecordedRun) -> Iterator[Moment]:
     """Yield the moments of a recorded run."""
     view, between = View(run.robot, run.lasting), False
-    told: Iterator[tuple[float, Told | int]] = ((one.time, one) for one in run.told)
+    told: Iterator[tuple[float, Told | int]] = ((moment.time, moment) for moment in run.told)
     seen: Iterator[tuple[float, Told | int]] = ((float(time), row) for row, time in enumerate(run.times))
     # at equal times, reports come after samples, above all the outcome
-    for time, one in merge(seen, told, key=lambda pair: pair[0]):
+    for time, moment in merge(seen, told, key=lambda pair: pair[0]):
         line = ""
-        match one:
+        match moment:
             case int():
-                view = view.at(run.actual[one])
+                view = view.at(run.actual[moment])
             case Pass():
-                view = view.performing(run.lasting if one.of_program else known(one.duration))
+                view = view.performing(run.lasting if moment.of_program else known(moment.duration))
             case Outcome():
                 line = printable(outcome_text(run)[0])
             case _:
-                view = view.behind(one)
-                silent = isinstance(one, Progress) or (between and _is_usual(one))
-                line = "" if silent else notice_text(one)
-                if isinstance(one, WaitBegan):
+                view = view.behind(moment)
+                silent = isinstance(moment, Progress) or (between and _is_usual(moment))
+                line = "" if silent else notice_text(moment)
+                if isinstance(moment, WaitBegan):
                     between = True
-                elif isinstance(one, Changed) and one.state is State.MOVE:
+                elif isinstance(moment, Changed) and moment.state is State.MOVE:
                     between = False
         yield Moment(time, view, line)

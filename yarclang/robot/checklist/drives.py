@@ -74,28 +74,28 @@ def _speeds(robot: Robot) -> Item:
     slow = have < alone * (1.0 - 1e-9)
     if slow.any():
         at = int(np.argmin(have / alone))
-        found = (
+        remark = (
             f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed that its joint's limit needs "
             f"({have[at] * MS:.4g} of {alone[at] * MS:.4g} counts/ms)"
         )
         return Item(
             "motor speeds",
             "note",
-            found,
+            remark,
             "plans keep the motor's limit; lower the joint's velocity if it is wrong",
         )
     if (have < together * (1.0 - 1e-9)).any():
         at = int(np.argmin(have / together))
-        found = f"motor {numbers[at]} limits coupled joints to {have[at] / together[at] * 100:.3g} % when they move together"
+        remark = f"motor {numbers[at]} limits coupled joints to {have[at] / together[at] * 100:.3g} % when they move together"
         return Item(
             "motor speeds",
             "note",
-            found,
+            remark,
             "plans keep the motor's limit; nothing is to do if the number is right",
         )
     fast = have > 3.0 * together
     if fast.any():
         names = listed([str(number) for number, one in zip(numbers, fast, strict=True) if one])
-        found = f"motors {names} could run at more than three times what their joints' limits need"
-        return Item("motor speeds", "note", found, "check the unit: velocity of [motors] is in counts/ms")
+        remark = f"motors {names} could run at more than three times what their joints' limits need"
+        return Item("motor speeds", "note", remark, "check the unit: velocity of [motors] is in counts/ms")
     return Item("motor speeds", "ok", "every motor is fast enough for its joints' limits")

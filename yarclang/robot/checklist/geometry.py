@@ -92,25 +92,25 @@ def _method(robot: Robot) -> Item:
     if parallel_arm(robot.chain) is not None:
         return Item("inverse kinematics", "ok", "closed form: three parallel axes")
     if nominal_form(robot.chain) is not None:
-        found = "all solutions, from the closed form of the arm before it was calibrated"
-        return Item("inverse kinematics", "ok", found)
+        solver = "all solutions, from the closed form of the arm before it was calibrated"
+        return Item("inverse kinematics", "ok", solver)
     if has_all(robot.chain):
         return Item("inverse kinematics", "ok", "all solutions, by elimination")
     if robot.size < 6:
-        found = (
+        solver = (
             f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY take a pose that "
             "it can hold, and refuse any other"
         )
         return Item(
             "inverse kinematics",
             "note",
-            found,
+            solver,
             "move by joint values (MOVEJ, MOVEJ_SPLINE) if a pose is refused",
         )
     if robot.size > 6:
         more = f"{robot.size - 6} joint{'s' * (robot.size > 7)}"
-        found = f"numeric. The arm has {more} more than a pose needs: the nearest solution is taken"
-        return Item("inverse kinematics", "note", found, "say with NEAR where the elbow is to be")
+        solver = f"numeric. The arm has {more} more than a pose needs: the nearest solution is taken"
+        return Item("inverse kinematics", "note", solver, "say with NEAR where the elbow is to be")
     return Item("inverse kinematics", "ok", "numeric: the arm has no closed form here")
 
 

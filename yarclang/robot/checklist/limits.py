@@ -40,19 +40,19 @@ def limit_items(robot: Robot) -> Iterator[Item]:
     yield _times(robot, "jerk limits", ease, USUAL_EASE, "its acceleration limit")
     slow = limits.stop_acceleration < limits.acceleration
     if slow.any():
-        found = f"{listed(_names(robot, slow))} may stop no faster than in a motion, or slower"
-        yield Item("stops", "note", found, "give stop_acceleration, what the brakes and gears stand")
+        remark = f"{listed(_names(robot, slow))} may stop no faster than in a motion, or slower"
+        yield Item("stops", "note", remark, "give stop_acceleration, what the brakes and gears stand")
     if robot.jog_speed > REDUCED_SPEED * (1.0 + 1e-9):
-        found = f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
-        yield Item("jogs", "note", found, "give [jog] a speed of 250, if somebody stands within reach")
+        remark = f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
+        yield Item("jogs", "note", remark, "give [jog] a speed of 250, if somebody stands within reach")
     endless = [
         name for name, kind in zip(robot.joint_names, robot.joint_kinds, strict=True) if kind == "continuous"
     ]
     free = [name for name in endless if not np.isfinite(travel[robot.joint_names.index(name)])]
     if free:
-        found = f"{listed(free)} turn without end: a program may wind them up turn by turn"
+        remark = f"{listed(free)} turn without end: a program may wind them up turn by turn"
         yield Item(
-            "continuous joints", "note", found, "give position limits if cables or hoses go through them"
+            "continuous joints", "note", remark, "give position limits if cables or hoses go through them"
         )
     elif endless:
         yield Item("continuous joints", "ok", f"{listed(endless)} have position limits in robot.toml")

@@ -40,7 +40,7 @@ def elbow_of(chain: Chain) -> Elbow | None:
     frames = links_of(chain).frames
     shoulder = _nearest_on(frames[turning[0]], frames[turning[1]])
     flange = chain.base_from_flange[:3, 3]
-    best, found = LEAST, None
+    best, elbow = LEAST, None
     for joint in turning[1:].tolist():
         point = _foot(frames[joint], shoulder)
         away = min(
@@ -49,8 +49,8 @@ def elbow_of(chain: Chain) -> Elbow | None:
         )
         # of axes that are equally far up to rounding, keep the first
         if away > best * (1.0 + 1e-9):
-            best, found = away, Elbow(joint, point)
-    return found
+            best, elbow = away, Elbow(joint, point)
+    return elbow
 
 
 def _foot(frame: Array, point: Array) -> Array:

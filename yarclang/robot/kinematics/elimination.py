@@ -164,18 +164,18 @@ def distinct(
     """
     count = len(base_from_flange)
     q, valid = np.zeros((count, MOST, 6)), np.zeros((count, MOST), dtype=bool)
-    found, miss = polished(chain, base_from_flange[rows], candidate)
+    solutions, miss = polished(chain, base_from_flange[rows], candidate)
     good = miss < EXACT
-    rows, found = rows[good], found[good]
-    found -= 2.0 * math.pi * np.round(found / (2.0 * math.pi))
+    rows, solutions = rows[good], solutions[good]
+    solutions -= 2.0 * math.pi * np.round(solutions / (2.0 * math.pi))
     # sort by rounded joint values, so that the last bit doesn't decide
-    order = np.lexsort((*np.round(found.T[::-1], 5), rows))
-    rows, found = rows[order], found[order]
+    order = np.lexsort((*np.round(solutions.T[::-1], 5), rows))
+    rows, solutions = rows[order], solutions[order]
     # number each candidate within its pose
     place = np.arange(len(rows)) - np.searchsorted(rows, rows)
     width = int(place.max(initial=0)) + 1
     table, there = np.full((count, width, 6), np.nan), np.zeros((count, width), dtype=bool)
-    table[rows, place], there[rows, place] = found, True
+    table[rows, place], there[rows, place] = solutions, True
     away = table[:, :, None] - table[:, None]
     away -= 2.0 * math.pi * np.round(away / (2.0 * math.pi))
     same = (np.abs(away).max(axis=3) < APART) & np.tri(width, k=-1, dtype=bool)

@@ -39,9 +39,9 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     if arm is None or not len(base_from_flange):
         return nothing
     hold = np.clip(reference, limits.lower, limits.upper)
-    found = closed_form(arm, base_from_flange, hold[:, None])
-    q = np.ascontiguousarray(found.q.transpose(2, 1, 0))
-    reaching = found.valid.T & _reach(chain, base_from_flange, q)
+    solutions = closed_form(arm, base_from_flange, hold[:, None])
+    q = np.ascontiguousarray(solutions.q.transpose(2, 1, 0))
+    reaching = solutions.valid.T & _reach(chain, base_from_flange, q)
     first = _costs(chain, limits, q[:1], reaching[:1], reference[None])[1][0]
     branch = int(np.argmin(first))
     if not np.isfinite(first[branch]):
@@ -55,7 +55,7 @@ def nearest_in_turn(chain: Chain, limits: Limits, base_from_flange: Array, refer
     costs[:, branch] = np.inf
     is_sure = np.isfinite(own) & (own + _CLEARLY < costs.min(axis=1))
     is_sure &= (clipped[:, branch] == along).all(axis=1)
-    is_sure &= ~(found.singular & found.valid).any(axis=0)
+    is_sure &= ~(solutions.singular & solutions.valid).any(axis=0)
     return along[: len(along) if is_sure.all() else int(np.argmin(is_sure))]
 
 

@@ -111,26 +111,26 @@ def nearest_pulled(
     for lower, upper in (clear_of_limits(limits, reference), (limits.lower, limits.upper)):
         pull = Pull(chain, lower, upper, base_from_flange, reference)
         seeds = seeds_near(chain, limits, lower, upper, base_from_flange, reference)
-        found = np.empty((0, chain.size))
+        solutions = np.empty((0, chain.size))
         if is_only:
             # if the reference is near the pose, it arrives soon by itself
             is_near = pull.misses(seeds[:1])[0] < ALONE
-            first = pull.arriving(seeds[:1], is_only=True, steps=FIRST) if is_near else found
+            first = pull.arriving(seeds[:1], is_only=True, steps=FIRST) if is_near else solutions
             bound = np.square(first - reference).sum(axis=1).min(initial=np.inf)
             hopeful = np.linalg.norm(seeds[1:] - reference, axis=1) - ROUGH < np.sqrt(bound)
             others = seeds[1:][hopeful] if len(first) else seeds
-            found = np.vstack((first, pull.arriving(others, is_only=True, bound=bound)))
-        if not len(found):
-            found = pull.arriving(seeds)
-        if len(found):
-            return found
+            solutions = np.vstack((first, pull.arriving(others, is_only=True, bound=bound)))
+        if not len(solutions):
+            solutions = pull.arriving(seeds)
+        if len(solutions):
+            return solutions
     # last: to the pose first, without regard to the reference
     pull = Pull(chain, limits.lower, limits.upper, base_from_flange, reference)
     seeds = seeds_near(chain, limits, limits.lower, limits.upper, base_from_flange, reference, LAST_SEEDS)
     even = spread(chain, limits.lower, limits.upper, reference, LAST_SEEDS)
     reached = pull.reaching(np.vstack((seeds, even)))
-    found = pull.arriving(reached)
-    return found if len(found) else reached
+    solutions = pull.arriving(reached)
+    return solutions if len(solutions) else reached
 
 
 def pulled_to(chain: Chain, limits: Limits, base_from_flange: Array, seeds: Array, reference: Array) -> Array:

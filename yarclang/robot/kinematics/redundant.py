@@ -58,7 +58,7 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
     here = np.repeat(q, 2 * spare, axis=0)
     spaces = null_spaces(chain, q, scale)
     way = np.concatenate((spaces, -spaces), axis=1).reshape(-1, chain.size)
-    found = []
+    samples = []
     for _ in range(ROUNDS):
         go_on()
         step = way * (STEP / np.maximum(np.abs(way).max(axis=1), 1e-9))[:, None] * scale
@@ -71,11 +71,11 @@ def self_motion(chain: Chain, limits: Limits, base_from_flange: Array, q: Array)
         if not going.any():
             break
         here, way = moved.q[going], way[going]
-        found.append(here)
+        samples.append(here)
         # continue in the same direction: project it onto the new null space
         null = null_spaces(chain, here, scale)
         way = np.einsum("nki,nk->ni", null, np.einsum("nki,ni->nk", null, way))
-    return np.concatenate(found) if found else np.empty((0, chain.size))
+    return np.concatenate(samples) if samples else np.empty((0, chain.size))
 
 
 def null_spaces(chain: Chain, q: Array, scale: Array) -> Array:

@@ -57,12 +57,12 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
     """
     count = len(base_from_flange)
     if form_of(chain) is not None:
-        found, valid = branches(chain, base_from_flange)
-        found, inside = _within(chain, limits, found)
+        solutions, valid = branches(chain, base_from_flange)
+        solutions, inside = _within(chain, limits, solutions)
         good = valid & inside
         choice = np.argmax(good, axis=1)
         rows = np.arange(count)
-        return found[rows, choice], good[rows, choice]
+        return solutions[rows, choice], good[rows, choice]
     q, solved = np.empty((count, chain.size)), np.zeros(count, dtype=bool)
     if (meant := nominal_form(chain)) is not None:
         q, solved = _next_to_meant(chain, meant, limits, base_from_flange)
@@ -83,11 +83,11 @@ def reaching(chain: Chain, limits: Limits, base_from_flange: Array) -> tuple[Arr
             upper=limits.upper,
             rounds=rounds,
         )
-        found, inside = _within(chain, limits, fitted.q)
+        solutions, inside = _within(chain, limits, fitted.q)
         good = np.logical_and(inside, fitted.total < reached_within(chain)).reshape(len(todo), starts)
         choice = np.argmax(good, axis=1)
         rows = np.arange(len(todo))
-        q[todo] = found.reshape(len(todo), starts, chain.size)[rows, choice]
+        q[todo] = solutions.reshape(len(todo), starts, chain.size)[rows, choice]
         solved[todo] = good[rows, choice]
     return q, solved
 

@@ -109,16 +109,16 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     others: tuple[str, ...] = ()
     if tip is None:
         starts = [base] if base else tree.starts()
-        found = [path for start in starts for path in tree.arms(start)]
-        if not found:  # perhaps there are only joints whose names denote fingers
+        paths = [path for start in starts for path in tree.arms(start)]
+        if not paths:  # perhaps there are only joints whose names denote fingers
             tree = _Tree(urdf, None)
-            found = [path for start in starts for path in tree.arms(start)]
-        longest = max((len(path) for path in found), default=0)
+            paths = [path for start in starts for path in tree.arms(start)]
+        longest = max((len(path) for path in paths), default=0)
         if longest == 0:
             remedy = "Name the arm's foot and its end with --base and --tip; fingers don't count as an arm."
             message = "the URDF has no chain of moving joints that could be an arm"
             return Diagnostic("Y1353", message, urdf.source, help=remedy)
-        best = [path for path in found if len(path) == longest]
+        best = [path for path in paths if len(path) == longest]
         others = tuple(tree.flange_of(path[-1].child)[0] for path in best[1:])
         first, last = best[0][0].parent, best[0][-1].child
         flange, flange_choices = tree.flange_of(last)

@@ -212,13 +212,13 @@ def make(
         partial: True to leave out missing collision meshes; otherwise they are an error.
     """
     urdf_name = f"{re.sub(r'[^A-Za-z0-9_.-]', '_', arm.path.stem) or 'robot'}.urdf"
-    made = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
+    sketched = sketch(arm.urdf, arm.chain, given, (name, title, urdf_name, arm.path.name), said)
     chain = screws(arm.urdf, arm.chain.base, arm.chain.flange, arm.chain.joints)
     if chain is None or has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
     copy = copy_urdf(arm.urdf, arm.path, meshes, Packages(arm.path, packages), partial)
     if has_errors(arm.urdf.findings):
         return Result(None, in_order(arm.urdf.findings))
-    proposed = homes(chain, made, given)
-    toml = robot_toml(made, proposed[0])
-    return Result(NewRobot(made, toml, copy, arm, proposed), in_order(arm.urdf.findings))
+    proposed = homes(chain, sketched, given)
+    toml = robot_toml(sketched, proposed[0])
+    return Result(NewRobot(sketched, toml, copy, arm, proposed), in_order(arm.urdf.findings))

@@ -99,7 +99,7 @@ def _names(edits: Edits, root: Element) -> None:
     """Give links and joints names of ASCII letters, digits, and . _ -."""
     for tag in ("link", "joint"):
         elements = root.all(tag)
-        old = [one.attributes.get("name", "") for one in elements]
+        old = [element.attributes.get("name", "") for element in elements]
         taken, new = set(old), {}
         for number, name in enumerate(old, 1):
             if name and name not in new and not re.fullmatch(r"[A-Za-z0-9_.\-]+", name):
@@ -112,8 +112,8 @@ def _names(edits: Edits, root: Element) -> None:
                 new[name] = free
         if not new:
             continue
-        for one in elements:
-            _rename(edits, one, "name", new)
+        for element in elements:
+            _rename(edits, element, "name", new)
         for joint in root.all("joint"):
             for child in joint.children:
                 if _REFERENCES.get(child.tag) == tag:

@@ -157,16 +157,16 @@ class _Link:
     """
 
     def __init__(self, which: str | int | None, name: str) -> None:
-        made: list[Robot] = []
+        robots: list[Robot] = []
         try:
-            made.append(Robot(which, name=name))
-            self.path = made[0].path
-            made.extend(Robot(self.path, name=f"{name} {what}") for what in ("events", "health"))
+            robots.append(Robot(which, name=name))
+            self.path = robots[0].path
+            robots.extend(Robot(self.path, name=f"{name} {what}") for what in ("events", "health"))
         except BaseException:
-            for one in made:
+            for one in robots:
                 one.close()
             raise
-        self.orders, self.events, self.health = made
+        self.orders, self.events, self.health = robots
         self.name = str(self.orders.welcome["name"])
         self.joints = tuple(
             Joint(one["name"], one["unit"]) for one in self.orders.welcome["status"]["joints"]
@@ -608,26 +608,26 @@ class Driver:
         return bool(self._plans or self._running is not None or (self._owns and self._action.is_idle))
 
     def _plan(self, link: _Link, plan: Plan, owning: int) -> None:
-        made: Ready | Result
+        outcome: Ready | Result
         program: int | None = None
         ghost: list[tuple[float, Values]] = []
         try:
             link.orders.answer(owning, _PREPARES)
-            made, program, ghost = self._prepared(link, plan)
+            outcome, program, ghost = self._prepared(link, plan)
         except Refused as refused:
-            made = Result(INVALID_GOAL, _said(refused))
+            outcome = Result(INVALID_GOAL, _said(refused))
         except (Gone, TimeoutError):
             raise
         except Exception as error:
             _LOG.exception("a goal can't be planned")
-            made = Result(INVALID_GOAL, f"a bug of yarclang: {error!r}; report it")
+            outcome = Result(INVALID_GOAL, f"a bug of yarclang: {error!r}; report it")
         with self._lock:
             if self._link is not link:
                 return
             self._program = None if program is None else (plan.number, program)
-            if self._action.plans(plan.number) and isinstance(made, Ready):
+            if self._action.plans(plan.number) and isinstance(outcome, Ready):
                 self._show(ghost)
-            self._do(self._action.planned(plan.number, made, time.monotonic()))
+            self._do(self._action.planned(plan.number, outcome, time.monotonic()))
 
     def _prepared(
         self, link: _Link, plan: Plan

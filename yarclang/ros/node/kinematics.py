@@ -99,16 +99,18 @@ class Kinematics:
         Args:
             positions: of joints by name [rad or m]; other joints are at zero.
         """
-        found: Dict[str, Pose] = {}
+        poses_by_link: Dict[str, Pose] = {}
         children = {joint.child for joint in self._joints}
         for link in self._links:
             if link not in children:
-                found[link] = IDENTITY
+                poses_by_link[link] = IDENTITY
         for joint in self._joints:
             moved = _moved(joint, positions.get(joint.name, 0.0))
-            found[joint.child] = times(times(found[joint.parent], joint.parent_from_joint), moved)
-        from_root = inverse(found[self.base])
-        return {link: times(from_root, pose) for link, pose in found.items()}
+            poses_by_link[joint.child] = times(
+                times(poses_by_link[joint.parent], joint.parent_from_joint), moved
+            )
+        from_root = inverse(poses_by_link[self.base])
+        return {link: times(from_root, pose) for link, pose in poses_by_link.items()}
 
 
 def times(one: Pose, other: Pose) -> Pose:
@@ -219,17 +221,17 @@ def _body(link: str, one: ET.Element, colours: Mapping[str, Colour | None]) -> B
 
 
 def _shape(geometry: ET.Element) -> Shape | None:
-    for one in geometry:
-        if one.tag == "box":
-            return Shape("box", _three(one, "size", (0.0, 0.0, 0.0)))
-        if one.tag == "sphere":
-            edge = 2.0 * _number(one, "radius")
+    for element in geometry:
+        if element.tag == "box":
+            return Shape("box", _three(element, "size", (0.0, 0.0, 0.0)))
+        if element.tag == "sphere":
+            edge = 2.0 * _number(element, "radius")
             return Shape("sphere", (edge, edge, edge))
-        if one.tag == "cylinder":
-            edge = 2.0 * _number(one, "radius")
-            return Shape("cylinder", (edge, edge, _number(one, "length")))
-        if one.tag == "mesh":
-            return Shape("mesh", _three(one, "scale", (1.0, 1.0, 1.0)), one.get("filename", ""))
+        if element.tag == "cylinder":
+            edge = 2.0 * _number(element, "radius")
+            return Shape("cylinder", (edge, edge, _number(element, "length")))
+        if element.tag == "mesh":
+            return Shape("mesh", _three(element, "scale", (1.0, 1.0, 1.0)), element.get("filename", ""))
     return None
 
 

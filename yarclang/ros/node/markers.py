@@ -142,9 +142,9 @@ def ghost_markers(
     Raises:
         ValueError: there is no such link, or a row has another length than `joints`.
     """
-    made = [Marker(action=DELETE_ALL)]
+    markers = [Marker(action=DELETE_ALL)]
     if not course:
-        return tuple(made)
+        return tuple(markers)
     if any(len(row) != len(joints) for row in course):
         raise ValueError(f"the plan has other joints than the {len(joints)} of the robot")
     points = []
@@ -157,14 +157,14 @@ def ghost_markers(
     # RViz draws no line with only one point
     points = points * 2 if len(points) == 1 else points
     width = (_WIDTH, 0.0, 0.0)
-    made.append(Marker("path", 1, LINE_STRIP, kinematics.base, IDENTITY, width, PATH, tuple(points)))
+    markers.append(Marker("path", 1, LINE_STRIP, kinematics.base, IDENTITY, width, PATH, tuple(points)))
     for body in kinematics.bodies:
         if not _differ(start[body.link], poses[body.link]):
             continue
         pose = times(poses[body.link], body.link_from_shape)
         for marker in _shape("ghost", kinematics.base, body.shape, pose, GHOST):
-            made.append(_numbered(marker, len(made)))
-    return tuple(made)
+            markers.append(_numbered(marker, len(markers)))
+    return tuple(markers)
 
 
 def _differ(one: Pose, other: Pose) -> bool:

@@ -162,7 +162,7 @@ class Node:
         Raises:
             yarclang.client.Refused: the connection was denied, and would be again.
         """
-        told = ""
+        reported = ""
         self.status(_UNHEARD)
         while not ended.is_set() and not rospy.is_shutdown():
             driver = Driver(
@@ -175,9 +175,9 @@ class Node:
                 driver.start()
             except (Gone, TimeoutError) as error:
                 reason = f"{error}. It must be served by the same user, with the same XDG_RUNTIME_DIR; if there are several, name it with _robot:=NAME. The node tries again each second"
-                if reason != told:
+                if reason != reported:
                     self.say("error", reason)
-                told = reason
+                reported = reason
                 ended.wait(1.0)
             else:
                 self._driver = driver

@@ -121,7 +121,7 @@ class Node:
         Raises:
             yarclang.client.Refused: the connection was denied, and would be again.
         """
-        told = ""
+        reported = ""
         self.status(_UNHEARD)
         client = f"ROS 2 {self._node.get_fully_qualified_name()}"
         while not over.is_set():
@@ -129,10 +129,10 @@ class Node:
             try:
                 driver.start()
             except (Gone, TimeoutError) as error:
-                if str(error) != told:
+                if str(error) != reported:
                     to_do = "Serve the robot as the same user and with the same XDG_RUNTIME_DIR, or name it with -p robot:=NAME; the node tries again each second"
                     self.say("error", f"{error}. {to_do}")
-                told = str(error)
+                reported = str(error)
                 over.wait(_TRIED_EACH)
             else:
                 self._driver = driver
@@ -334,20 +334,20 @@ class Node:
 
     def _attend(self) -> None:
         """Call the driver after changes, in a thread of its own, because it may be slow."""
-        told: Dict[str, str] = {}
+        reported: Dict[str, str] = {}
         works = {"robot_description": self._describe, "scene": self._draw_scene, "ghost": self._draw_ghost}
         while self._changed.wait() and not self._closing.is_set():
             self._changed.clear()
             for topic, work in works.items():
                 try:
                     work()
-                    told.pop(topic, None)
+                    reported.pop(topic, None)
                 except Gone:  # the driver reports it, and also when the robot is served again
                     break
                 except (Refused, TimeoutError, ValueError) as error:
-                    if told.get(topic) != said(error):
+                    if reported.get(topic) != said(error):
                         self.say("warn", f"{topic} isn't up to date: {said(error)}")
-                    told[topic] = said(error)
+                    reported[topic] = said(error)
 
     def _describe(self) -> None:
         model = self._connected().model()

@@ -383,19 +383,19 @@ def track_of(goal: Goal, joints: Sequence[Joint], stands: Values) -> Track:
 
 def in_robots_order(goal: Goal, joints: Sequence[Joint]) -> tuple[Point, ...]:
     """Return the points of a goal with their joints in the order of the robot."""
-    order = [goal.joint_names.index(one.name) for one in joints]
+    order = [goal.joint_names.index(joint.name) for joint in joints]
 
     def ordered(values: Values) -> Values:
         return tuple(values[place] for place in order) if values else ()
 
     return tuple(
         replace(
-            one,
-            positions=ordered(one.positions),
-            velocities=ordered(one.velocities),
-            accelerations=ordered(one.accelerations),
+            joint,
+            positions=ordered(joint.positions),
+            velocities=ordered(joint.velocities),
+            accelerations=ordered(joint.accelerations),
         )
-        for one in goal.points
+        for joint in goal.points
     )
 
 

@@ -38,8 +38,8 @@ def motion_word(reader: Reader) -> Statement | None:
     Raises:
         Refusal: ERR003 if a statement begins correctly but continues wrongly.
     """
-    if found := reader.match(_MODE):
-        return Mode(_MODES.get(found[0], found[0]))
+    if match := reader.match(_MODE):
+        return Mode(_MODES.get(match[0], match[0]))
     for name in ("PVT", "DWELL", "DWE", "DELAY", "DLY", "TM", "TA", "TS"):
         if reader.text.startswith(name, reader.at) and not reader.text.startswith("TSEL", reader.at):
             reader.at += len(name)
@@ -62,16 +62,16 @@ def motion_word(reader: Reader) -> Statement | None:
     for name in ("HOMEZ", "HMZ", "HOME", "HM"):
         if reader.takes(name):
             return Home("HOMEZ" if name.endswith("Z") else "HOME", reader.numbers(MOTORS))
-    if found := reader.match(_WITHOUT_DATA):
-        if found[0] in ("NORMAL", "NRM"):
+    if match := reader.match(_WITHOUT_DATA):
+        if match[0] in ("NORMAL", "NRM"):
             _vector(reader)
-        return Skipped(re.sub(r"[\d(].*", "", found[0]) or found[0])
+        return Skipped(re.sub(r"[\d(].*", "", match[0]) or match[0])
     here = reader.at
-    if (found := reader.match(_WITH_DATA)) and reader.has_data():
+    if (match := reader.match(_WITH_DATA)) and reader.has_data():
         data = reader.data()
-        if found[0] in "GTD":
-            return Jump(found[0], data)
-        return Skipped(found[0])
+        if match[0] in "GTD":
+            return Jump(match[0], data)
+        return Skipped(match[0])
     reader.at = here
     return _letter(reader)
 

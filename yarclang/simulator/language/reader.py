@@ -160,8 +160,8 @@ class Reader:
         at, depth = self.at, self._depth
         try:
             left = self.expression()
-            found = self.match(_COMPARATOR)
-            if not found:
+            match = self.match(_COMPARATOR)
+            if not match:
                 raise Refusal(DATA)
         except Refusal:
             self.at, self._depth = at, depth
@@ -169,7 +169,7 @@ class Reader:
             inner = self.condition()
             self.expect(")")
             return inner
-        compare, right = COMPARISONS[found[0]], self.expression()
+        compare, right = COMPARISONS[match[0]], self.expression()
         return lambda scope: compare(left(scope), right(scope))
 
     def _product(self) -> Expression:

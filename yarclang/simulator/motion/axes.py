@@ -50,10 +50,10 @@ def axis_definition(text: str) -> AxisDefinition | None:
     terms: list[tuple[str, float]] = []
     offset, at = 0.0, 0
     while at < len(text):
-        found = _TERM.match(text, at)
-        if not found or found.end() == at or (at and not found[1]):
+        match = _TERM.match(text, at)
+        if not match or match.end() == at or (at and not match[1]):
             raise Refusal(DATA)
-        sign, number, axis = found.groups()
+        sign, number, axis = match.groups()
         scale = (-1.0 if sign == "-" else 1.0) * float(number or 1.0)
         if axis:
             terms.append((axis, scale))
@@ -61,7 +61,7 @@ def axis_definition(text: str) -> AxisDefinition | None:
             offset += scale
         else:
             raise Refusal(DATA)
-        at = found.end()
+        at = match.end()
     letters = {axis for axis, _ in terms}
     summed = len(terms) < 2 or any(letters <= set(group) for group in _GROUPS)
     if not terms or len(letters) < len(terms) or not summed:

@@ -31,16 +31,16 @@ def questions(line: str) -> tuple[Question, ...]:
     if len(line) > LONGEST or not LEGAL(line):
         return ()
     text = cleaned(line)
-    found: list[Question] = []
+    asked: list[Question] = []
     at = 0
     while at < len(text):
         part = _PART.match(text, at)
         question = _question(part) if part else None
         if part is None or question is None:
             return ()
-        found.append(question)
+        asked.append(question)
         at = part.end()
-    return tuple(found)
+    return tuple(asked)
 
 
 def answered(machine: Shown, port: Port, asked: tuple[Question, ...]) -> Reply:

@@ -252,3 +252,41 @@ def test_single_positions_are_free_as_with_one_tree(tmp_path, folder, monkeypatc
     assert 5 < sum(quick) < 55
     monkeypatch.setattr(geometry, "_LARGE", 10**9)
     assert look()[1] == exact
+
+
+def sealed(key, payload):
+    return keeping._MAGIC + keeping._seal(key, payload) + payload
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        np.array([10**15, 4, 1]).tobytes(),
+        np.array([-1, -1, 0]).tobytes() + bytes(100),
+        np.array([1, 1, 0]).tobytes() + bytes(24) + np.array([0, 0, 7], "<i4").tobytes(),
+        np.array([1, 1, 0]).tobytes() + bytes(24) + np.array([0, 0, -1], "<i4").tobytes(),
+        b"",
+    ],
+)
+def test_a_forged_entry_ends_nothing(payload, tmp_path, folder):
+    """Its seal fits, and what it says of itself doesn't: it is prepared anew."""
+    shape = mesh(tmp_path, scan(30_000))
+    first = geometry_of(shape)
+    (entry,) = folder.iterdir()
+    key = f".stl {shape.digest} {shape.unit!r} 1.0 1.0 1.0"
+    assert keeping._read(entry, key) is not None
+    entry.write_bytes(sealed(key, payload))
+    assert keeping._read(entry, key) is None
+    np.testing.assert_array_equal(geometry_of(shape).solid.corners, first.solid.corners)
+
+
+def test_a_killed_writer_leaves_nothing_for_ever(tmp_path, folder, monkeypatch):
+    geometry_of(mesh(tmp_path, scan(30_000), "one.stl"))
+    (entry,) = folder.iterdir()
+    left = folder / f".{entry.name}.abc"
+    left.write_bytes(bytes(3 * entry.stat().st_size))
+    os.utime(left, (1, 1))
+    monkeypatch.setattr(keeping, "MOST_BYTES", 3 * entry.stat().st_size)
+    geometry_of(mesh(tmp_path, scan(30_000, seed=1), "two.stl"))
+    assert not left.exists()
+    assert entry.exists()

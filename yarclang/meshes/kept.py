@@ -98,6 +98,8 @@ def _seal(key: str, payload: bytes | memoryview) -> bytes:
 
 def _read(path: Path, key: str) -> Prepared | None:
     """Return the mesh of an entry; None if it is missing, damaged or of another key."""
+    if not path.is_file():  # nor anything that could block
+        return None
     try:
         content = memoryview(path.read_bytes())
     except OSError:
@@ -111,15 +113,21 @@ def _read(path: Path, key: str) -> Prepared | None:
     head = np.frombuffer(payload, _HEAD, 1)[0]
     count, size = int(head["corners"]), int(head["faces"])
     at = _HEAD.itemsize + 24 * count
+    if count < 1 or size < 1 or len(payload) != at + 12 * size:
+        return None
     corners = np.frombuffer(payload, "<f8", 3 * count, _HEAD.itemsize).reshape(-1, 3)
     faces = np.frombuffer(payload, "<i4", 3 * size, at).astype(np.int64).reshape(-1, 3)
+    if faces.min() < 0 or faces.max() >= count:
+        return None
     return Prepared(corners, faces, bool(head["closed"]))
 
 
 def _remove_old(folder: Path, newest: Path) -> None:
-    """Remove the entries that were used least lately, down to `MOST_BYTES`, but not the newest."""
+    """Remove what was used least lately, down to `MOST_BYTES`, but not the newest entry. Files that a killed
+    process has left half written count as well.
+    """
     found = []
-    for path in folder.glob(f"*{_SUFFIX}"):
+    for path in folder.iterdir():
         with suppress(OSError):  # another process may have removed it
             known = path.stat()
             found.append((known.st_mtime_ns, known.st_size, path))

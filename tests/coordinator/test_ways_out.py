@@ -355,21 +355,12 @@ def test_it_leaves(name):
 
 
 def test_after_a_search_the_inputs_hold_until_the_end_of_the_motion_that_leads_on():
-    async def work(it):
-        await it.state(State.MOVE)
-        await asyncio.sleep(3.0)
-        it.say("M12=1")  # found
-        await asyncio.sleep(1.5)
-        it.say("M11=0")
-        await it.state(State.HOLD)
-        await asyncio.sleep(1.0)
-        it.say("M11=1")
-        it.resume()
-        ended = await it.running
-        assert ended.well, ended
-        assert not any("leads back to where" in one for one in it.told())
-
-    carried_out(work, HEAD + VARIANTS["a search"][0])
+    made = loaded(HEAD + VARIANTS["a search"][0])
+    here = made.plan.sample(np.array([4.0]))[0][0]
+    (job,) = made.behind(1, here).jobs
+    assert [(one.name, one.then) for one in job.watches] == [("CURTAIN", "")]
+    assert "; watch M11=0 CURTAIN\n" in job.text
+    assert [one.then for one in made.program.watches] == ["AWAY"]
 
 
 def test_a_program_that_begins_within():

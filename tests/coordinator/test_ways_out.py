@@ -1,9 +1,11 @@
 """ON CURTAIN OFF CALL AWAY: at whatever instant the input changes, the robot brakes on its path; when a person says so, it goes back along it to where the motion began, and leaves."""
 
 import asyncio
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from conftest import EXAMPLES
 from coordinator.test_programs import loaded
 from coordinator.virtual import SPY, coordinating, run
@@ -12,8 +14,13 @@ from hypothesis import strategies as st
 from runtime.virtual import path_of
 
 from tests.floors import exercises
+from yarclang.cli.yarcc import main as yarcc
+from yarclang.coordinator.loading import Source, load
+from yarclang.coordinator.programs import load_program
+from yarclang.pipeline.inputs import Options, open_source
 from yarclang.robot.actuation import to_counts
 from yarclang.runtime.state import State
+from yarclang.source import SourceFile
 
 HEAD = """ROBOT INDUSTRIAL6
 DEFAULT {TCP} [2] (mm,deg,s) {B}
@@ -47,7 +54,7 @@ class Leaving:
     def __init__(self, world, coordinator, client, text, **options):
         self.world, self.coordinator, self.client = world, coordinator, client
         self.stream = client.session.events()
-        self.loaded = loaded(text)
+        self.loaded = loaded(text) if isinstance(text, str) else text
         self.say("M11->*", "M12->*", "M11=1", "M12=0")
         self.running = asyncio.create_task(client.motion.run(self.loaded, **options))
         self.words = []
@@ -269,3 +276,108 @@ def test_the_example_leaves_from_anywhere(place, after):
         assert it.world.machine.now - since < 90.0
 
     carried_out(work, (EXAMPLES / "28_curtain_with_return.yarc").read_text(), record=True)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_controller_text_leaves_only_if_its_program_is_there(tmp_path, known):
+    program, made = tmp_path / "p.yarc", tmp_path / "p.pmc"
+    program.write_text(TEXT)
+    assert CliRunner().invoke(yarcc, [str(program), "-o", str(made)]).exit_code == 0
+    if not known:
+        program.unlink()
+    judged = load(Source(str(made)))
+    assert judged.value is not None, judged.diagnostics
+
+    async def work(it):
+        await it.opened(1.0)
+        stood = it.world.stands()
+        it.say("M11=1")
+        it.resume()
+        ended = await it.running
+        if known:
+            assert "left by AWAY" in ended.what
+            assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
+        else:
+            assert (ended.well, ended.code) == (False, "Y1638")
+            np.testing.assert_allclose(it.world.stands(), stood, atol=1e-6)
+
+    carried_out(work, judged.value)
+
+
+VARIANTS = {
+    "a loop at run time": (
+        "P0005 MOVEJ 0 0 0 0 30 0 [1]\nWHILE DOOR OFF\n  P0010 MOVEJ 10 0 0 0 30 0 [1]\n  P0020 MOVEJ 0 0 0 0 30 0 [1]\nEND\n",
+        3.6,
+    ),
+    "a way that is decided": (
+        (
+            "P0010 MOVEJ 0 0 0 0 30 0 [1]\nWHEN DOOR ON\n  P0020 MOVEJ 20 0 0 0 30 0 [2]\nELSE\n  P0030 MOVEJ -20 0 0 0 30 0 [2]\n"
+            "  P0040 MOVEJ 20 0 0 0 30 0 [2]\nEND\n"
+        ),
+        2.5,
+    ),
+    "a search": (
+        (
+            "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL DOOR\n"
+            "P0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n"
+        ),
+        4.0,
+    ),
+    "a spline": ("P0010 MOVEJ_SPLINE 10 0 0 0 30 0; 0 0 5 0 30 0; 20 0 0 0 40 0 [4]\n", 2.2),
+    "an arc": (
+        "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEC 50 1174.4 1050; 100 1174.4 1000 0 0 0 [3]\n",
+        3.5,
+    ),
+    "the quickest law": ("P0010 MOVEJ_TOPP 60 20 10 30 30 0 [MIN]\n", 0.6),
+    "a dwell within a leg": (
+        "P0010 MOVEJ 10 0 0 0 30 0 [1]\nP0020 WAIT [2]\nP0030 MOVEJ 0 0 0 0 30 0 [1]\n",
+        2.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", VARIANTS)
+def test_it_leaves(name):
+    lines, after = VARIANTS[name]
+
+    async def work(it):
+        await it.opened(after)
+        stopped = it.world.machine.now
+        it.say("M11=1")
+        it.resume()
+        await it.world.until(lambda: it.running.done() or it.value("M2") == 1.0)
+        assert went_back(it, stopped, it.world.machine.now - 0.1) < counts(it, 1e-4) + 1.0
+        ended = await it.running
+        assert "left by AWAY" in ended.what, ended
+        assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
+
+    carried_out(work, HEAD + lines, record=True)
+
+
+def test_after_a_search_the_inputs_hold_until_the_end_of_the_motion_that_leads_on():
+    made = loaded(HEAD + VARIANTS["a search"][0])
+    here = made.plan.sample(np.array([4.0]))[0][0]
+    (job,) = made.behind(1, here).jobs
+    assert [(one.name, one.then) for one in job.watches] == [("CURTAIN", "")]
+    assert "; watch M11=0 CURTAIN\n" in job.text
+    assert [one.then for one in made.program.watches] == ["AWAY"]
+
+
+def test_a_program_that_begins_within():
+    async def work(it):
+        await it.opened(1.0)
+        it.say("M11=1")
+        it.resume()
+        ended = await it.running
+        assert "left by AWAY" in ended.what
+        assert it.world.stands() == pytest.approx(AWAY, abs=1e-3)
+
+    lines = "P0010 MOVEJ 10 0 0 0 30 0 [1]\nP0020 MOVEJ 0 0 0 0 0 0 [1]\nP0030 MOVEJ 30 0 0 0 30 0 [3]\n"
+    carried_out(work, loaded(HEAD + lines, first="P0030"))
+
+
+def test_the_commands_of_a_way_out_are_none_of_the_program():
+    opened = open_source(SourceFile("p.yarc", TEXT), Path(), Options()).value
+    made = load_program(opened, "p.yarc", "P0002")
+    assert made.value is None
+    assert [one.code for one in made.diagnostics if one.is_error] == ["Y1164"]

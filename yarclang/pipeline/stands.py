@@ -19,7 +19,8 @@ def stand_before(plan: MotionPlan, number: int) -> int:
 
 def start_of(plan: MotionPlan, number: int) -> Array:
     """Return where a motion begins (n,) [rad or m]."""
-    return plan.motions[number].curve.points[0]
+    begin: Array = plan.motions[number].curve.points[0]
+    return begin
 
 
 def title_of(plan: MotionPlan, number: int) -> str:

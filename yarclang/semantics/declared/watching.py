@@ -85,9 +85,9 @@ def check_way_out(steps: Sequence[Step], name: str, span: Span, findings: Collec
     Returns:
         False with a finding if it can't.
     """
-    if any(isinstance(step, Gap) for step in steps):
-        return False  # it was said what is wrong with them
     for step in steps:
+        if isinstance(step, Gap):
+            return False  # it was said what is wrong with it
         is_search = isinstance(step, JointMove | LineMove) and step.search is not None
         if is_search or not isinstance(step, Motion | SetOutput | Dwell):
             what = f"{step.origin.label} " if step.origin.label else ""

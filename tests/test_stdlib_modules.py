@@ -171,6 +171,51 @@ def test_a_grid_visits_all_its_cells(tmp_path):
     assert len(motions_of_the_call(done)) == 3 * 2 * 3
 
 
+def where_it_grips(done):
+    """For each SET: its value, and where {GRIPPER} stands in {B} [mm], rounded."""
+    told = []
+    steps = done.program.steps
+    ended = {motion.step: motion for motion in done.plan.motions}
+    for at, step in enumerate(steps):
+        if step.origin.name == "SET":
+            before = max(place for place in ended if place < at)
+            q = ended[before].curve.points[-1][None]
+            pose = tool_poses(done.plan.robot.chain, q, steps[before].goal.flange_from_moving)[0]
+            told.append((step.value, *(float(value) for value in np.round(pose[:3, 3] * 1e3, 2))))
+    return told
+
+
+CELLS = [(x, y, z) for z in (0, 40) for y in (0, 60) for x in (0, 50, 100)]
+"""Columns first, then rows, then layers [mm]."""
+
+
+def test_filling_takes_each_part_from_its_place_to_the_next_cell(tmp_path):
+    call = "CALL PALLET.FILL {GRIPPER} {BOX} {PALLET} 3 2 2 50 60 40 100 GRIP 1.5 HELD 30"
+    done = compiled(tmp_path, "INDUSTRIAL6", "PALLET", call)
+    expected = [
+        each
+        for x, y, z in CELLS
+        for each in [(1.0, 100.0, 900.0, 600.0), (0.0, x - 200.0, y + 800.0, z + 600.0)]
+    ]
+    assert where_it_grips(done) == expected
+    waits = [step for step in done.program.steps if isinstance(step, WaitInput)]
+    assert [(step.value, step.timeout) for step in waits] == [(1.0, 30.0)] * len(CELLS)
+
+
+def test_emptying_begins_with_the_upper_layer(tmp_path):
+    call = "CALL PALLET.EMPTY {GRIPPER} {PALLET} {BOX} 3 2 2 50 60 40 100 GRIP 1.5 HELD 30"
+    done = compiled(tmp_path, "INDUSTRIAL6", "PALLET", call)
+    order = [*CELLS[6:], *CELLS[:6]]
+    expected = [
+        each
+        for x, y, z in order
+        for each in [(1.0, x - 200.0, y + 800.0, z + 600.0), (0.0, 100.0, 900.0, 600.0)]
+    ]
+    assert where_it_grips(done) == expected
+    waits = [at for at, step in enumerate(done.program.steps) if isinstance(step, WaitInput)]
+    assert len(waits) == len(order)
+
+
 def drawn(done, count=400):
     """The places of {GRIPPER} in {BOX} [mm] on each motion of the call, (count, 3) each, evenly over its time."""
     step = done.program.steps[done.plan.motions[-1].step]

@@ -41,7 +41,13 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add the pages that aren't in `docs/`."""
     for uri, make in MADE.items():
         files.append(File.generated(config, uri, content=make()))
-    ahead = [ROOT / "README.md", ROOT / "ARCHITECTURE.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", ROOT / "SECURITY.md"]
+    ahead = [
+        ROOT / "README.md",
+        ROOT / "ARCHITECTURE.md",
+        ROOT / "CONTRIBUTING.md",
+        ROOT / "CHANGELOG.md",
+        ROOT / "SECURITY.md",
+    ]
     ahead += [path for path in (ROOT / "docs").rglob("*.md") if path.parent != Path(__file__).parent]
     seen = set()
     while ahead:

@@ -10,7 +10,7 @@ import one_thread  # noqa: F401 - before numpy is imported
 import pytest
 from hypothesis import settings
 
-from yarclang.meshes.kept import FOLDER
+from yarclang.files import CACHE
 from yarclang.robot.description import load_robot
 from yarclang.runtime.transports.lock import SPACE
 
@@ -44,7 +44,7 @@ def place_of_locks():
         patch.setenv(
             "YARCLANG_NO_CACHE", "1"
         )  # every test does its work itself; those of the cache say otherwise
-        patch.setenv(FOLDER, str(path / "cache"))  # and no meshes that somebody has kept
+        patch.setenv(CACHE, str(path / "cache"))  # and no meshes that somebody has kept
         yield path
     shutil.rmtree(path, ignore_errors=True)
 

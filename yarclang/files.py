@@ -18,6 +18,9 @@ LARGEST_MESH = 1_000_000_000
 LARGEST_LOG = 16_000_000_000
 """Largest size of a run's log [bytes]."""
 
+CACHE = "YARCLANG_CACHE"
+"""Environment variable for another cache folder; if it is empty, nothing is kept."""
+
 _PIECE = 1 << 20
 
 _LONGEST_PREFIX = 40
@@ -116,6 +119,20 @@ def _plain_mode() -> int:
     umask = os.umask(0)
     os.umask(umask)
     return 0o666 & ~umask
+
+
+def cache_folder() -> Path | None:
+    """Return the user's cache folder of yarclang; None if nothing is to be kept."""
+    given = os.environ.get(CACHE)
+    if given is not None:
+        return Path(given) if given else None
+    home = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    if not home.is_absolute():
+        try:
+            home = Path.home() / ".cache"
+        except RuntimeError:  # the user has no home
+            return None
+    return home / "yarclang"
 
 
 def reason_of(error: OSError) -> str:

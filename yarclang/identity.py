@@ -99,8 +99,8 @@ def _key_of_goal(goal: Goal) -> Hashable:
             return "delta", goal.dq.tobytes()
         case PoseGoal():
             near = None if goal.near is None else goal.near.tobytes()
-            told = goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
-            return "pose", *told, *((True,) if goal.shifted else ())
+            pose = goal.base_from_moving.tobytes(), goal.flange_from_moving.tobytes(), near
+            return "pose", *pose, *((True,) if goal.shifted else ())
         case PoseDelta():
             parts = (goal.shift, goal.turn, goal.axes, goal.flange_from_moving)
             told = tuple(part.tobytes() for part in parts)

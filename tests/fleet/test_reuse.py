@@ -15,7 +15,7 @@ PROGRAM = 'USE TOOLS\nCELL "cell.toml"\nDEFAULT (deg,s)\nP0010 MOVEJ 10 0 0 0 0 
 
 @pytest.fixture
 def project(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("YARCLANG_CACHE", str(tmp_path / "cache" / "yarclang"))
     monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
     monkeypatch.delenv("YARCLANG_NO_CACHE")
     folder = tmp_path / "project"

@@ -93,11 +93,15 @@ class Fleet:
         except UnreachableError as error:
             raise click.ClickException(str(error)) from None
 
-    def _reuse(self) -> Reuse:
+    def _reuse(self) -> Reuse | None:
+        from yarclang.files import cache_folder
         from yarclang.fleet.reuse import Reuse
-        from yarclang.fleet.store import Store, cache_folder, secret_file
+        from yarclang.fleet.store import Store, secret_file
 
-        self._store = Store(cache_folder(), secret_file())
+        folder = cache_folder()
+        if folder is None:
+            return None
+        self._store = Store(folder, secret_file())
         return Reuse(self._store)
 
     @property

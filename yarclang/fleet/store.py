@@ -41,12 +41,6 @@ CREATE INDEX IF NOT EXISTS by_use ON entries (used, size);
 """
 
 
-def cache_folder() -> Path:
-    """Return the user's cache folder of yarclang."""
-    given = os.environ.get("XDG_CACHE_HOME", "")
-    return (Path(given) if Path(given).is_absolute() else Path.home() / ".cache") / "yarclang"
-
-
 def secret_file() -> Path:
     """Return the file with the secret of the user's entries. It isn't in the cache folder, which others may be
     given.

@@ -17,11 +17,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from yarclang.files import replace_file
+from yarclang.files import cache_folder, replace_file
 from yarclang.frozen import frozen
 
-FOLDER = "YARCLANG_CACHE"
-"""The environment's variable for another folder; if it is empty, nothing is kept."""
 MOST_BYTES = 1_000_000_000
 """Size of all entries together [bytes]; beyond it, those that were used least lately are removed."""
 _MAGIC = b"yarclang mesh 1\n"
@@ -51,9 +49,10 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
         key: names all on which the result depends.
         make: prepares the mesh; None is handed on, and not kept.
     """
-    folder = _folder()
-    if folder is None:
+    cache = cache_folder()
+    if cache is None:
         return make()
+    folder = cache / "meshes"
     path = folder / (hashlib.sha256(key.encode()).hexdigest() + _SUFFIX)
     found = _read(path, key)
     if found is not None:
@@ -67,19 +66,6 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
             replace_file(path, _entry(key, made))
             _remove_old(folder, path)
     return made
-
-
-def _folder() -> Path | None:
-    given = os.environ.get(FOLDER)
-    if given is not None:
-        return Path(given) / "meshes" if given else None
-    home = Path(os.environ.get("XDG_CACHE_HOME", ""))
-    if not home.is_absolute():
-        try:
-            home = Path.home() / ".cache"
-        except RuntimeError:  # the user has no home
-            return None
-    return home / "yarclang" / "meshes"
 
 
 def _entry(key: str, mesh: Prepared) -> bytes:

@@ -304,6 +304,26 @@ FINDINGS = (
     ),
     Finding(
         "Y0476",
+        "unshiftable-frame",
+        "error",
+        "a frame can't be shifted like that",
+        "OFFSET shifts a frame that stands in the cell by registers: X, Y and Z in 0.01 mm, RZ in 0.01 degrees about its z axis. The range of each register is the box in which the frame may be. 0 belongs to it, "
+        "since the place without a shift is what the program is proved with before it runs.",
+        "REGISTER DX 5..2000 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0477",
+        "unplannable-in-offset",
+        "error",
+        "the lines of an OFFSET can't be planned as a whole when the program runs",
+        "The lines of an OFFSET are planned and proved as a whole where its frame is, before the robot moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor another OFFSET. "
+        "They end where the lines after them are proved to begin: at a MOVEL or MOVEJ to a place that isn't shifted.",
+        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nEND\nP0020 MOVEJ 0 0 0 0 30 0",
+        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
+    ),
+    Finding(
+        "Y0478",
         "no-way-out",
         "error",
         "the SUB that an ON calls isn't a way on which the robot can leave",
@@ -313,7 +333,7 @@ FINDINGS = (
         "INPUT CURTAIN M11\nSUB AWAY\n  P0010 MOVEJ HOME [3] (s)\nEND\nON CURTAIN OFF CALL AWAY\nP0020 MOVEJ 0 0 0 0 30 0 [2] (deg,s)",
     ),
     Finding(
-        "Y0477",
+        "Y0479",
         "no-way-out-from-here",
         "error",
         "the way of an ON can't be planned from each place at which it may begin",
@@ -330,26 +350,6 @@ FINDINGS = (
         "Relative motions, splines, blends, loops and branches may stand after that motion.",
         "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 DMOVEJ 5 0 0 0 0 0 [2] (deg,s)",
         "INPUT TOUCH M12\nP0010 MOVEJ 10 0 0 0 30 0 [2] (deg,s) UNTIL TOUCH\nP0020 MOVEJ 15 0 0 0 30 0 [2] (deg,s)",
-    ),
-    Finding(
-        "Y0478",
-        "unshiftable-frame",
-        "error",
-        "a frame can't be shifted like that",
-        "OFFSET shifts a frame that stands in the cell by registers: X, Y and Z in 0.01 mm, RZ in 0.01 degrees about its z axis. The range of each register is the box in which the frame may be. 0 belongs to it, "
-        "since the place without a shift is what the program is proved with before it runs.",
-        "REGISTER DX 5..2000 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
-    ),
-    Finding(
-        "Y0479",
-        "unplannable-in-offset",
-        "error",
-        "the lines of an OFFSET can't be planned as a whole when the program runs",
-        "The lines of an OFFSET are planned and proved as a whole where its frame is, before the robot moves. So they have one way: motions, outputs and waits, and neither WHEN, loops, searches nor another OFFSET. "
-        "They end where the lines after them are proved to begin: at a MOVEL or MOVEJ to a place that isn't shifted.",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nEND\nP0020 MOVEJ 0 0 0 0 30 0",
-        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART}\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
     ),
     Finding(
         "Y0472",

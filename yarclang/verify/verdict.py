@@ -14,7 +14,7 @@ from yarclang.verify.apart import check_apart
 from yarclang.verify.arm import Arm, in_si, placed
 from yarclang.verify.chains import chains_of, check_chain, why_not
 from yarclang.verify.course import Moved
-from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, whole
+from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, unknown, whole
 from yarclang.verify.limits import check_limits
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
@@ -25,6 +25,12 @@ _ROBOT = (
 )
 _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
 _MOVES = ("joint", "spline", "line", "arc")
+_OF_PROOF = "form version text robot program motions cell planes"
+_OF_PROGRAM = "start outputs safe registers course steps"
+_OF_STEP = (
+    "title move tolerance duration speed kept ceiling any_jerk pose tool via through poses blend unchecked"
+)
+_OF_GOAL = "q pose tool"
 FORM = 2
 """The form of proofs that this checker reads."""
 ALWAYS_UNCHECKED = (
@@ -99,6 +105,8 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
     need(proof["form"] == FORM, f"the proof has form {proof['form']}, this checker reads {FORM}")
     need(hashlib.sha256(text).hexdigest() == proof["text"], "the proof is for another text")
     robot, program = proof["robot"], proof["program"]
+    strange = unknown(proof, _OF_PROOF) or unknown(program, _OF_PROGRAM)
+    need(not strange, f"the proof has {strange}, which this checker doesn't know")
     _check_robot(robot, verdict)
     content = read(text.decode("ascii"), robot["axes"], robot["motors"], robot["coordinate_system"])
     need(content.version == proof["version"], "the proof was made by another version than the text")
@@ -214,11 +222,18 @@ def _check_motions(
     widest: tuple[Fraction, Fraction] = (Fraction(0), Fraction(0))
     alone = still = 0
     for row, told in zip(rows, program["steps"], strict=True):
-        if "move" not in told:
-            need(not row.control, f"{row.entry.title}: the map gives moves to a command that is no motion")
-            continue
         title = row.entry.title
         _tell(title, told, verdict)
+        strange = unknown(told, _OF_STEP) or unknown(
+            {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
+        )
+        if strange:
+            told["unchecked"] = f"all of it, since this checker doesn't know its {strange}"
+        if "move" not in told:
+            need(not row.control, f"{title}: the map gives moves to a command that is no motion")
+            if strange:
+                verdict.unchecked.append(f"{title}: {told['unchecked']}")
+            continue
         if row.entry.any_jerk:
             verdict.unchecked.append(f"{title}: its jerk, and that of its blends, which has no limit")
         if row.before is not None or row.entry.blend is not None:
@@ -266,7 +281,7 @@ def _tell(title: str, told: dict[str, Any], verdict: Verdict) -> None:
     numbers = "; ".join(
         f"{name} {_shown(value)}" for name, value in told.items() if name not in ("move", "title")
     )
-    verdict.told.append(f"{title}: {told['move']}; {numbers}")
+    verdict.told.append(f"{title}: {told.get('move', 'no motion')}; {numbers}".rstrip("; "))
 
 
 def _check_time(row: Moved, told: dict[str, Any]) -> None:

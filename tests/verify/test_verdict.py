@@ -1,6 +1,5 @@
 """What is certified is accepted; what isn't decided is named; nothing but the standard library is needed."""
 
-import json
 import re
 import subprocess
 import sys
@@ -155,8 +154,7 @@ def test_examples_are_accepted(name):
     assert proof.value is not None
     assert len(proof.value) < 5 * len(found.value.text)
     verdict = verify(found.value.text.encode(), proof.value.encode())
-    carries = any("during" in body for body in json.loads(proof.value)["cell"]["bodies"])
-    assert (verdict.refused, own(verdict)) == ("", ["where carried parts are: as told here"] * carries)
+    assert (verdict.refused, own(verdict)) == ("", [])
 
 
 @pytest.mark.parametrize("name", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])

@@ -89,7 +89,7 @@ class Arm:
         here = Frame([0, 0, 0], [[ONE * (i == j) for j in range(3)] for i in range(3)], [0, 0, 0], [0, 0, 0])
         found = [here]
         for joint, (at, speed) in enumerate(zip(q, rates, strict=True)):
-            here = _beyond(here, self.steps[joint])
+            here = beyond(here, self.steps[joint])
             z = here.axes[2]
             if self.turns[joint]:
                 sine, cosine = sine_and_cosine(at)
@@ -107,7 +107,7 @@ class Arm:
 
     def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
         """Return a frame on the flange for joint positions [rad or m] and velocities [rad/s or m/s]."""
-        return _beyond(_beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
+        return beyond(beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
 
     def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
         """Bound the distance of a body from the axis of each joint that turns it, over all joint positions.
@@ -169,7 +169,7 @@ def fourth(w: int, a: int, j: int) -> int:
     return times(square, square) + 6 * times(square, a) + 3 * times(a, a) + 4 * times(w, j)
 
 
-def _beyond(here: Frame, step: Step) -> Frame:
+def beyond(here: Frame, step: Step) -> Frame:
     """Return the frame at the end of a constant step."""
     rows = list(zip(*here.axes, strict=True))
     far = [dot(row, step[1]) for row in rows]

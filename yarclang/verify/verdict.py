@@ -16,6 +16,7 @@ from yarclang.verify.chains import chains_of, check_chain, why_not
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import ONE, SLACK, RefusedError, length, need, unknown, whole
 from yarclang.verify.limits import check_limits
+from yarclang.verify.parts import check_parts
 from yarclang.verify.paths import Motion, check_speeds, chord_of, frame_path
 from yarclang.verify.reader import PRINTED, STEPS, read
 
@@ -147,11 +148,13 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append(
             "what follows a motion that an input ends: it is planned and proved when it runs"
         )
-    _check_bodies(rows, proof, arm, verdict)
+    _check_bodies(rows, done, proof, arm, verdict)
     verdict.unchecked += ALWAYS_UNCHECKED
 
 
-def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: Verdict) -> None:
+def _check_bodies(
+    rows: list[Moved], done: list[str], proof: dict[str, Any], arm: Arm, verdict: Verdict
+) -> None:
     """Check that bodies stay apart, and list them."""
     cell = proof["cell"]
     need(set(cell) == {"bodies", "exceptions", "zones"}, "the cell is told by other names than a cell's")
@@ -160,7 +163,11 @@ def _check_bodies(rows: list[Moved], proof: dict[str, Any], arm: Arm, verdict: V
     verdict.unchecked += left
     bodies = cell["bodies"]
     if any("during" in body for body in bodies):
-        verdict.unchecked.append("where carried parts are: as told here")
+        if any(deed.startswith("barrier ") and deed.split()[1] in course.PARTING for deed in done):
+            verdict.unchecked.append("where carried parts are: as told here, since ways part")
+        else:
+            verdict.unchecked += check_parts(rows, done, bodies, arm)
+            verdict.checked.append("parts stay where they are when the arm takes or leaves them")
     for body in bodies:
         numbers = {name: value for name, value in body.items() if name not in ("name", "corners")}
         for axis, column in zip("xyz", zip(*body.get("corners", []), strict=True), strict=False):

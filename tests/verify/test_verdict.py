@@ -1,6 +1,5 @@
 """What is certified is accepted; what isn't decided is named; nothing but the standard library is needed."""
 
-import json
 import re
 import subprocess
 import sys
@@ -62,7 +61,7 @@ def test_what_is_not_decided_is_named():
     assert own(judged(mixed)) == [
         "P0010 MOVEJ_RPY 3 to P0040 MOVEL 6, 3 motions that flow into each other: their paths, times and speeds (joints, or another path than lines and arcs)"
     ]
-    assert own(judged(WAYS)) == ["the header's duration, since ways part"]
+    assert own(judged(WAYS)) == []
     timed = "P0010 MOVEJ_TIMED 1 0 0 0 0 0 [1]; 0 0 0 0 0 0 [2] (deg,s)"
     assert own(judged(timed)) == [
         "P0010 MOVEJ_TIMED 1: its jerk, and that of its blends, which has no limit",
@@ -155,8 +154,7 @@ def test_examples_are_accepted(name):
     assert proof.value is not None
     assert len(proof.value) < 5 * len(found.value.text)
     verdict = verify(found.value.text.encode(), proof.value.encode())
-    carries = any("during" in body for body in json.loads(proof.value)["cell"]["bodies"])
-    assert (verdict.refused, own(verdict)) == ("", ["where carried parts are: as told here"] * carries)
+    assert (verdict.refused, own(verdict)) == ("", [])
 
 
 @pytest.mark.parametrize("name", ["INDUSTRIAL6", "TRACKED_MANIPULATOR"])

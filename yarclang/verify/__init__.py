@@ -5,5 +5,6 @@ integers and fractions, and imports nothing but the standard library. docs/certi
 `verdict.py` combines all checks; `reader.py` reads the text, `course.py` checks the actions between motions,
 `limits.py` joints and motors, `arm.py` computes where the robot is, `paths.py` its distance from the
 programmed path, `chains.py` checks how motions flow into each other, `room.py` defines the bodies and zones,
-`apart.py` checks that bodies stay apart and zones are respected.
+`apart.py` checks that bodies stay apart and zones are respected, `parts.py` that parts stay where they
+are when the arm takes or leaves them.
 """

@@ -28,7 +28,7 @@ from functools import lru_cache
 from math import isqrt
 from typing import Any
 
-from yarclang.verify.arm import Arm, Frame, dot, in_si
+from yarclang.verify.arm import Arm, Frame, derivative, dot, in_si
 from yarclang.verify.course import Moved
 from yarclang.verify.exact import BITS, ONE, SLACK, above, need, times, whole
 from yarclang.verify.paths import Motion
@@ -61,37 +61,21 @@ class Stretch:
         """Return the least gap of a pair on the whole stretch, along a normal in the first body's link."""
         gap = min(_gap(one, other, links, normal) for links in self.links)
         if self.square:
-            return gap - times(self._bend(one, other, turns), self.square)
+            return gap - times(self._bend(2, one.joint, other, turns), self.square)
         for joint in range(one.joint, other.joint):
             gap -= times(other.reach[joint] if turns[joint] else ONE, self.w[joint])
         return gap
 
     def speed(self, other: Body, turns: Sequence[bool]) -> int:
         """Return a bound of the speeds of a body's points on a curve."""
-        sum_w = sum_a = sum_j = before = bend = 0
-        for joint in range(other.joint):
-            w, a, j = self.w[joint], self.a[joint], self.j[joint]
-            if not turns[joint]:
-                bend += 3 * times(times(sum_w, sum_w) + sum_a, w) + 3 * times(sum_w, a) + j
-                continue
-            sum_w, sum_a, sum_j = sum_w + w, sum_a + a, sum_j + j
-            upto = times(sum_w, sum_w, sum_w) + 3 * times(sum_w, sum_a) + sum_j
-            bend += times(other.reach[joint], upto - before + (ONE >> 64))
-            before = upto
-        return max(other.fastest(links[other.joint]) for links in self.links) + times(bend, self.square)
+        fastest = max(other.fastest(links[other.joint]) for links in self.links)
+        return fastest + times(self._bend(3, 0, other, turns), self.square)
 
-    def _bend(self, one: Body | Border, other: Body, turns: Sequence[bool]) -> int:
-        """Return an upper bound of K."""
-        sum_w = sum_a = before = bend = 0
-        for joint in range(one.joint, other.joint):
-            if not turns[joint]:
-                bend += 2 * times(sum_w, self.w[joint]) + self.a[joint]
-                continue
-            sum_w, sum_a = sum_w + self.w[joint], sum_a + self.a[joint]
-            upto = times(sum_w, sum_w) + sum_a
-            bend += times(other.reach[joint], upto - before + (ONE >> 64))
-            before = upto
-        return bend
+    def _bend(self, order: int, first: int, other: Body, turns: Sequence[bool]) -> int:
+        """Return an upper bound of a derivative of a body's points that the joints from `first` on move."""
+        own = slice(first, other.joint)
+        rates = list(zip(self.w[own], self.a[own], self.j[own], strict=True))
+        return derivative(order, turns[own], other.reach[own], rates)[0]
 
 
 class Timeline:

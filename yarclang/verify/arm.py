@@ -8,6 +8,7 @@ or slides along it. All numbers are fixed-point.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import comb
 from typing import Any
 
 from yarclang.verify.exact import BITS, ONE, PI, above, fixed, length, need, sine_and_cosine, times
@@ -89,7 +90,7 @@ class Arm:
         here = Frame([0, 0, 0], [[ONE * (i == j) for j in range(3)] for i in range(3)], [0, 0, 0], [0, 0, 0])
         found = [here]
         for joint, (at, speed) in enumerate(zip(q, rates, strict=True)):
-            here = _beyond(here, self.steps[joint])
+            here = beyond(here, self.steps[joint])
             z = here.axes[2]
             if self.turns[joint]:
                 sine, cosine = sine_and_cosine(at)
@@ -107,7 +108,7 @@ class Arm:
 
     def frame(self, q: Sequence[int], rates: Sequence[int], tool: Step) -> Frame:
         """Return a frame on the flange for joint positions [rad or m] and velocities [rad/s or m/s]."""
-        return _beyond(_beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
+        return beyond(beyond(self.links(q, rates)[-1], self.steps[-1]), tool)
 
     def reaches(self, size: int, point: Vector, travel: Sequence[int], way: int = 0) -> list[int]:
         """Bound the distance of a body from the axis of each joint that turns it, over all joint positions.
@@ -141,35 +142,47 @@ class Arm:
     ) -> tuple[int, int]:
         """Bound the fourth derivatives of a frame's origin and of its rotation matrix (Frobenius norm).
 
-        Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most w, a, j. By Faa di Bruno's
-        formula, with the sums W, A, J of these up to a joint, B = W^4 + 6 W^2 A + 3 A^2 + 4 W J counts chains
-        of cross products with axes. No chain is longer than the reach of the joint nearest to the frame,
-        which gives the sum of reach (B - B before). A sliding joint is innermost in a chain, and appears
-        once: the derivative of B in its direction. The Frobenius norm of a product of [axis]x is at most sqrt
-        2.
+        |q'|, |q''|, |q'''| of each joint are at most w, a, j. The Frobenius norm of a product of [axis]x is
+        at most sqrt 2.
         """
-        sum_w = sum_a = sum_j = before = origin = 0
-        for joint, turns in enumerate(self.turns):
-            if not turns:
-                origin += times(
-                    4 * times(sum_w, sum_w, sum_w) + 12 * times(sum_w, sum_a) + 4 * sum_j, w[joint]
-                )
-                origin += 6 * times(times(sum_w, sum_w) + sum_a, a[joint]) + 4 * times(sum_w, j[joint])
-                continue
-            sum_w, sum_a, sum_j = sum_w + w[joint], sum_a + a[joint], sum_j + j[joint]
-            upto = fourth(sum_w, sum_a, sum_j)
-            origin += times(reach[joint], upto - before + (ONE >> 64))  # `before` is rounded up, by less
-            before = upto
-        return origin + (origin >> 30), times(SQUARE_ROOT_OF_2, before + (before >> 30))
+        origin, turn = derivative(4, self.turns, reach, list(zip(w, a, j, strict=True)))
+        return origin + (origin >> 30), times(SQUARE_ROOT_OF_2, turn + (turn >> 30))
 
 
-def fourth(w: int, a: int, j: int) -> int:
-    """Return an upper bound of w^4 + 6 w^2 a + 3 a^2 + 4 w j."""
+def derivative(
+    order: int, turns: Sequence[bool], reach: Sequence[int], rates: Sequence[tuple[int, int, int]]
+) -> tuple[int, int]:
+    """Bound the second, third or fourth derivative of a point, and of the turn, that joints move.
+
+    Each joint has a constant jerk, and |q'|, |q''|, |q'''| are at most its `rates`. By Faa di Bruno's
+    formula, with the sums W, A, J of these up to a turning joint, the complete Bell polynomial B of W, A, J
+    counts chains of cross products with axes. No chain is longer than the reach of the joint nearest to the
+    point, which gives the sum of reach (B - B before). A sliding joint is innermost in a chain, and appears
+    once: its k-th derivative beside any chain of order - k derivatives, in comb(order, k) ways.
+    """
+    sums, polynomials, before, found = [0, 0, 0], _bell(0, 0, 0), 0, 0
+    for turn, far, own in zip(turns, reach, rates, strict=True):
+        if turn:
+            sums = [a + b for a, b in zip(sums, own, strict=True)]
+            polynomials = _bell(*sums)
+            # `before` is rounded up, by less than is added here.
+            found += times(far, polynomials[order] - before + (ONE >> 64))
+            before = polynomials[order]
+            continue
+        for k in range(1, min(order, 3) + 1):
+            found += comb(order, k) * times(polynomials[order - k], own[k - 1])
+    return found, before
+
+
+def _bell(w: int, a: int, j: int) -> tuple[int, int, int, int, int]:
+    """Return upper bounds of the complete Bell polynomials of w, a, j, 0 from order 0 to 4."""
     square = times(w, w)
-    return times(square, square) + 6 * times(square, a) + 3 * times(a, a) + 4 * times(w, j)
+    third = times(square, w) + 3 * times(w, a) + j
+    fourth = times(square, square) + 6 * times(square, a) + 3 * times(a, a) + 4 * times(w, j)
+    return ONE, w, square + a, third, fourth
 
 
-def _beyond(here: Frame, step: Step) -> Frame:
+def beyond(here: Frame, step: Step) -> Frame:
     """Return the frame at the end of a constant step."""
     rows = list(zip(*here.axes, strict=True))
     far = [dot(row, step[1]) for row in rows]

@@ -27,6 +27,14 @@ def need(holds: bool, reason: str) -> None:
         raise RefusedError(reason)
 
 
+def unknown(told: dict[str, Any], names: str) -> str:
+    """Return the names in a table of the proof that are none of the known ones; empty if there are none.
+
+    What this checker doesn't know may change the meaning of all else in the table.
+    """
+    return ", ".join(sorted(set(told) - set(names.split())))
+
+
 def whole(number: Any, most: int = 1 << 62) -> int:
     """Return a number of the proof that must be an integer from -`most` to `most`."""
     need(isinstance(number, Fraction) and number.denominator == 1 and abs(number) <= most, "no integer")

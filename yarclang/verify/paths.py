@@ -314,6 +314,8 @@ def frame_path(motion: Motion, told: dict[str, Any], proof: dict[str, Any], star
     reach = reach_of(motion, tool)
     segment, arm_bends = -1, (0, 0)
     error = _error(here, place, turn, first, fixed(Fraction(proof["rates"][0], SHARE)))
+    if first in (0, ONE):  # an end of the path; if the proof has this place alone, no piece shows it
+        found.most, found.chord = length(*error[0]) + SLACK, length(*error[2]) + SLACK
     for piece in pieces_of(motion, proof):
         if piece.segment != segment:
             segment, arm_bends = piece.segment, motion.arm.bends(reach, *motion.bounds(piece.segment))

@@ -7,10 +7,13 @@ from itertools import combinations, product
 from typing import Any
 
 from yarclang.verify.arm import Arm, Frame, Vector, cross, dot, placed
-from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, whole
+from yarclang.verify.exact import ONE, SLACK, above, fixed, length, need, times, unknown, whole
 
 BORDER = above(Fraction(1, 100_000))
 """Distance beyond a zone's border that still counts as on the border: 0.01 mm."""
+_OF_BODY = "name joint pose core corners disc radius margin during point"
+_OF_ZONE = "name rule margin region watched speed"
+_OF_REGION = "pose core corners disc radius"
 _FASTER = 1 + Fraction(1, 1000)
 """Allowed excess of the speed in a slow zone: 0.1 %."""
 
@@ -21,7 +24,8 @@ class Body:
     def __init__(self, told: dict[str, Any], arm: Arm, travel: Sequence[int]) -> None:
         self.name, self.joint = str(told["name"]), int(told["joint"])
         self.during, self.is_point = told.get("during"), told.get("point", False)
-        self.speed = 0
+        self.speed, strange = 0, unknown(told, _OF_BODY)
+        need(not strange, f"{self.name} has {strange}, which this checker doesn't know")
         need(self.joint == told["joint"] and 0 <= self.joint <= len(arm.turns), "a body on no joint")
         self.axes, self.origin = placed(told["pose"])
         self.core, self.corners = [fixed(one) for one in told["core"]], told.get("corners", [])
@@ -170,6 +174,8 @@ def _regions(zone: dict[str, Any], arm: Arm) -> list[Body | Border]:
     """
     name, rule, region = zone["name"], zone["rule"], zone["region"]
     if region is None or rule not in ("allowed", "forbidden", "slow"):
+        return []
+    if unknown(zone, _OF_ZONE) or unknown(region, _OF_REGION):
         return []
     need(zone["margin"] >= 0 and zone.get("speed", 1) > 0, f"{name}: a margin below 0, or no speed")
     margin = fixed(zone["margin"]) - (0 if rule == "slow" else BORDER)

@@ -1,0 +1,132 @@
+"""Parts stay where they are when grippers take and leave them; each part that is told elsewhere is refused or named."""
+
+import copy
+import hashlib
+import json
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from tests.verify.test_verdict import own
+from yarclang import compile as compile_text
+from yarclang.pipeline.proofs import proof_of
+from yarclang.pipeline.stages import Compiled
+from yarclang.verify.verdict import verify
+
+EXAMPLES = Path(__file__).resolve().parents[2] / "examples"
+CHECKED = "parts stay where they are when the arm takes or leaves them"
+
+
+@cache
+def made(name):
+    source = EXAMPLES / name
+    found = compile_text(source.read_text(), name=source.name, folder=source.parent)
+    assert isinstance(found.value, Compiled)
+    proof = proof_of(found.value)
+    assert proof.value is not None
+    return found.value.text, proof.value
+
+
+def judged(change):
+    """Return the verdict about the first part of a program that carries three, after a change of its bodies.
+
+    Planes are left out, which have tests of their own.
+    """
+    text, proof = made("05_pick_and_place.yarc")
+    forged = json.loads(proof) | {"planes": []}
+    bodies = [body for body in forged["cell"]["bodies"] if body["name"] == "BLANK 1"]
+    forged["cell"] = {"bodies": bodies, "exceptions": [], "zones": []}
+    change(bodies, forged)
+    return verify(text.encode(), json.dumps(forged).encode())
+
+
+def left(verdict):
+    return [one for one in own(verdict) if not one.startswith("that BLANK")]
+
+
+def test_a_part_that_is_taken_and_left_is_checked():
+    verdict = judged(lambda *_: None)
+    assert verdict.refused == ""
+    assert left(verdict) == []
+    assert CHECKED in verdict.checked
+
+
+def shifted(at, place, by):
+    def change(bodies, _):
+        bodies[at]["pose"][place] += by
+
+    return change
+
+
+def turned(bodies, _):
+    pose = bodies[1]["pose"]
+    for row in (0, 4, 8):
+        pose[row : row + 2] = pose[row + 1], -pose[row]
+
+
+WRONG = {
+    "elsewhere on the arm": shifted(1, 3, 0.01),
+    "elsewhere on the feeder": shifted(0, 7, -0.00001),
+    "elsewhere on the press": shifted(2, 11, 0.01),
+    "turned in the gripper": turned,
+    "another size": lambda bodies, _: bodies[1].update(core=[0.01, 0.01, 0.01]),
+    "a ball in the gripper": lambda bodies, _: bodies[1].update(radius=0.01),
+    "on another link": lambda bodies, _: bodies[1].update(joint=5),
+    "in two places": lambda bodies, _: bodies[0].update(during=[[1, 5]]),
+    "backwards": lambda bodies, _: bodies[1].update(during=[[7, 5]]),
+}
+
+
+@pytest.mark.parametrize("change", WRONG)
+def test_a_part_that_is_told_elsewhere_is_refused(change):
+    refused = judged(WRONG[change]).refused
+    assert "BLANK 1" in refused, refused
+
+
+NAMED = {
+    "never taken": (lambda bodies, _: bodies.pop(0), "from where the arm has BLANK 1"),
+    "never left": (lambda bodies, _: bodies.pop(2), "where the arm leaves BLANK 1"),
+    "taken in flight": (
+        lambda bodies, _: bodies[1].update(during=[[6, 7]]),
+        "where BLANK 1 is between commands 2 and 6",
+    ),
+    "a mesh": (
+        lambda bodies, _: [body.update(corners=[[0, 0, 0], [0, 0, 0.01]]) for body in bodies],
+        "where BLANK 1 is between commands 2 and 5, of which a mesh is told",
+    ),
+    "a point": (
+        lambda bodies, _: bodies[0].update(point=True, core=[0, 0, 0], radius=0),
+        "when BLANK 1 is watched",
+    ),
+}
+
+
+@pytest.mark.parametrize("change", NAMED)
+def test_a_part_of_which_something_is_not_shown_is_named(change):
+    how, named = NAMED[change]
+    verdict = judged(how)
+    assert verdict.refused == ""
+    assert any(one.startswith(named) for one in left(verdict)), left(verdict)
+
+
+def test_a_part_is_taken_only_where_an_output_is_set():
+    """Without its SET, which text and proof have both lost, the arm can't take a part."""
+    text, proof = made("05_pick_and_place.yarc")
+    told = json.loads(proof)
+    course = told["program"]["course"]
+    put = next(deed for deed in course[course.index("move 2") :] if deed.startswith("put "))
+    lines = text.split("\n")
+    last = int(next(line for line in lines if line.startswith("; command 2 ")).split()[-1])
+    at = next(k for k in range(last, len(lines)) if lines[k] == put.removeprefix("put "))
+    lines[at] = "DWELL1"
+    forged = "\n".join(lines)
+    said = course.copy()
+    said[said.index(put)] = "dwell 1"
+    duration = re.search(r"; duration ([0-9.]+) s", forged)
+    forged = forged.replace(duration[0], f"; duration {float(duration[1]) + 0.001:.3f} s")
+    changed = copy.deepcopy(told) | {"text": hashlib.sha256(forged.encode()).hexdigest(), "planes": []}
+    changed["program"]["course"] = said
+    changed["cell"] = told["cell"] | {"exceptions": [], "zones": []}
+    assert "no output is set there" in verify(forged.encode(), json.dumps(changed).encode()).refused

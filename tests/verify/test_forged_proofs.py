@@ -264,7 +264,7 @@ def test_nothing_is_told_of_the_robot_besides():
     text, _ = made(MOTIONS)
     proof = table(MOTIONS)
     proof["robot"]["torques"] = "checked"
-    assert "other names" in refused(text, proof)
+    assert "other fields" in refused(text, proof)
 
 
 @pytest.mark.parametrize("hostile", ["\x1b[2J", "\u202e", "\n", "\ud800"])

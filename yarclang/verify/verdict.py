@@ -155,7 +155,8 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         )
     if any(line.startswith("; offset") for line in content.registers):
         verdict.unchecked.append(
-            "what is given in a frame that registers shift: here it is proved without a shift, and where it is it is planned and proved when it runs"
+            "what is given in a frame that registers shift: proved here without a shift; where the frame "
+            "is, it is planned and proved when it runs"
         )
     _check_bodies(rows, done, proof, arm, verdict)
     _list_allowed(content.registers, proof["cell"]["bodies"], verdict)
@@ -175,7 +176,8 @@ def _list_allowed(lines: list[str], bodies: list[dict[str, Any]], verdict: Verdi
             found.setdefault(f"{names[0]} and {names[1]}", []).append(words[2])
     for pair, steps in found.items():
         verdict.unchecked.append(
-            f"that {pair} keep apart during commands {', '.join(steps)} of the map: the program lets them touch"
+            f"that {pair} keep apart during commands {', '.join(steps)} of the map: "
+            "the program lets them touch"
         )
 
 

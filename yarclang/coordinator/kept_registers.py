@@ -122,13 +122,27 @@ def forget(program: str) -> int:
     Raises:
         Trouble: the database can't be read or written.
     """
+    return deleted(_TABLE, "DELETE FROM kept WHERE program = ?", program)
+
+
+def deleted(table: str, delete: str, program: str) -> int:
+    """Delete a program's rows of a table, and return how many there were.
+
+    Args:
+        table: statement that makes the table if it isn't there.
+        delete: statement that deletes the rows of the program that is its argument.
+        program: the program.
+
+    Raises:
+        Trouble: the database can't be read or written.
+    """
     place = registers_file()
     if not place.exists():
         return 0
     try:
         with opened(place) as base, base:
-            base.execute(_TABLE)
-            return base.execute("DELETE FROM kept WHERE program = ?", (program,)).rowcount
+            base.execute(table)
+            return base.execute(delete, (program,)).rowcount
     except (sqlite3.Error, OSError) as error:
         raise unreadable(place, error) from None
 

@@ -7,7 +7,7 @@ import sqlite3
 import numpy as np
 
 from yarclang.collision.zones.watched import tool_frame
-from yarclang.coordinator.kept_registers import opened, registers_file, unreadable
+from yarclang.coordinator.kept_registers import deleted, opened, registers_file, unreadable
 from yarclang.frozen import frozen
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
@@ -109,12 +109,4 @@ def forget(program: str) -> int:
     Raises:
         Trouble: the database can't be read or written.
     """
-    place = registers_file()
-    if not place.exists():
-        return 0
-    try:
-        with opened(place) as base, base:
-            base.execute(_TABLE)
-            return base.execute("DELETE FROM taught WHERE program = ?", (program,)).rowcount
-    except (sqlite3.Error, OSError) as error:
-        raise unreadable(place, error) from None
+    return deleted(_TABLE, "DELETE FROM taught WHERE program = ?", program)

@@ -1,0 +1,194 @@
+"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet machine; the load is printed beside the figures.
+
+Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of one thread), `overhead` (what a task costs that does
+nothing), `cache` (1,000 unchanged programs, checked again), `length` (what a command costs in short and long programs). Matrix products use one thread.
+
+Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's cost flat.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[name] = "1"
+
+from yarclang.fleet.spreading import Place, workers  # noqa: E402 - after the threads are set
+
+MOTIONS = 50
+COMMAND = [sys.executable, "-c", "import sys; from yarclang.cli.{0} import main; main(sys.argv[1:])"]
+
+
+def programs(folder: Path, count: int, motions: int = MOTIONS) -> Path:
+    """Write programs of joint motions and lines by chance, and return their folder."""
+    folder.mkdir(parents=True)
+    random = np.random.default_rng(0)
+    for number in range(count):
+        lines = [
+            "ROBOT INDUSTRIAL6",
+            "DEFAULT {TCP} (mm,deg,s) {B}",
+            "P0000 MOVEJ_RPY 0 1174.4 1000 0 0 0 [MIN]",
+        ]
+        for step in range(1, motions):
+            x, y, z = random.uniform(-150, 150, 3)
+            word = "MOVEL" if step % 2 else "MOVEJ_RPY"
+            lines.append(f"P{step * 10:04d} {word} {x:.2f} {1174.4 + y:.2f} {1000 + z:.2f} 0 0 0 [MIN]")
+        (folder / f"p{number:04d}.yarc").write_text("\n".join(lines) + "\n")
+    return folder
+
+
+def seconds(command: str, *arguments: str) -> float:
+    """Return how long a command takes [s]."""
+    begin = time.perf_counter()
+    made = subprocess.run(
+        [COMMAND[0], COMMAND[1], COMMAND[2].format(command), *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    taken = time.perf_counter() - begin
+    if made.returncode:
+        raise RuntimeError(made.stderr[-2000:])
+    return taken
+
+
+@contextmanager
+def cluster(folder: Path, count: int) -> Iterator[str]:
+    """Start a scheduler and workers of one thread on this machine, and give its address."""
+    folder.mkdir()
+    log = (folder / "log").open("wb")
+    started = [
+        subprocess.Popen(
+            [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"],
+            cwd=folder, stdout=log, stderr=log,
+        )
+    ]  # fmt: skip
+    try:
+        while not (found := re.search(r"Scheduler at:\s+(tcp://\S+)", (folder / "log").read_text())):
+            time.sleep(0.1)
+        options = ["--nthreads", "1", "--no-dashboard", "--no-nanny"]
+        started += [
+            subprocess.Popen(
+                [sys.executable, "-m", "distributed.cli.dask_worker", found[1], *options],
+                cwd=folder,
+                stdout=log,
+                stderr=log,
+            )
+            for _ in range(count)
+        ]
+        while (folder / "log").read_text().count("Register worker") < count:
+            time.sleep(0.1)
+        yield found[1]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def measure_processes(folder: Path, count: int) -> Iterator[str]:
+    """Yield the rows of processes and workers."""
+    made = str(programs(folder / "programs", count))
+    out = str(folder / "out")
+    one = seconds("yarcc", made, "--out-dir", out, "--no-cache", "--jobs", "1")
+    two = seconds("yarcc", made, "--out-dir", out, "--no-cache", "--jobs", "2")
+    yield f"| {count} programs of {MOTIONS} motions, one process | {one:.1f} s | |"
+    yield f"| two processes | {two:.1f} s, {one / two:.2f} times | at least 1.8 times |"
+    with cluster(folder / "dask", 2) as address:
+        seconds(
+            "yarcc", made, "--out-dir", out, "--no-cache", "--scheduler", address
+        )  # imports everything once
+        dask = seconds("yarcc", made, "--out-dir", out, "--no-cache", "--scheduler", address)
+    yield f"| two dask workers | {dask:.1f} s, {one / dask:.2f} times | at least 1.6 times |"
+
+
+def nothing(item: int) -> int:
+    """Do nothing."""
+    return item
+
+
+def measure_overhead(folder: Path, count: int) -> Iterator[str]:
+    """Yield the rows of tasks that do nothing."""
+    items = range(20 * count)
+    with workers(nothing, Place(2), lambda _: ()) as do:
+        list(do(range(8)))
+        begin = time.perf_counter()
+        list(do(items))
+        taken = time.perf_counter() - begin
+    yield f"| a task that does nothing, two processes | {taken / len(items) * 1e3:.3f} ms | at most 2 ms |"
+    with (
+        cluster(folder / "dask-overhead", 2) as address,
+        workers(nothing, Place(None, address), lambda _: ()) as do,
+    ):
+        list(do(range(8)))
+        begin = time.perf_counter()
+        list(do(items))
+        taken = time.perf_counter() - begin
+    yield f"| a task that does nothing, two dask workers | {taken / len(items) * 1e3:.3f} ms | at most 2 ms |"
+
+
+def measure_cache(folder: Path, count: int) -> Iterator[str]:
+    """Yield the rows of unchanged programs."""
+    os.environ["YARCLANG_CACHE"] = str(folder / "cache")
+    made = str(programs(folder / "unchanged", 5 * count, 10))
+    first = seconds("yarc", "check", made)
+    again = seconds("yarc", "check", made)
+    yield f"| {5 * count:,} programs of 10 motions, checked | {first:.1f} s | |"
+    yield f"| the same, unchanged | {again:.2f} s | at most 3 s for 1,000 |"
+
+
+def measure_length(folder: Path, count: int) -> Iterator[str]:
+    """Yield the cost of a command in programs of different lengths."""
+    costs = []
+    for motions in (50, 500, 5 * count):
+        made = programs(folder / f"length-{motions}", 1, motions)
+        base = seconds(
+            "yarcc",
+            str(programs(folder / f"short-{motions}", 1, 2)),
+            "--out-dir",
+            str(folder / "out"),
+            "--no-cache",
+            "-j",
+            "1",
+        )
+        taken = seconds("yarcc", str(made), "--out-dir", str(folder / "out"), "--no-cache", "-j", "1") - base
+        costs.append(taken / motions)
+        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of 50 |"
+
+
+PARTS = {
+    "processes": measure_processes,
+    "overhead": measure_overhead,
+    "cache": measure_cache,
+    "length": measure_length,
+}
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("parts", nargs="*", metavar="PART", help=f"some of {', '.join(PARTS)}; default: all")
+    parser.add_argument("--programs", type=int, default=200)
+    given = parser.parse_args()
+    print("| what | measured | goal |\n|---|---|---|")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in given.parts or PARTS:
+            for row in PARTS[name](Path(folder), given.programs):
+                print(row, flush=True)
+    print(f"\nload {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
+
+
+if __name__ == "__main__":
+    main()

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from tests.floors import exercises
+from yarclang import files
 from yarclang.cell.model import Cell, Mount, Obstacle
 from yarclang.collision import geometry
 from yarclang.collision.bodies import Scene
@@ -24,6 +25,7 @@ from yarclang.collision.tiles import TILE, TiledMesh, in_order
 from yarclang.meshes import kept as keeping
 from yarclang.robot.description import load_robot
 from yarclang.shapes import Box, Mesh
+from yarclang.signing import own_secret, signature
 from yarclang.source import SourceFile
 
 
@@ -46,7 +48,7 @@ def as_ply(content):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """Where entries are kept in a test."""
-    monkeypatch.setenv(keeping.FOLDER, str(tmp_path / "cache"))
+    monkeypatch.setenv(files.CACHE, str(tmp_path / "cache"))
     return tmp_path / "cache" / "meshes"
 
 
@@ -198,7 +200,7 @@ def test_without_a_folder_it_works_all_the_same(tmp_path, monkeypatch):
     blocked.write_text("no folder")
     shape = mesh(tmp_path, scan(30_000))
     for given_ in (str(blocked), ""):
-        monkeypatch.setenv(keeping.FOLDER, given_)
+        monkeypatch.setenv(files.CACHE, given_)
         assert isinstance(geometry_of(shape).solid, TiledMesh)
     assert blocked.read_text() == "no folder"
 
@@ -254,8 +256,8 @@ def test_single_positions_are_free_as_with_one_tree(tmp_path, folder, monkeypatc
     assert look()[1] == exact
 
 
-def sealed(key, payload):
-    return keeping._MAGIC + keeping._seal(key, payload) + payload
+def sealed(key, payload, secret=None):
+    return keeping._MAGIC + signature(secret or own_secret(), (key.encode(), payload)) + payload
 
 
 @pytest.mark.parametrize(
@@ -274,10 +276,25 @@ def test_a_forged_entry_ends_nothing(payload, tmp_path, folder):
     first = geometry_of(shape)
     (entry,) = folder.iterdir()
     key = f".stl {shape.digest} {shape.unit!r} 1.0 1.0 1.0"
-    assert keeping._read(entry, key) is not None
+    assert keeping._read(entry, key, own_secret()) is not None
     entry.write_bytes(sealed(key, payload))
-    assert keeping._read(entry, key) is None
+    assert keeping._read(entry, key, own_secret()) is None
     np.testing.assert_array_equal(geometry_of(shape).solid.corners, first.solid.corners)
+
+
+def test_an_entry_of_somebody_else_is_prepared_anew(tmp_path, folder):
+    """With one triangle less it would hide a part of an obstacle."""
+    shape = mesh(tmp_path, scan(30_000))
+    first = geometry_of(shape)
+    (entry,) = folder.iterdir()
+    key = f".stl {shape.digest} {shape.unit!r} 1.0 1.0 1.0"
+    known = keeping._read(entry, key, own_secret())
+    fewer = keeping._entry(key, keeping.Prepared(known.corners, known.faces[:-1], known.closed), b"x" * 32)
+    entry.write_bytes(fewer)
+    assert keeping._read(entry, key, b"x" * 32) is not None
+    assert keeping._read(entry, key, own_secret()) is None
+    geometry_module_cache_clear()
+    assert len(geometry_of(shape).solid.faces) == len(first.solid.faces)
 
 
 def test_a_killed_writer_leaves_nothing_for_ever(tmp_path, folder, monkeypatch):

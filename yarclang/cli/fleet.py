@@ -96,7 +96,8 @@ class Fleet:
     def _reuse(self) -> Reuse | None:
         from yarclang.files import cache_folder
         from yarclang.fleet.reuse import Reuse
-        from yarclang.fleet.store import Store, secret_file
+        from yarclang.fleet.store import Store
+        from yarclang.signing import secret_file
 
         folder = cache_folder()
         if folder is None:

@@ -8,10 +8,6 @@ store that can't be used, because the disk is full or the file is damaged, is as
 
 from __future__ import annotations
 
-import hashlib
-import hmac
-import os
-import secrets
 import sqlite3
 import time
 from collections.abc import Callable, Iterator
@@ -19,6 +15,8 @@ from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import TypeVar
+
+from yarclang.signing import is_signed, secret_in, signature
 
 R = TypeVar("R")
 
@@ -39,18 +37,6 @@ CREATE TABLE IF NOT EXISTS entries (
 CREATE INDEX IF NOT EXISTS by_key ON entries (key, used);
 CREATE INDEX IF NOT EXISTS by_use ON entries (used, size);
 """
-
-
-def secret_file() -> Path:
-    """Return the file with the secret of the user's entries. It isn't in the cache folder, which others may be
-    given.
-    """
-    given = os.environ.get("XDG_STATE_HOME", "")
-    return (
-        (Path(given) if Path(given).is_absolute() else Path.home() / ".local" / "state")
-        / "yarclang"
-        / "cache.key"
-    )
 
 
 class Store:
@@ -141,7 +127,7 @@ class Store:
 
     def _opened(self) -> sqlite3.Connection:
         self._file.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        self._secret = _secret(self._secret_file)
+        self._secret = secret_in(self._secret_file)
         base = sqlite3.connect(self._file, timeout=_PATIENCE)
         base.execute("PRAGMA journal_mode = WAL")
         base.execute("PRAGMA synchronous = NORMAL")
@@ -157,38 +143,12 @@ class Store:
                 self._file.with_name(self._file.name + ending).unlink()
 
     def _code(self, key: str, value: bytes) -> bytes:
-        return hmac.digest(self._secret, key.encode() + b"\0" + value, "sha256")
+        return signature(self._secret, (key.encode(), b"\0", value))
 
     def _is_ours(self, key: str, value: bytes, code: bytes) -> bool:
-        return hmac.compare_digest(self._code(key, value), code)
+        return is_signed(code, self._secret, (key.encode(), b"\0", value))
 
 
 def _value(base: sqlite3.Connection, number: int) -> object:
     row = base.execute("SELECT value FROM entries WHERE id = ?", (number,)).fetchone()
     return None if row is None else row[0]
-
-
-def _secret(path: Path) -> bytes:
-    """Return the secret in a file that only its owner can read; made once, by whichever process is first.
-
-    Raises:
-        OSError: it can't be read or made, or others could have read it.
-    """
-    path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-    if not path.exists():
-        own = path.with_name(f"{path.name}.{os.getpid()}.{secrets.token_hex(4)}")
-        handle = os.open(own, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-        try:
-            os.write(handle, secrets.token_bytes(32))
-        finally:
-            os.close(handle)
-        with suppress(FileExistsError):
-            os.link(own, path)  # the first one wins
-        own.unlink()
-    seen = path.stat()
-    secret = path.read_bytes()
-    if len(secret) != hashlib.sha256().digest_size or (
-        hasattr(os, "getuid") and (seen.st_mode & 0o077 or seen.st_uid != os.getuid())
-    ):
-        raise OSError(f"{path} isn't a secret of 32 bytes that only you can read: remove it")
-    return secret

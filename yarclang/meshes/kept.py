@@ -2,8 +2,8 @@
 takes seconds, reading the result a fraction of that.
 
 An entry is named after the content of the mesh's file (SHA-256), so that a file that has changed is prepared
-anew. It has a SHA-256 of its own, and one that is damaged is prepared anew as well. Without a folder that can
-be written, nothing is kept.
+anew. It is signed: an entry that is damaged, or that somebody else has made, is prepared anew as well. Without a
+folder that can be written, nothing is kept.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from yarclang.files import cache_folder, replace_file
 from yarclang.frozen import frozen
+from yarclang.signing import SIZE, is_signed, own_secret, signature
 
 MOST_BYTES = 1_000_000_000
 """Size of all entries together [bytes]; beyond it, those that were used least lately are removed."""
@@ -49,12 +50,12 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
         key: names all on which the result depends.
         make: prepares the mesh; None is handed on, and not kept.
     """
-    cache = cache_folder()
-    if cache is None:
+    cache, secret = cache_folder(), own_secret()
+    if cache is None or secret is None:
         return make()
     folder = cache / "meshes"
     path = folder / (hashlib.sha256(key.encode()).hexdigest() + _SUFFIX)
-    found = _read(path, key)
+    found = _read(path, key, secret)
     if found is not None:
         with suppress(OSError):
             os.utime(path)  # it was used lately
@@ -63,38 +64,32 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
     if made is not None:
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            replace_file(path, _entry(key, made))
+            replace_file(path, _entry(key, made, secret))
             _remove_old(folder, path)
     return made
 
 
-def _entry(key: str, mesh: Prepared) -> bytes:
+def _entry(key: str, mesh: Prepared, secret: bytes) -> bytes:
     head = np.array([(len(mesh.corners), len(mesh.faces), mesh.closed)], dtype=_HEAD)
     payload = b"".join(
         (head.tobytes(), mesh.corners.astype("<f8").tobytes(), mesh.faces.astype("<i4").tobytes())
     )
-    return _MAGIC + _seal(key, payload) + payload
+    return _MAGIC + signature(secret, (key.encode(), payload)) + payload
 
 
-def _seal(key: str, payload: bytes | memoryview) -> bytes:
-    digest = hashlib.sha256(key.encode())
-    digest.update(payload)
-    return digest.digest()
-
-
-def _read(path: Path, key: str) -> Prepared | None:
-    """Return the mesh of an entry; None if it is missing, damaged or of another key."""
+def _read(path: Path, key: str, secret: bytes) -> Prepared | None:
+    """Return the mesh of an entry; None if it is missing, damaged, or signed for another key or by another user."""
     if not path.is_file():  # nor anything that could block
         return None
     try:
         content = memoryview(path.read_bytes())
     except OSError:
         return None
-    begin = len(_MAGIC) + hashlib.sha256().digest_size
+    begin = len(_MAGIC) + SIZE
     if content[: len(_MAGIC)] != _MAGIC or len(content) < begin + _HEAD.itemsize:
         return None
     payload = content[begin:]
-    if content[len(_MAGIC) : begin] != _seal(key, payload):
+    if not is_signed(content[len(_MAGIC) : begin], secret, (key.encode(), payload)):
         return None
     head = np.frombuffer(payload, _HEAD, 1)[0]
     count, size = int(head["corners"]), int(head["faces"])

@@ -69,8 +69,22 @@ def test_odd_names_compile(call, name):
 @pytest.mark.parametrize("program", ["yarcc", "plot"])
 def test_folders_as_programs_are_findings(call, name, program):
     done = call(name) if program == "yarcc" else call(program, name, program=yarc)
+    if program == "yarcc" and name:  # the programs in it: where their texts go must be said
+        assert done.exit_code == 2
+        assert "--out-dir" in done.stderr
+        return
     assert done.exit_code == 1
     assert "Y0107" in done.stderr
+
+
+def test_a_folder_s_texts_keep_its_folders(call):
+    Path("all/deep").mkdir(parents=True)
+    Path("all/deep/b.yarc").write_text(GOOD)
+    Path("all/c.yarc").write_text(GOOD)
+    assert call("all").exit_code == 2
+    assert not [*Path("all").rglob("*.pmc")]
+    assert call("all", "--out-dir", "texts").exit_code == 0
+    assert sorted(map(str, Path("texts").rglob("*.pmc"))) == ["texts/c.pmc", "texts/deep/b.pmc"]
 
 
 def test_results_are_written_both_or_not_at_all(call):

@@ -9,6 +9,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
 from yarclang.cli.door import failure_of, is_failure
 from yarclang.cli.fleet import Fleet, ended
 from yarclang.cli.garbage import seldom_look_for_garbage
@@ -96,14 +98,18 @@ def destinations_of(paths: Sequence[str], output: str | None, folder: Path | Non
         paths: programs, and folders of programs.
         output: path of the text of one program.
         folder: where the texts go, those of a folder's programs in the same folders as there; None: beside
-            the programs.
+            the programs, of which each must be named, so that a slip of the finger writes no files everywhere.
 
     Raises:
-        click.UsageError: a folder has no program.
+        click.UsageError: a folder has no program, or it isn't said where the texts of its programs go.
     """
     found: dict[str, str] = {}
     for path in paths:
-        inside = path != STANDARD and os.path.isdir(path)  # noqa: PTH112 (Path.is_dir raises where a folder can't be searched)
+        inside = path not in ("", STANDARD) and os.path.isdir(path)  # noqa: PTH112 (Path.is_dir raises where a folder can't be searched)
+        if inside and folder is None:
+            raise click.UsageError(
+                f"{path} is a folder: say with --out-dir where the texts of its programs go"
+            )
         for file in programs([path]) if inside else [path]:
             where = folder / os.path.relpath(Path(file).parent, path) if inside and folder else folder
             found.setdefault(file, output or beside(file, ".pmc", where))

@@ -153,6 +153,12 @@ def _verify(text: bytes, proof: dict[str, Any], verdict: Verdict) -> None:
         verdict.unchecked.append(
             "what follows a motion that an input ends: it is planned and proved when it runs"
         )
+    for line in content.registers:
+        if line.startswith("; watch") and " then " in line:
+            name = line.split(" then ")[1].split(" ")[0]
+            verdict.unchecked.append(
+                f"the way on which the robot leaves ({name}): it is planned and proved when it runs"
+            )
     if any(line.startswith("; offset") for line in content.registers):
         verdict.unchecked.append(
             "what is given in a frame that registers shift: proved here without a shift; where the frame "

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from yarclang.certify.certificate import Certificate
 from yarclang.findings import Finding
-from yarclang.hir import Allowed, Motion
+from yarclang.hir import Allowed, Else, JointMove, LineMove, Motion, When
 from yarclang.lint.rule import Remark, Rule, Surroundings
 from yarclang.source import SourceFile, Span
 
@@ -19,8 +19,15 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
         if may.needed
     }
     places: dict[tuple[SourceFile, Span], tuple[Allowed, bool]] = {}
+    elsewhere = after_search = False  # it leads to other places when the program runs
     for step, motion in enumerate(around.steps):
+        if isinstance(motion, When | Else):
+            elsewhere = isinstance(motion, When) and motion.offset is not None
         if not isinstance(motion, Motion):
+            continue
+        skipped = elsewhere or after_search
+        after_search = isinstance(motion, JointMove | LineMove) and motion.search is not None
+        if skipped:
             continue
         for one in motion.allowed:
             place = motion.origin.source, one.span(motion.origin)
@@ -49,6 +56,7 @@ RULE = Rule(
     valid=(
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5",
+        "REGISTER DX -2000..2000 0 OUTSIDE\nFRAME {PART} 0 1174.4 1000 0 0 0 (mm,deg) {B}\nDEFAULT {TCP} [50%] (mm,deg,s) {B}\nOFFSET {PART} X DX\nP0010 MOVEL 0 0 0 0 0 0 {PART} ALLOW LINK_1 LINK_6\nP0020 MOVEJ 0 0 0 0 30 0\nEND",
     ),
     invalid=(
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5 ALLOW LINK_2 LINK_4",

@@ -77,6 +77,7 @@ def test_extras(wheel: zipfile.ZipFile):
     assert set(Parser().parsestr(wheel.read(name).decode()).get_all("Provides-Extra", [])) == {
         "test",
         "bags",
+        "fleet",
         "dev",
         "docs",
         "pendant",

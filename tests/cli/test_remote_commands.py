@@ -371,7 +371,7 @@ def test_a_process_without_a_socket_is_named(job, simulator):
         assert f"{told}" in call("status", *to(simulator)).stderr
         assert run.session.operation.state is State.MOVE
         done = call("stop", *to(simulator))
-        assert re.search(rf"{re.escape(told)}.*\) drives this controller and can't be told: ", done.stderr)
+        assert re.search(rf"{re.escape(told)}.*\) drives this controller and can't be reached: ", done.stderr)
         run.kill()
         run.wait()
 

@@ -265,7 +265,7 @@ def test_what_cant_be_shown_is_said_and_the_number_is_bounded(tmp_path, monkeypa
     monkeypatch.setattr(module, "MOST_ITEMS", 2)
     told = told_of(cell)
     assert len(told.items) == 2
-    assert told.notes[0] == "2 more bodies, zones and parts are left out: 2 are told"
+    assert told.notes[0] == "2 more bodies, zones and parts are left out: at most 2 are sent"
     assert any("CUP isn't shown" in one for one in told.notes)
 
 

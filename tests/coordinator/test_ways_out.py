@@ -357,7 +357,7 @@ def test_it_leaves(name):
 def test_after_a_search_the_inputs_hold_until_the_end_of_the_motion_that_leads_on():
     made = loaded(HEAD + VARIANTS["a search"][0])
     here = made.plan.sample(np.array([4.0]))[0][0]
-    (job,) = made.behind(1, here).jobs
+    (job,) = made.behind(1, here, None).jobs
     assert [(one.name, one.then) for one in job.watches] == [("CURTAIN", "")]
     assert "; watch M11=0 CURTAIN\n" in job.text
     assert [one.then for one in made.program.watches] == ["AWAY"]

@@ -30,7 +30,8 @@ class Pool:
         self._work, self._number = work, number
         self._items: Sequence[Any] = ()
         self._waiting: deque[int] = deque()
-        self._workers: dict[Connection, SpawnProcess] = {}
+        self._workers: dict[Connection, tuple[SpawnProcess, Connection]] = {}
+        """By the line of a process's answers: the process, and the line of its items."""
         self._busy: dict[Connection, int] = {}
         self._deaths: dict[int, int] = {}
         self._done: dict[int, Any] = {}
@@ -49,10 +50,11 @@ class Pool:
 
     def end(self) -> None:
         """End all processes."""
-        for line, process in self._workers.items():
-            line.close()
+        for answers, (process, items) in self._workers.items():
+            answers.close()
+            items.close()
             process.terminate()
-        for process in self._workers.values():
+        for process, _ in self._workers.values():
             process.join()
 
     def _hand_out(self, wanted: int) -> None:
@@ -66,24 +68,27 @@ class Pool:
             number = self._waiting.popleft()
             self._busy[idle] = number
             with suppress(OSError):  # it has ended: the next look at its line shows that
-                idle.send(packed(self._items[number]))
+                self._workers[idle][1].send(packed(self._items[number]))
 
     def _started(self) -> Connection:
         from multiprocessing import get_context
 
         # not forked: a library with running threads may wait for them for ever
         context = get_context("spawn")
-        ours, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(self._work, theirs), daemon=True)
+        # two lines of one direction: one of both needs sockets, which not every system has
+        taken, items = context.Pipe(duplex=False)
+        answers, given = context.Pipe(duplex=False)
+        process = context.Process(target=_serve, args=(self._work, taken, given), daemon=True)
         # Ctrl-C is for this process: the others, which are started here, ignore it while they import
         heard = signal.signal(signal.SIGINT, signal.SIG_IGN)
         try:
             process.start()
         finally:
             signal.signal(signal.SIGINT, heard)
-        theirs.close()
-        self._workers[ours] = process
-        return ours
+        taken.close()
+        given.close()
+        self._workers[answers] = process, items
+        return answers
 
     def _take(self, line: Connection) -> None:
         """Take a result, or learn that a process has ended."""
@@ -98,8 +103,9 @@ class Pool:
         self._done[number] = unpacked(content)
 
     def _bury(self, line: Connection, number: int) -> None:
-        process = self._workers.pop(line)
+        process, items = self._workers.pop(line)
         line.close()
+        items.close()
         process.join()
         self._deaths[number] = self._deaths.get(number, 0) + 1
         if self._deaths[number] < _DEATHS:
@@ -118,15 +124,15 @@ def _how_it_ended(status: int | None) -> str:
     return f"two processes that worked on it ended by themselves, the last one with status {status}"
 
 
-def _serve(work: bytes, line: Connection) -> None:
+def _serve(work: bytes, items: Connection, answers: Connection) -> None:
     """Do the work for items until there are no more."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     do: Callable[[Any], Any] = unpacked(work)
     with silent(), suppress(EOFError, OSError, KeyboardInterrupt):
         while True:
-            item = unpacked(line.recv())
+            item = unpacked(items.recv())
             try:
                 answer: tuple[bytes, BaseException | None] = packed(do(item)), None
             except Exception as error:  # told by the parent
                 answer = b"", RuntimeError(f"{type(error).__name__}: {error}")
-            line.send(answer)
+            answers.send(answer)

@@ -50,7 +50,7 @@ def test_in_the_middle(at):
         assert codes(result) == []
     else:
         assert set(codes(result)) == {"Y1165"}
-        side = "behind" if at > 0 else "before"
+        side = "after" if at > 0 else "before"
         assert f"{abs(at)} segments {side} the middle of the blend" in result.diagnostics[0].message
     # nor without the program
     source = program(Q0, with_sets()).source

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from coordinator.virtual import coordinating, run
 from handling.carrying import CELL, GIVEN, HEAD, PICK, PUT
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.collision.dense import Dense
@@ -300,6 +300,7 @@ def test_power_is_lost_on_the_way_and_it_is_recovered_again(tmp_path):
 
 
 @exercises(recovered=0.3)
+@example(here=(-11.0, 0.0, 0.0, 0.0, 0.0, 0.0))  # it was faster than the share by 0.2 %
 @given(here=st.tuples(*(st.floats(low, high) for low, high in RANGES)))
 @settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_from_anywhere_it_is_clear_of_everything(tally, tmp_path, here):

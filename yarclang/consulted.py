@@ -4,8 +4,8 @@ Everything that a check reads, looks for or lists goes through this module or `f
 can record on which files a result depends (`recorded`), and reuse the result as long as all of them are as
 they were; and a process on another machine can do the same work with a bundle of these files (`bundled`).
 
-The library of this installation is always that of the disk, and is not recorded: who compares results of two
-installations compares the installations.
+The library of this installation is always that of the disk, also for work with a bundle: who compares results
+of two installations compares the installations.
 """
 
 from __future__ import annotations
@@ -149,7 +149,7 @@ def content_of(path: Path, read: Callable[[], bytes]) -> bytes:
         OSError: the file can't be read.
     """
     bundle, record = _BUNDLE.get(), _RECORD.get()
-    if (bundle is None and record is None) or _is_ours(path):
+    if record is None if bundle is None else _is_ours(path):
         return read()
     question = question_of(CONTENT, path)
     if bundle is not None:
@@ -230,7 +230,7 @@ def _unreadable(error: OSError) -> str:
 
 def _asked(kind: str, path: Path, answer: Callable[[], str]) -> str:
     bundle, record = _BUNDLE.get(), _RECORD.get()
-    if (bundle is None and record is None) or _is_ours(path):
+    if record is None if bundle is None else _is_ours(path):
         return answer()
     question = question_of(kind, path)
     given = answer() if bundle is None else _bundled(bundle, question)

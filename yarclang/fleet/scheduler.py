@@ -150,6 +150,7 @@ class _Rest:
         files: Callable[[Any], Sequence[Path]],
     ) -> None:
         self._client, self._work, self._items, self._files = client, packed(work), items, files
+        self._do = work
         self._common = common
         self._own: dict[int, Answers] = defaultdict(dict)
         self._asked: dict[Question, int] = {}
@@ -218,6 +219,8 @@ class _Rest:
         for number, kind, content in future.result():
             if kind == "result":
                 self._done[number] = unpacked(content)
+            elif kind == "here":
+                self._done[number] = self._do(self._items[number])
             elif kind == "question":
                 self._learn(number, Question(*content))
                 self._waiting.appendleft(number)
@@ -263,7 +266,8 @@ def _do(
     """Do the work for a chunk, on a worker.
 
     Returns:
-        For each item its number, and its result, its question, or what went wrong.
+        For each item its number, and its result, its question, that it must be done where it was asked for, or
+        what went wrong.
     """
     from yarclang.progress import silent
 
@@ -272,7 +276,10 @@ def _do(
     for number, item, answers in entries:
         try:
             with _ONE_AT_A_TIME, silent(), bundled(Bundle(unpacked(answers), contents)):
-                done.append((number, "result", packed(do(unpacked(item)))))
+                result = packed(do(unpacked(item)))
+            # what names the worker's folder would name this project's where it is asked for
+            is_elsewhere = str(Path.cwd()).encode() in result
+            done.append((number, "here", None) if is_elsewhere else (number, "result", result))
         except NotBundledError as error:
             done.append((number, "question", tuple(error.question)))
         except Exception as error:  # told by who asked

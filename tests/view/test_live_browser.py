@@ -53,7 +53,7 @@ def test_a_running_robot(workshop, tmp_path):
         waited(lambda: "industrial6 isn't served again yet" in text_of(browser))
         waited(lambda: orange(picture(browser)) < 200)
         again = serve(workshop)
-        waited(lambda: f"told by industrial6-{again.pid}" in text_of(browser))
+        waited(lambda: f"reported by industrial6-{again.pid}" in text_of(browser))
         waited(lambda: orange(picture(browser)) > 4_000)
         browser.refresh()
         waited(lambda: orange(picture(browser)) > 4_000)

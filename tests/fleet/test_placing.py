@@ -128,6 +128,7 @@ def test_a_map_says_why_not(tmp_path):
     ("arguments", "words"),
     [
         (["NOWHERE"], "declares {NOWHERE}"),
+        (["STPO"], "help: they declare {STOP}"),
         (["TCP"], "{TCP}"),
         (["STOP", "--within", "Q=1:2"], "X=-300:300"),
         (["STOP", "--within", "X=2:1"], "at most the second"),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from yarclang.cli.address import trouble_is_said
 from yarclang.cli.garbage import seldom_look_for_garbage
 from yarclang.cli.options import (
     avoid_effort_option,
@@ -131,7 +132,6 @@ def command(
     from yarclang.cli.work import Progress, options_from
     from yarclang.fleet.placing import Range, find_task, judged, search
     from yarclang.pipeline.sources import read_source
-    from yarclang.runtime.actions import Trouble
 
     read = read_source(file)
     if read.value is None:
@@ -140,22 +140,19 @@ def command(
     box = tuple(Range(*one) for one in within)
     folder = Path.cwd() if file == "-" else Path(file).parent
     fleet = Fleet(jobs, scheduler)
-    try:
-        with Progress() as progress:
-            task = find_task(read.value, folder, options_from(planning), frame, box, aim)
-            done = 0
-            with fleet.workers(partial(judged, task=task)) as do:
+    with trouble_is_said(), Progress() as progress:
+        task = find_task(read.value, folder, options_from(planning), frame, box, aim)
+        done = 0
+        with fleet.workers(partial(judged, task=task)) as do:
 
-                def judge(shifts: Sequence[Shift]) -> Iterator[Candidate | Lost]:
-                    nonlocal done
-                    for one in do(shifts):
-                        done += 1
-                        progress("candidates", done, most)
-                        yield one
+            def judge(shifts: Sequence[Shift]) -> Iterator[Candidate | Lost]:
+                nonlocal done
+                for one in do(shifts):
+                    done += 1
+                    progress("candidates", done, most)
+                    yield one
 
-                placing = search(task, judge, grid, most)
-    except Trouble as trouble:
-        raise click.ClickException(f"{trouble}") from None
+            placing = search(task, judge, grid, most)
     _show(task, placing, format_, applies=applies)
 
 

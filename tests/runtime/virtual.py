@@ -370,9 +370,9 @@ class PlannedPath:
     def distance(self, counts):
         """The largest distance of points (N, n) from the path, in counts of any motor."""
         counts = np.atleast_2d(counts)
-        _, nearest = self._tree.query(counts)
+        _, nearest = self._tree.query(counts, 32)  # the nearest point alone may lie on a way that crosses near a stop
         best = np.full(len(counts), np.inf)
-        for first in (nearest - 1, nearest):
+        for first in (*(nearest.T - 1), *nearest.T):
             begin = self._points[np.clip(first, 0, len(self._points) - 2)]
             way = self._points[np.clip(first, 0, len(self._points) - 2) + 1] - begin
             length = np.maximum((way**2).sum(axis=1), 1e-12)

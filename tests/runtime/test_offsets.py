@@ -161,15 +161,54 @@ def test_without_a_shift_it_is_what_was_proved():
 )
 def test_a_value_out_of_its_range_moves_nothing(values, text):
     world, job, _ = made(values, text, record=True)
+    if text is BARE:
+        world.order(Stop(), 30.0)
     ended = run(world, job)
     assert not world.anew
     assert "its range is" in world.words
     assert world.say("M1") == ("0",)
     if text is BARE:
-        assert (ended.well, ended.code) == (False, "Y1635")
+        assert not ended.well
+        assert world.operation.state is State.STOP
+        assert (
+            "nothing has moved; Enter or `yarc resume` tries it with what the registers are then"
+            in world.words
+        )
     else:
         assert ended.well
         assert "refused" in world.words
+
+
+OUTSIDE = BARE.replace("-3000..3000 0\n", "-3000..3000 0 OUTSIDE\n", 1).replace(
+    "-1000..1000", "-300000..300000"
+)
+
+
+def test_without_an_else_it_holds_with_the_reason_until_it_can_be_done():
+    """Resumed with the same values it holds again; with others, which came from outside meanwhile, it moves."""
+    world, job, _ = made(
+        (9999, 0, 0, 0), OUTSIDE.replace("OUTPUT LAMP M1", "OUTPUT LAMP M1 OFF"), record=True
+    )
+    world.order(Resume(), 10.0)
+    world.order(Fill((("DX", 500),), "camera"), 20.0)
+    world.order(Resume(), 21.0)
+    ended = run(world, job)
+    assert ended.well, ended
+    assert world.words.count("DX is 9999, and its range is -3000..3000") >= 2
+    assert [one[0].values for one in world.anew] == [(500, 0, 0, 0)]
+    assert world.anew[0][2] >= 21.0
+    assert at_its_end(world, job)
+
+
+def test_what_cannot_be_planned_holds_as_well():
+    world, job, _ = made((0, 0, 299999, 0), OUTSIDE)
+    world.order(Resume(), 10.0)
+    world.order(Abort(), 20.0)
+    ended = run(world, job)
+    assert not ended.well
+    assert world.operation.state is State.STOP
+    assert [one[0].values for one in world.anew] == [(0, 0, 299999, 0)] * 2
+    assert "it can't be done: P0020" in world.words
 
 
 def test_a_place_out_of_reach_is_refused_with_its_command():

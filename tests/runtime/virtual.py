@@ -87,7 +87,7 @@ class World:
         self.at = []
         self.told = []
         self.kept, self.unkept = {}, None
-        self.replan = lambda wanted: "nobody knows the program"
+        self.replan = lambda wanted: None  # nobody knows the program
         self.sent = []
         self.given = []
         self.refused = []
@@ -370,7 +370,9 @@ class PlannedPath:
     def distance(self, counts):
         """The largest distance of points (N, n) from the path, in counts of any motor."""
         counts = np.atleast_2d(counts)
-        _, nearest = self._tree.query(counts, 32)  # the nearest point alone may lie on a way that crosses near a stop
+        _, nearest = self._tree.query(
+            counts, 32
+        )  # the nearest point alone may lie on a way that crosses near a stop
         best = np.full(len(counts), np.inf)
         for first in (*(nearest.T - 1), *nearest.T):
             begin = self._points[np.clip(first, 0, len(self._points) - 2)]

@@ -190,12 +190,14 @@ class Undertaking:
         session.keeper = kept.keep
         session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
 
-    def _replan(self, wanted: Replan) -> Replanned | str:
-        """Return the rest after a search, planned from where the search has ended, or the lines of an OFFSET."""
+    def _replan(self, wanted: Replan) -> Replanned | str | None:
+        """Plan the rest after a search from where the search has ended, or the lines of an OFFSET; None: there is
+        no program to plan from.
+        """
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
         if loaded.behind is None or not begins or min(begins) > _SAME_TIME:
-            return "only the program says what follows, and the text was run without it"
+            return None
         return loaded.behind(begins.index(min(begins)), wanted.joints, wanted.values)
 
     def _next(self, number: int) -> Job | None:

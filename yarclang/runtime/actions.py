@@ -90,14 +90,19 @@ class Told:
 class Replan:
     """Replan and prove the rest of the program after an input has ended a motion, or the lines of an OFFSET.
 
-    Answered by `Replanned`, or by the reason why it can't be done (str). `begins` is when the motion begins,
-    or the first motion of the OFFSET [s of the program], and `joints` (n,) is where the robot stands [rad or
-    m]. `values` are those of the OFFSET's registers, one for each of `SHIFTS`; None after a search.
+    Answered by `Replanned`, by the reason why it can't be done (str), or by None if the text runs without its
+    program. `begins` is when the motion begins, or the first motion of the OFFSET [s of the program], and
+    `joints` (n,) is where the robot stands [rad or m]. `values` are those of the OFFSET's registers, one for
+    each of `SHIFTS`; None after a search.
     """
 
     begins: float
     joints: Array
     values: tuple[int, ...] | None = None
+
+
+PROGRAM_UNKNOWN = "only the program says what follows, and the text was run without it"
+"""Reason to refuse what has to be planned, if there is no program to plan from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -282,7 +282,7 @@ class Session:
         meanwhile.
         """
         if self.replanner is None:
-            return "only the program says what follows, and the text was run without it"
+            return None
         planning = asyncio.get_running_loop().run_in_executor(None, self.replanner, wanted)
         try:
             return await asyncio.wait_for(planning, PLANNING_TIME)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from yarclang.robot.model import Array
-from yarclang.runtime.actions import Replan, Replanned, Script, Trouble, Wait
+from yarclang.runtime.actions import PROGRAM_UNKNOWN, Replan, Replanned, Script, Trouble, Wait
 from yarclang.runtime.job import Job, Leg
 from yarclang.runtime.notices import Hold, Planned
 from yarclang.runtime.pmac.asked import LOOK
@@ -44,7 +44,7 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
     answer = yield Replan(job.offset + leg.job.offset + command.begins, joints)
     if not isinstance(answer, Replanned):
         raise Trouble(
-            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: {answer}",
+            f"{title(barrier)}: {search.name} was found, and what follows can't be done from here: {answer or PROGRAM_UNKNOWN}",
             "the robot stands where it was found; move it from there by hand, or with --approach",
             "Y1638",
         )

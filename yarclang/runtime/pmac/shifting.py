@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from yarclang.decisions import SHIFTS, Shifted
 from yarclang.robot.model import Array
-from yarclang.runtime.actions import Replan, Replanned, Script
+from yarclang.runtime.actions import PROGRAM_UNKNOWN, Replan, Replanned, Script
 from yarclang.runtime.job import Job, Leg
 from yarclang.runtime.notices import Planned
 from yarclang.runtime.pmac.held import Held, title
 from yarclang.runtime.pmac.operation import Operation
 from yarclang.runtime.pmac.searching import deeds, held_meanwhile
+from yarclang.runtime.pmac.waiting import hold_with
 
 
 def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: Held) -> Script[list[Job]]:
     """Have the first branch of an OFFSET planned, and set its flag: 1 if it can be carried out.
+
+    An OFFSET without an ELSE that can't be carried out holds with the reason. When someone resumes, it is
+    planned again for what the registers are then.
 
     Args:
         operation: the run.
@@ -33,36 +37,67 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
     assert barrier.offset is not None
     offset = barrier.offset
     held.registers[offset.flag] = 0
-    values = tuple(held.registers[one] if one else 0 for one in offset.registers)
-    said = _in_words(offset, values)
-    legs = job.legs[place + 1 : _end_of_branch(job.legs, place)]
-    answer = _out_of_range(job, offset, values)
-    since = operation.now
-    first = next((leg.job for leg in legs if leg.job is not None and leg.job.commands), None)
-    if not answer and first is None:
-        answer = "nothing moves in it"
-    made: list[Job] = []
-    if not answer and first is not None:
-        begins = job.offset + first.offset + first.commands[0].begins
-        found = yield Replan(begins, joints, values)
-        if not isinstance(found, Replanned):
-            answer = str(found)
-        elif [deeds(one) for one in found.jobs] != [deeds(leg.job) for leg in legs if leg.job is not None]:
-            answer = "other commands would move, set or wait there than without a shift"
-        else:
-            made = list(found.jobs)
-    yield from held_meanwhile(operation, f"at {title(barrier)}")
-    if answer:
-        refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {said} it can't be done: {answer}"
+    while True:
+        said = _in_words(offset, values := _values(offset, held))
+        since = operation.now
+        answer = yield from _planned(job, place, joints, values)
+        yield from held_meanwhile(operation, f"at {title(barrier)}")
+        if isinstance(answer, tuple):
+            break
+        refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {said} it can't be done: {answer or PROGRAM_UNKNOWN}"
         operation.remark(refused, warning=True)
-        return []
+        if answer is None or not _has_no_else(job.legs, place):
+            return []
+        yield from hold_with(
+            operation,
+            job,
+            barrier,
+            held,
+            f"{refused}; nothing has moved; Enter or `yarc resume` tries it with what the registers are then",
+        )
     held.registers[offset.flag] = 1
-    for one in made[:1]:  # all of them are pieces of one text
+    for one in answer[:1]:  # all of them are pieces of one text
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
         f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved there ({operation.now - since:.3f} s)"
     )
-    return made
+    return list(answer)
+
+
+def _planned(
+    job: Job, place: int, joints: Array, values: tuple[int, ...]
+) -> Script[tuple[Job, ...] | str | None]:
+    """Return the jobs of an OFFSET's first branch, the reason why it can't be carried out, or None if there is
+    no program to plan it from.
+    """
+    barrier = job.legs[place].barrier
+    assert barrier is not None
+    assert barrier.offset is not None
+    if answer := _out_of_range(job, barrier.offset, values):
+        return answer
+    legs = job.legs[place + 1 : _end_of_branch(job.legs, place)]
+    first = next((leg.job for leg in legs if leg.job is not None and leg.job.commands), None)
+    if first is None:
+        return "nothing moves in it"
+    begins = job.offset + first.offset + first.commands[0].begins
+    found: Replanned | str | None = yield Replan(begins, joints, values)
+    if not isinstance(found, Replanned):
+        return found
+    if [deeds(one) for one in found.jobs] != [deeds(leg.job) for leg in legs if leg.job is not None]:
+        return "other commands would move, set or wait there than without a shift"
+    return found.jobs
+
+
+def _has_no_else(legs: tuple[Leg, ...], place: int) -> bool:
+    """Return True if the compiler wrote the second branch of an OFFSET, which ends the program."""
+    first, barrier = legs[place].barrier, legs[_end_of_branch(legs, place)].barrier
+    assert first is not None
+    return barrier is not None and (barrier.kind, barrier.word) == ("abort", first.word)
+
+
+def _values(offset: Shifted, held: Held) -> tuple[int, ...]:
+    """Return what the registers of an OFFSET hold; 0 for a direction without one."""
+    return tuple(held.registers[one] if one else 0 for one in offset.registers)
 
 
 def _out_of_range(job: Job, offset: Shifted, values: tuple[int, ...]) -> str:

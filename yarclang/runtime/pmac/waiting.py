@@ -137,16 +137,36 @@ def wait_for_operator(operation: Operation, job: Job, barrier: Barrier, held: He
         barrier: the HOLD.
         held: registers of the run.
     """
-    outputs = Outputs(job)
-    yield from outputs.remember(operation)
-    yield from outputs.secure(operation)
     text = f": {barrier.name}" if barrier.name else ""
     register = next((one for one in job.registers if one.name == barrier.register), None)
     if register is None:
-        operation.go(Event.HOLD, f"{title(barrier)} holds{text}; Enter or `yarc resume` goes on")
-        yield from _hold(operation, barrier, held)
+        yield from hold_with(
+            operation, job, barrier, held, f"{title(barrier)} holds{text}; Enter or `yarc resume` goes on"
+        )
     else:
+        outputs = Outputs(job)
+        yield from outputs.remember(operation)
+        yield from outputs.secure(operation)
         yield from _ask(operation, barrier, register, held)
+        yield from outputs.restore(operation, 0)
+        operation.go(Event.END, "the operator goes on")
+
+
+def hold_with(operation: Operation, job: Job, barrier: Barrier, held: Held, why: str) -> Script[None]:
+    """Wait until someone continues; outputs are safe meanwhile.
+
+    Args:
+        operation: the run.
+        job: the program with its outputs.
+        barrier: where the robot stands.
+        held: registers of the run; values from outside are taken meanwhile.
+        why: the reason, and what goes on, for people.
+    """
+    outputs = Outputs(job)
+    yield from outputs.remember(operation)
+    yield from outputs.secure(operation)
+    operation.go(Event.HOLD, why)
+    yield from _hold(operation, barrier, held)
     yield from outputs.restore(operation, 0)
     operation.go(Event.END, "the operator goes on")
 

@@ -272,7 +272,7 @@ class Decided:
 
     def offset(self, block: Block, file: File, scope: Scope, cell: Cell | None) -> None:
         """Carry out an OFFSET: a WHEN that is decided by whether its lines can be carried out where the frame
-        is. Without an ELSE the program ends if they can't.
+        is. Without an ELSE a run holds with the reason if they can't, and a text without its program ends.
         """
         around, begin = file.findings.place, len(self._steps)
         flag = self._own_register(OFFSETS, 0, 1).name

@@ -45,8 +45,8 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
         if isinstance(answer, tuple):
             break
         refused = f"{title(barrier)}: with {{{offset.frame}}} shifted by {said} it can't be done: {answer or PROGRAM_UNKNOWN}"
-        operation.remark(refused, warning=True)
         if answer is None or not _has_no_else(job.legs, place):
+            operation.remark(refused, warning=True)
             return []
         yield from hold_with(
             operation,

@@ -351,6 +351,31 @@ def test_a_run_of_many_commands_tells_them_seldom(monkeypatch, tmp_path):
     assert sum(int(line.split(", ")[1].split()[0]) for line in told if " commands " in line) >= 296
 
 
+def test_a_way_out_names_no_command_of_the_program(tmp_path):
+    checked = check_text(SourceFile("test.yarc", EXAMPLE), tmp_path, Options(robot="INDUSTRIAL6"))
+    loaded = load_program(checked.opened, "test.yarc", compiled=compiled_result(checked)).value
+    display, said = shown(loaded, checked.compiled)
+    for number, name in enumerate(("back to where the motion began", "LEAVE"), 1):
+        first = len(said)
+        display.take(
+            PartBegan(
+                time_s=20.0,
+                name=name,
+                to_the_start=False,
+                offset_s=0.0,
+                duration_s=3.0,
+                number=number,
+                of=2,
+                leads_out=True,
+            )
+        )
+        for done in (0.5, 1.7, 2.9):
+            display.take(
+                ProgressMade(time_s=20 + done, done_s=done, left_s=3.0 - done, command="LEAVE>P1", line=1)
+            )
+        assert said[first:] == [name]
+
+
 def said(*words):
     from yarclang.cli.yarc import main as yarc
     from yarclang.cli.yarcc import main as yarcc

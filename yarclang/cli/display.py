@@ -109,15 +109,16 @@ class Display:
     def _begin(self, part: PartBegan) -> None:
         """Note that a part begins."""
         program = self._program
-        again = part.number > 1
+        beside = part.to_the_start or part.leads_out
+        again = part.number > 1 and not beside
         if again and not program.steps:
             self._screen.say(f"pass {part.number}{f' of {part.of}' if part.of else ''}")
-        self._instead = part.name if part.to_the_start else ""
-        self._brief = not part.to_the_start and (again or bool(program.steps))
+        self._instead = part.name if beside else ""
+        self._brief = not beside and (again or bool(program.steps))
         self._command = ""
         ends = part.offset_s + part.duration_s
-        self._behind = 0.0 if part.to_the_start else program.duration_s - ends
-        self._view = self._view.performing(known(part.duration_s) if part.to_the_start else self._lasting)
+        self._behind = 0.0 if beside else program.duration_s - ends
+        self._view = self._view.performing(known(part.duration_s) if beside else self._lasting)
         self._next = 0
         self._ahead = [
             one for one in program.commands if part.offset_s - _SAME <= one.begins_s < ends - _SAME

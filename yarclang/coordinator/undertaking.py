@@ -148,6 +148,7 @@ class Undertaking:
                     duration_s=job.lasting.most,
                     number=number,
                     of=len(made),
+                    leads_out=True,
                 )
             )
             ended = await coordinator.carrying.perform(job, loaded.program)

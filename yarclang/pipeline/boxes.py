@@ -16,7 +16,7 @@ from yarclang.progress import each
 MOST_TRIED = 400
 """Most places that are tried for one program."""
 
-_HELP = "the runtime refuses such a place before anything moves, into the ELSE; a smaller range of the registers, or another way in, lets all of the box be carried out"
+_HELP = "the runtime refuses such a place before anything moves, into the ELSE, or holds there without one; a smaller range of the registers, or another way in, lets all of the box be carried out"
 
 
 @dataclass(slots=True)

@@ -119,6 +119,8 @@ class PartBegan(BaseEvent):
     """Number of the step or pass, from 1."""
     of: int | None
     """Total number; null: without end."""
+    leads_out: bool = False
+    """True: it isn't of the program; it leads back and out after a watched input has held a motion."""
 
 
 class Paused(BaseEvent):

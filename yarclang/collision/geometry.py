@@ -6,6 +6,7 @@ coal is imported where it is first used.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,9 @@ from yarclang.files import LARGEST_MESH, read_whole, reason_of
 from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.hull import MOST_CORNERS, cover
-from yarclang.meshes.kept import Prepared, kept
+from yarclang.meshes.kept import Prepared, kept, kept_pieces
 from yarclang.meshes.obj import obj_corners
+from yarclang.meshes.pieces import Piece, pieces_of
 from yarclang.meshes.ply import read_ply
 from yarclang.meshes.stl import is_binary, stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
@@ -49,6 +51,8 @@ class Geometry:
     skin: Array | None = None
     is_hollow: bool = False
     """True for triangles that need not be closed: a point far from them may be inside their hull."""
+    cell: tuple[Array, Array] | None = None
+    """For a piece of a mesh, two corners (3,) of the box whose part of the mesh it contains [m]."""
 
     @property
     def of_coal(self) -> Any:
@@ -77,6 +81,10 @@ possible.
 
 class UnreadableError(Exception):
     """A mesh can't be read; the message is the end of a sentence that begins with its name."""
+
+
+class OpenMeshError(UnreadableError):
+    """A mesh is to be divided into pieces, and doesn't enclose a volume."""
 
 
 def geometry_of(shape: Shape, *, hull: bool = False) -> Geometry:
@@ -124,9 +132,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     if hull and len(spread) == 3 and spread[2] > _FLAT:
-        model = _with_hull(model, corners)
-        outer: Array = np.asarray(model.convex.points()) - middle
-        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
+        return _hull(model, corners)
     faces = np.array(
         [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
     )
@@ -135,6 +141,42 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     return Geometry(
         model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
     )
+
+
+def pieces_of_mesh(shape: Mesh) -> tuple[Geometry, ...]:
+    """Return the convex pieces of a mesh that has some.
+
+    Raises:
+        UnreadableError: the mesh can't be read.
+        OpenMeshError: it doesn't enclose a volume.
+    """
+    whole = replace(shape, pieces=0)
+    if shape.pieces == 1:
+        return (geometry_of(whole, hull=True),)
+    key = f"pieces 1 {shape.pieces} {_key(shape)}"
+    found = kept_pieces(key, lambda: _divided(whole, shape.pieces)) if shape.digest else None
+    return tuple(map(_piece, found or _divided(whole, shape.pieces)))
+
+
+def _divided(shape: Mesh, most: int) -> tuple[Piece, ...]:
+    skin = geometry_of(shape).skin
+    if skin is None:
+        raise OpenMeshError
+    return pieces_of(skin, most)
+
+
+def _piece(piece: Piece) -> Geometry:
+    model = modelled(piece.corners, np.arange(len(piece.corners) // 3 * 3).reshape(-1, 3))
+    return replace(_hull(model, piece.corners), cell=(piece.low, piece.high))
+
+
+def _hull(model: Any, corners: Array) -> Geometry:
+    """Return the hull of corners (V, 3), which are those of a model."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
+    convex = _with_hull(model, corners).convex
+    outer: Array = np.asarray(convex.points()) - middle
+    return Geometry(convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
 
 
 def _checked(corners: Array) -> Array:
@@ -214,8 +256,12 @@ def _plain_model(shape: Mesh) -> Prepared | None:
         return None
     if not shape.digest:
         return _prepared(shape)
-    key = f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
-    return kept(key, lambda: _prepared(shape))
+    return kept(_key(shape), lambda: _prepared(shape))
+
+
+def _key(shape: Mesh) -> str:
+    """Return all on which the triangles of a mesh depend."""
+    return f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
 
 
 def _prepared(shape: Mesh) -> Prepared | None:

@@ -84,4 +84,22 @@ FINDINGS = (
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5     ! they meet",
         "P0010 MOVEJ 0 -20 -84 0 0 0 [9] (deg,s)",
     ),
+    Finding(
+        "Y0960",
+        "open-mesh-in-pieces",
+        "error",
+        "a mesh that is to be divided into pieces isn't closed",
+        "pieces = N divides a mesh into convex pieces that contain it. What a mesh contains is only known if its triangles enclose a volume: each edge belongs to two triangles, or another even number. "
+        "Mesh tools close holes (in MeshLab: Close Holes). Without pieces, or with pieces = 1, its convex hull or its triangles count, which need no inside.",
+        'shape = "mesh"\nfile = "shell.stl"     # a shell with a hole\npieces = 8',
+        'shape = "mesh"\nfile = "shell.stl"\npieces = 1             # its hull',
+    ),
+    Finding(
+        "Y0961",
+        "incomplete-pieces",
+        "error",
+        "the pieces of a mesh don't contain it",
+        "The certificate cuts each mesh that is divided into convex pieces once more, in another way, and has found a point of it that is in none of them, or a gap between their cells. "
+        "The division has an error, and nothing is written. Report it, with the mesh.",
+    ),
 )

@@ -102,4 +102,23 @@ FINDINGS = (
         "The certificate cuts each mesh that is divided into convex pieces once more, in another way, and has found a point of it that is in none of them, or a gap between their cells. "
         "The division has an error, and nothing is written. Report it, with the mesh.",
     ),
+    Finding(
+        "Y0962",
+        "heights-not-readable",
+        "error",
+        "the height field can't be read",
+        "Height fields are read from NPY files of numpy (an array of two dimensions, of whole or real numbers) and from CSV files: a row in each line, no header, the same number of values in each row, "
+        "separated by commas, semicolons, tabs or blanks. An empty value, and nan, is a place that nobody has measured.",
+        "x,y,z                   # a header, and points instead of rows of heights\n0,0,12.5\n10,0,12.9",
+        "12.5,12.9,13.0          # the heights at y = 0\n12.4,12.8,12.9",
+    ),
+    Finding(
+        "Y0963",
+        "heights-too-many",
+        "error",
+        "the mesh of the height field would have too many triangles",
+        "A height field becomes a closed mesh with four triangles between four heights. More than 2,000,000 make the collision proof slow. With --every N, N by N cells become one, whose corners are as high as the highest place around them, so that nothing is cut off.",
+        "yarc import ground.npy --units m --spacing 1",
+        "yarc import ground.npy --units m --spacing 1 --every 3",
+    ),
 )

@@ -19,6 +19,7 @@ from yarclang.collision.geometry import (
     geometry_of,
     pieces_of_mesh,
 )
+from yarclang.meshes import kept as keeping
 from yarclang.meshes.pieces import Piece, pieces_of
 from yarclang.meshes.stl import stl_of
 from yarclang.meshes.voxels import voxels_of
@@ -192,3 +193,19 @@ def test_pieces_are_kept_and_a_damaged_entry_is_made_again(tmp_path, folder, mon
     pieces_of_mesh(replace(mesh, pieces=3))
     assert made == [8, 3]  # another number is another entry
     assert geometry_of(replace(mesh, pieces=0)).is_hollow
+
+
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"",
+        (0).to_bytes(8, "little"),
+        (10**15).to_bytes(8, "little") + bytes(100),
+        (65).to_bytes(8, "little") + bytes(65 * 56),
+        (1).to_bytes(8, "little") + bytes(48) + (10**15).to_bytes(8, "little"),
+        (1).to_bytes(8, "little") + bytes(48) + (2**64 - 1).to_bytes(8, "little") + bytes(24),
+        (1).to_bytes(8, "little") + bytes(48) + (2).to_bytes(8, "little") + bytes(24),
+    ],
+)
+def test_a_forged_entry_of_pieces_ends_nothing(payload):
+    assert keeping._pieces(memoryview(payload)) is None

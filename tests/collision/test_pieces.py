@@ -13,12 +13,9 @@ from scipy.spatial.transform import Rotation
 from tests.floors import exercises
 from yarclang import files
 from yarclang.certify.bodies.pieces import ALLOWED, lacking
-from yarclang.collision.geometry import (
-    OpenMeshError,
-    encloses,
-    geometry_of,
-    pieces_of_mesh,
-)
+from yarclang.collision import pieces as of_meshes
+from yarclang.collision.geometry import encloses, geometry_of
+from yarclang.collision.pieces import OpenMeshError, pieces_of_mesh
 from yarclang.meshes import kept as keeping
 from yarclang.meshes.pieces import Piece, pieces_of
 from yarclang.meshes.stl import stl_of
@@ -51,9 +48,7 @@ def volume(corners):
 
 def shown(pieces):
     """Return pieces as the proof of clearances has them."""
-    from yarclang.collision import geometry
-
-    return tuple(map(geometry._piece, pieces))
+    return tuple(map(of_meshes._piece, pieces))
 
 
 def random_body(rng):
@@ -78,7 +73,7 @@ def holds(piece, points, slack=1e-7):
 
 
 @exercises(several=0.6, inside=0.5)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_the_pieces_contain_the_mesh(tally, seed):
     """Law: points on the surface and inside are in a piece, and the judge finds nothing that is lacking."""
@@ -98,7 +93,7 @@ def test_the_pieces_contain_the_mesh(tally, seed):
 
 
 @exercises(refused=0.8)
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_pieces_that_lack_something_are_refused(tally, seed):
     """Law: a piece with a corner moved inwards doesn't contain what it has to."""
@@ -172,18 +167,17 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_pieces_are_kept_and_a_damaged_entry_is_made_again(tmp_path, folder, monkeypatch):
-    from yarclang.collision import geometry
-
     mesh = as_mesh(tmp_path, clamp(), 8)
     first = pieces_of_mesh(mesh)
     made = []
     monkeypatch.setattr(
-        geometry, "pieces_of", lambda skin, most: (made.append(most), pieces_of(skin, most))[1]
+        of_meshes, "pieces_of", lambda skin, most: (made.append(most), pieces_of(skin, most))[1]
     )
     again = pieces_of_mesh(mesh)
     assert not made
     for one, other in zip(first, again, strict=True):
-        assert np.array_equal(one.corners, other.corners) and np.array_equal(one.cell, other.cell)
+        assert np.array_equal(one.corners, other.corners)
+        assert np.array_equal(one.cell, other.cell)
     (entry,) = folder.iterdir()
     content = bytearray(entry.read_bytes())
     content[-3] ^= 1

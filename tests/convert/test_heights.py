@@ -1,6 +1,7 @@
 """Height fields become closed meshes that nothing measured is above."""
 
 import io
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -108,7 +109,15 @@ def test_arrays_of_all_kinds(kind, order):
     assert np.array_equal(heights_of(".NPY", saved(np.asarray(values, order=order))), values.astype(float))
 
 
-@pytest.mark.parametrize("text", [b"1,2,3\n4,,6\n", b"1;2;3\r\n4;nan;6", b"# mm\n1 2 3\n\n4 nan  6\n", b"\xef\xbb\xbf1\t2\t3\n4\tnan\t6\n"])
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"1,2,3\n4,,6\n",
+        b"1;2;3\r\n4;nan;6",
+        b"# mm\n1 2 3\n\n4 nan  6\n",
+        b"\xef\xbb\xbf1\t2\t3\n4\tnan\t6\n",
+    ],
+)
 def test_tables_of_all_kinds(text):
     found = heights_of(".csv", text)
     np.testing.assert_array_equal(found, [[1.0, 2.0, 3.0], [4.0, np.nan, 6.0]])
@@ -167,10 +176,11 @@ def test_a_field_becomes_an_obstacle(tmp_path):
 
 
 def test_a_table_is_a_field_with_spacing_and_a_program_without():
-    with open("ground.csv", "w") as file:
-        file.write("1,2,3\n4,5,6\n")
+    Path("ground.csv").write_text("1,2,3\n4,5,6\n")
     assert invoked("ground.csv", "--units", "mm", "--spacing", "10").exit_code == 0
-    assert "ground.stl" in invoked("ground.csv", "--units", "mm", "--spacing", "10").stderr  # it is there already
+    assert (
+        "ground.stl" in invoked("ground.csv", "--units", "mm", "--spacing", "10").stderr
+    )  # it is there already
 
 
 @pytest.mark.parametrize(
@@ -205,14 +215,16 @@ def test_what_becomes_nothing_is_said(values, spacing, code, words):
     np.save("g.npy", values)
     done = invoked("g.npy", "--units", "mm", "--spacing", spacing)
     assert done.exit_code == 1
-    assert code in done.stderr and words in " ".join(done.stderr.split())
+    assert code in done.stderr
+    assert words in " ".join(done.stderr.split())
 
 
 def test_the_remedy_for_too_many_triangles_helps(monkeypatch):
     monkeypatch.setattr(converting, "MOST_TRIANGLES", 2000)
     np.save("g.npy", np.random.default_rng(0).normal(size=(100, 130)))
     done = invoked("g.npy", "--units", "mm", "--spacing", "10")
-    assert done.exit_code == 1 and "Y0963" in done.stderr
+    assert done.exit_code == 1
+    assert "Y0963" in done.stderr
     every = done.stderr.split("--every ")[1].split()[0]
     again = invoked("g.npy", "--units", "mm", "--spacing", "10", "--every", every)
     assert again.exit_code == 0, again.stderr

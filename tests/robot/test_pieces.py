@@ -120,24 +120,31 @@ size = [1, 1, 1]
 
 @pytest.mark.parametrize(
     ("pieces", "triangles", "code"),
-    [("pieces = 4", slice(1, None), "Y0960"), ("pieces = 1", slice(1, None), None), ("pieces = 4", slice(None), None)],
+    [
+        ("pieces = 4", slice(1, None), "Y0960"),
+        ("pieces = 1", slice(1, None), None),
+        ("pieces = 4", slice(None), None),
+    ],
 )
 def test_an_open_mesh_is_refused_with_its_name(tmp_path, monkeypatch, pieces, triangles, code):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "clamp.stl").write_bytes(stl_of(clamp()[triangles]))
     (tmp_path / "c.toml").write_text(CELL.replace("PIECES", pieces))
-    (tmp_path / "p.yarc").write_text('ROBOT INDUSTRIAL6\nCELL "c.toml"\nP0010 MOVEJ 10 0 0 0 -30 0 [3] (deg,s)\n')
+    (tmp_path / "p.yarc").write_text(
+        'ROBOT INDUSTRIAL6\nCELL "c.toml"\nP0010 MOVEJ 10 0 0 0 -30 0 [3] (deg,s)\n'
+    )
     done = CliRunner().invoke(yarcc, ["p.yarc"])
     if code is None:
         assert done.exit_code == 0, done.stderr
     else:
         assert done.exit_code == 1
-        assert code in done.stderr and "clamp.stl of CLAMP isn't closed" in " ".join(done.stderr.split())
+        assert code in done.stderr
+        assert "clamp.stl of CLAMP isn't closed" in " ".join(done.stderr.split())
 
 
 def test_pieces_that_lack_something_are_refused_by_the_judge(tmp_path, monkeypatch):
     """A division with an error writes nothing: the judge cuts the mesh again."""
-    from yarclang.collision import geometry
+    from yarclang.collision import pieces as of_meshes
     from yarclang.collision.scene import geometries
 
     def wrong(triangles, most):
@@ -151,10 +158,13 @@ def test_pieces_that_lack_something_are_refused_by_the_judge(tmp_path, monkeypat
     monkeypatch.setenv("YARCLANG_CACHE", "")
     (tmp_path / "clamp.stl").write_bytes(stl_of(clamp() * np.array([1.0, 1.0, 1.03])))
     (tmp_path / "c.toml").write_text(CELL.replace("PIECES", "pieces = 5"))
-    (tmp_path / "p.yarc").write_text('ROBOT INDUSTRIAL6\nCELL "c.toml"\nP0010 MOVEJ 10 0 0 0 -30 0 [3] (deg,s)\n')
-    monkeypatch.setattr(geometry, "pieces_of", wrong)
+    (tmp_path / "p.yarc").write_text(
+        'ROBOT INDUSTRIAL6\nCELL "c.toml"\nP0010 MOVEJ 10 0 0 0 -30 0 [3] (deg,s)\n'
+    )
+    monkeypatch.setattr(of_meshes, "pieces_of", wrong)
     geometries.cache_clear()
     done = CliRunner().invoke(yarcc, ["p.yarc"])
     geometries.cache_clear()
     assert done.exit_code == 1
-    assert "Y0961" in done.stderr and not (tmp_path / "p.pmc").exists()
+    assert "Y0961" in done.stderr
+    assert not (tmp_path / "p.pmc").exists()

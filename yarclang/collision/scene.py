@@ -11,13 +11,8 @@ import numpy as np
 
 from yarclang.cell.model import Cell, Touch
 from yarclang.collision.bodies import Body, Pairs, Rows, Scene, assembled, paired, together
-from yarclang.collision.geometry import (
-    Geometry,
-    OpenMeshError,
-    UnreadableError,
-    geometry_of,
-    pieces_of_mesh,
-)
+from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
+from yarclang.collision.pieces import OpenMeshError, pieces_of_mesh
 from yarclang.collision.placing import distances, place, relative
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.model import Robot

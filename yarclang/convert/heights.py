@@ -52,7 +52,9 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
     try:
         content = read_whole(path, LARGEST_MESH)
     except OSError as error:
-        return _refused(path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its rights")
+        return _refused(
+            path, "Y0107", f"{path} can't be read: {reason_of(error)}", "check the path and its rights"
+        )
     found = heights_of(path.suffix, content)
     if isinstance(found, str):
         return _refused(path, "Y0962", f"the height field {path.name} {found}", _AGAIN)
@@ -62,7 +64,9 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
         return _refused(path, "Y0962", f"the height field {path.name} has no height", _AGAIN)
     far = max(float(np.abs(heights[known]).max()), max(found.shape) * spacing)
     if far > _FAR:
-        message = f"the height field {path.name} reaches {far:.3g} m far, and at most {_FAR:,.0f} m are allowed"
+        message = (
+            f"the height field {path.name} reaches {far:.3g} m far, and at most {_FAR:,.0f} m are allowed"
+        )
         return _refused(path, "Y0962", message, "check its unit (--units) and --spacing")
     made = below(heights / MM, spacing / MM, every, MOST_TRIANGLES)
     if isinstance(made, TooMany):
@@ -70,7 +74,9 @@ def mesh_of_heights(path: Path, unit: float, spacing: float, every: int) -> Resu
         more = every
         while more < 2 * max(found.shape) and made.triangles * every**2 > MOST_TRIANGLES * more**2:
             more += 1
-        return _refused(path, "Y0963", message, f"join cells, each as high as its highest place: --every {more}")
+        return _refused(
+            path, "Y0963", message, f"join cells, each as high as its highest place: --every {more}"
+        )
     rows, columns = found.shape
     return Result(HeightMesh(stl_of(made), (rows, columns), int((~known).sum()), len(made)), ())
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 import tokenize
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -43,7 +44,9 @@ def _of_numpy(content: bytes) -> Array | str:
             (1, 0): np.lib.format.read_array_header_1_0,
             (2, 0): np.lib.format.read_array_header_2_0,
         }[version]
-        shape, by_columns, kind = read(file)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # numpy parses damaged headers as Python
+            shape, by_columns, kind = read(file)
     except (ValueError, KeyError, EOFError, OSError, SyntaxError, TypeError, tokenize.TokenError):
         return "isn't a file of numpy's array format (.npy)"
     if len(shape) != 2 or min(shape) < 0:
@@ -52,13 +55,19 @@ def _of_numpy(content: bytes) -> Array | str:
         return "has values that aren't numbers"
     body = memoryview(content)[file.tell() :]
     if len(body) != shape[0] * shape[1] * kind.itemsize:
-        return f"has {len(body):,} bytes of values, and its shape needs {shape[0] * shape[1] * kind.itemsize:,}"
+        return (
+            f"has {len(body):,} bytes of values, and its shape needs {shape[0] * shape[1] * kind.itemsize:,}"
+        )
     values = np.frombuffer(body, kind).reshape(shape, order="F" if by_columns else "C")
     return np.ascontiguousarray(values, dtype=np.float64)
 
 
 def _of_text(content: bytes) -> Array | str:
-    lines = [one for one in content.removeprefix(b"\xef\xbb\xbf").splitlines() if one.strip()[:1] not in (b"", b"#")]
+    lines = [
+        one
+        for one in content.removeprefix(b"\xef\xbb\xbf").splitlines()
+        if one.strip()[:1] not in (b"", b"#")
+    ]
     if not lines:
         return "has no line with heights"
     between = next((one for one in (b";", b",") if one in lines[0]), None)

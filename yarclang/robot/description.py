@@ -153,7 +153,9 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     check_pieces(file, table, urdf)
     if has_errors(file.findings):
         return Result(None, in_order([*file.findings, *urdf.findings]))
-    bodies = link_shapes(urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving, table.collision.pieces)
+    bodies = link_shapes(
+        urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving, table.collision.pieces
+    )
     frames = flange_frames(table)
     tools = tools_of(file, table, frames, folder)
     efforts = [_given(table.joints)[joint.name].effort for joint in moving]

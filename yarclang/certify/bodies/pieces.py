@@ -122,14 +122,14 @@ def _points(triangles: Array, low: Array, high: Array) -> Array:
         side, top = (axis + 1) % 3, (axis + 2) % 3
         across = np.abs(normals[:, axis]) > 0.0
         for at, over in product((low[side], high[side]), (low[top], high[top])):
-            found.append(_on_line(triangles[across], normals[across], axis, (at, over)))
+            found.append(_on_line(triangles[across], axis, (at, over)))
     points = np.concatenate(found)
     within = ((points >= low - ALLOWED) & (points <= high + ALLOWED)).all(axis=1)
     found_within: Array = points[within]
     return found_within
 
 
-def _on_line(triangles: Array, normals: Array, axis: int, at: tuple[float, float]) -> Array:
+def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
     """Return the points (P, 3) of triangles on a line along an axis."""
     side, top = (axis + 1) % 3, (axis + 2) % 3
     flat = triangles[:, :, [side, top]] - np.array(at)

@@ -78,7 +78,11 @@ class _Time(ParamType[str]):
 )
 @click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(
-    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Take each N-th target only; of a height field, join N by N cells."
+    "--every",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=1,
+    help="Take each N-th target only; of a height field, join N by N cells.",
 )
 @click.option(
     "--tolerance",
@@ -121,7 +125,14 @@ def command(
     FILE.csv with --spacing.
     """
     suffix = Path(file).suffix.lower()
-    others = {"robot": robot, "joints": joints, "as": form, "time": time, "tolerance": tolerance, "topic": topic}
+    others = {
+        "robot": robot,
+        "joints": joints,
+        "as": form,
+        "time": time,
+        "tolerance": tolerance,
+        "topic": topic,
+    }
     given = [f"--{name}" for name, value in others.items() if value is not None]
     if suffix in _CLOUDS:
         given += ["--spacing"] * (spacing is not None) + ["--every"] * (every > 1)

@@ -235,6 +235,7 @@ _LATER: dict[str, object] = {
     "then": "",
     "way": "",
     "allowed": (),
+    "pieces": 0,
 }
 """Fields added after programs had been hashed, with their default values.
 

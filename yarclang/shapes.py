@@ -69,12 +69,15 @@ class Mesh:
         unit: length of the file's unit [m].
         digest: SHA-256 of the file's bytes.
         scale: further factors of x, y and z.
+        pieces: largest number of convex pieces that stand for it; 0 to use the hull for links and tools, and
+            the triangles for everything else.
     """
 
     path: Path
     unit: float
     digest: str
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    pieces: int = 0
 
 
 Shape = Box | Sphere | Cylinder | Capsule | Mesh

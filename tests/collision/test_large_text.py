@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from tests.collision.test_large_stl import TRIANGLE, scan
 from yarclang.collision import geometry
 from yarclang.collision.geometry import UnreadableError, geometry_of
+from yarclang.collision.tiles import TiledMesh
 from yarclang.meshes.faults import mesh_fault
-from yarclang.meshes.obj import obj_corners
+from yarclang.meshes.obj import obj_corners, obj_triangles
 from yarclang.meshes.stl import stl_corners
 from yarclang.meshes.text import integers, numbers, pieces, table
 from yarclang.shapes import Mesh
@@ -91,6 +93,42 @@ def test_the_hull_is_that_of_coals_reader(suffix, scale, tmp_path, monkeypatch):
     np.testing.assert_allclose(reach(quick), reach(slow), rtol=2e-7, atol=1e-9)
     np.testing.assert_allclose(quick.half, slow.half, rtol=2e-7, atol=1e-9)
     assert len(quick.corners) > 100
+
+
+def middles(corners, faces):
+    """Return the middles and the sizes of triangles (T, 4), by which they are found again."""
+    three = corners[faces]
+    middle = three.mean(axis=1)
+    size = np.linalg.norm(three - middle[:, None], axis=2).max(axis=1)
+    return np.concatenate((middle, size[:, None]), axis=1)
+
+
+@pytest.mark.parametrize("suffix", WRITERS)
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-1.0, 2.0, 0.5)])
+def test_an_obstacles_triangles_are_those_of_coals_reader(suffix, scale, tmp_path, monkeypatch):
+    shape = mesh(tmp_path, suffix, WRITERS[suffix](triangles(40_000)), scale)
+    quick = geometry_of(shape)
+    assert isinstance(quick.solid, TiledMesh)
+    monkeypatch.setattr(geometry, "_LARGE", 10**9)
+    slow = geometry_of(shape)
+    model = slow.solid
+    faces = np.array([[model.tri_indices(at)[side] for side in range(3)] for at in range(model.num_tris)])
+    known = middles(np.array(model.vertices()), faces)
+    found = middles(quick.solid.corners, quick.solid.faces)
+    far, which = cKDTree(found).query(known)
+    assert far.max() <= 3e-6 * np.abs(known).max()
+    assert len(found) == len(known) == len(np.unique(which))
+    assert (quick.skin is None) == (slow.skin is None)
+
+
+def test_quads_and_faces_that_lack_a_corner_are_left_to_coals_reader(tmp_path):
+    obj = text_obj(triangles(100))
+    assert len(obj_triangles(obj)) == len(triangles(100))
+    assert obj_triangles(obj + b"\nf 1 2 3 4\n") is None
+    assert obj_triangles(obj + b"\nf 1 2\nf 1 2 3 4\n") is None
+    assert obj_triangles(obj + b"\nf 1 2 9999999\n") is None
+    assert obj_triangles(obj + b"\nf 1 2 1.5\n") is None
+    assert obj_triangles(obj + b"\nf 1 2 -1\n") is None
 
 
 @pytest.mark.parametrize("suffix", WRITERS)

@@ -123,7 +123,7 @@ def test_a_scene_has_the_same_distances_as_with_one_tree(made, form, tmp_path, f
 def geometry_module_cache_clear():
     from yarclang.collision import scene
 
-    scene._geometry.cache_clear()
+    scene.geometries.cache_clear()
 
 
 def _at(*xyz):
@@ -260,6 +260,11 @@ def sealed(key, payload, secret=None):
     return keeping._MAGIC + signature(secret or own_secret(), (key.encode(), payload)) + payload
 
 
+def read_entry(entry, key, secret):
+    payload = keeping._payload(entry, key, secret)
+    return None if payload is None else keeping._mesh(payload)
+
+
 @pytest.mark.parametrize(
     "payload",
     [
@@ -276,9 +281,9 @@ def test_a_forged_entry_ends_nothing(payload, tmp_path, folder):
     first = geometry_of(shape)
     (entry,) = folder.iterdir()
     key = f".stl {shape.digest} {shape.unit!r} 1.0 1.0 1.0"
-    assert keeping._read(entry, key, own_secret()) is not None
+    assert read_entry(entry, key, own_secret()) is not None
     entry.write_bytes(sealed(key, payload))
-    assert keeping._read(entry, key, own_secret()) is None
+    assert read_entry(entry, key, own_secret()) is None
     np.testing.assert_array_equal(geometry_of(shape).solid.corners, first.solid.corners)
 
 
@@ -288,11 +293,13 @@ def test_an_entry_of_somebody_else_is_prepared_anew(tmp_path, folder):
     first = geometry_of(shape)
     (entry,) = folder.iterdir()
     key = f".stl {shape.digest} {shape.unit!r} 1.0 1.0 1.0"
-    known = keeping._read(entry, key, own_secret())
-    fewer = keeping._entry(key, keeping.Prepared(known.corners, known.faces[:-1], known.closed), b"x" * 32)
+    known = read_entry(entry, key, own_secret())
+    fewer = keeping._entry(
+        key, keeping._written(keeping.Prepared(known.corners, known.faces[:-1], known.closed)), b"x" * 32
+    )
     entry.write_bytes(fewer)
-    assert keeping._read(entry, key, b"x" * 32) is not None
-    assert keeping._read(entry, key, own_secret()) is None
+    assert read_entry(entry, key, b"x" * 32) is not None
+    assert read_entry(entry, key, own_secret()) is None
     geometry_module_cache_clear()
     assert len(geometry_of(shape).solid.faces) == len(first.solid.faces)
 

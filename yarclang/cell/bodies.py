@@ -15,7 +15,7 @@ from yarclang.frozen import frozen
 from yarclang.robot.model import Robot
 from yarclang.shapes import Shape
 from yarclang.toml import bodies
-from yarclang.toml.bodies import OF_SHAPES, SIZES, Keys, SimpleShape, has_its_keys, named_mesh
+from yarclang.toml.bodies import OF_MESHES, OF_SHAPES, SIZES, Keys, SimpleShape, has_its_keys, named_mesh
 from yarclang.toml.places import Path
 from yarclang.transforms import constant
 from yarclang.units import Kind, Unit
@@ -47,7 +47,9 @@ def read_obstacle(table: BodyTable, path: Path, around: Surroundings) -> Obstacl
     measures = around.measures
     units = measures.of_entry(table.units, path)
     needed = SIZES[table.shape] if table.shape else ()
-    sound = table.shape is None or belong(table, path, table.shape, needed, OF_SHAPES, around)
+    optional = OF_MESHES if table.shape == "mesh" else ()
+    every = (*OF_SHAPES, *OF_MESHES)
+    sound = table.shape is None or belong(table, path, table.shape, needed, every, around, optional)
     mount = mounted(table, path, units, around)
     margin = measures.factor(units, "length", (*path, "margin")) if table.margin else 1.0
     if not sound or table.shape is None:
@@ -119,7 +121,8 @@ def sized_shape(table: BodyTable, path: Path, units: Units, around: Surroundings
     if table.shape == "mesh":
         place = (*path, "file")
         unit = around.measures.factor(units, "length", place)
-        return named_mesh(str(table.file), unit, (around.measures.file, place), around.folder)
+        pieces = table.pieces or 0
+        return named_mesh(str(table.file), unit, (around.measures.file, place), around.folder, pieces)
     return simple_shape(table, path, units, around)
 
 

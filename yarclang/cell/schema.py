@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field
 
+from yarclang.meshes.pieces import MOST_PIECES
 from yarclang.toml.tables import LARGEST, Document, Number, Positive, Table
 
 Margin = Annotated[float, Field(ge=0.0, le=LARGEST)]
@@ -79,6 +80,7 @@ class BodyTable(Placed):
     radius: Positive | None = None
     length: Positive | None = None
     file: str | None = None
+    pieces: Annotated[int, Field(ge=1, le=MOST_PIECES)] | None = None
     margin: Margin = 0.0
 
 

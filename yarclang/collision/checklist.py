@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from yarclang.collision.geometry import UnreadableError
 from yarclang.collision.placing import distances, place, relative
-from yarclang.collision.scene import Scene, scene_of
+from yarclang.collision.scene import Scene, geometries, scene_of
 from yarclang.robot.checklist.item import Item, listed
 from yarclang.robot.kinematics.search import within
 from yarclang.robot.model import Array, Robot
@@ -63,16 +64,20 @@ def flat_meshes(robot: Robot) -> tuple[str, ...]:
     """Return the meshes of links and mounted tools that lie in one plane, each as a clause; none if a mesh
     can't be read.
     """
-    scene = scene_of(robot, None).value
+    if scene_of(robot, None).value is None:
+        return ()
     named = [(one.link, one.shape) for one in robot.shapes]
     named += [(tool.name, part.shape) for tool in robot.tools if tool.mounted for part in tool.shapes]
-    if scene is None:
-        return ()
     return tuple(
         f"the mesh {shape.path.name} of {name} is flat"
-        for (name, shape), body in zip(named, scene.bodies, strict=True)
-        if isinstance(shape, Mesh) and body.geometry.is_hollow
+        for name, shape in named
+        if isinstance(shape, Mesh) and _is_flat(shape)
     )
+
+
+def _is_flat(shape: Mesh) -> bool:
+    made = geometries(shape, True)
+    return not isinstance(made, UnreadableError) and any(one.is_hollow for one in made)
 
 
 def touching_pairs(robot: Robot) -> tuple[tuple[tuple[str, str], str], ...]:

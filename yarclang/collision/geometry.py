@@ -18,9 +18,9 @@ from yarclang.frozen import frozen
 from yarclang.meshes.faults import mesh_fault
 from yarclang.meshes.hull import MOST_CORNERS, cover
 from yarclang.meshes.kept import Prepared, kept
-from yarclang.meshes.obj import obj_corners
+from yarclang.meshes.obj import obj_corners, obj_triangles
 from yarclang.meshes.ply import read_ply
-from yarclang.meshes.stl import is_binary, stl_corners
+from yarclang.meshes.stl import stl_corners
 from yarclang.shapes import Array, Box, Capsule, Cylinder, Mesh, Shape, Sphere
 from yarclang.units import MM
 
@@ -49,6 +49,8 @@ class Geometry:
     skin: Array | None = None
     is_hollow: bool = False
     """True for triangles that need not be closed: a point far from them may be inside their hull."""
+    cell: tuple[Array, Array] | None = None
+    """For a piece of a mesh, two corners (3,) of the box whose part of the mesh it contains [m]."""
 
     @property
     def of_coal(self) -> Any:
@@ -124,9 +126,7 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     low, high = corners.min(axis=0), corners.max(axis=0)
     middle, half = (low + high) / 2.0, (high - low) / 2.0
     if hull and len(spread) == 3 and spread[2] > _FLAT:
-        model = _with_hull(model, corners)
-        outer: Array = np.asarray(model.convex.points()) - middle
-        return Geometry(model.convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
+        return hull_of(model, corners)
     faces = np.array(
         [[face[side] for side in range(3)] for face in map(model.tri_indices, range(model.num_tris))]
     )
@@ -135,6 +135,15 @@ def _mesh(shape: Mesh, *, hull: bool) -> Geometry:
     return Geometry(
         model, middle, half, 0.0, corners[0].copy(), half, corners=outer, skin=skin, is_hollow=True
     )
+
+
+def hull_of(model: Any, corners: Array) -> Geometry:
+    """Return the hull of corners (V, 3), which are those of a model."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    middle, half = (low + high) / 2.0, (high - low) / 2.0
+    convex = _with_hull(model, corners).convex
+    outer: Array = np.asarray(convex.points()) - middle
+    return Geometry(convex, middle, half, 0.0, corners.mean(axis=0), half, corners=outer)
 
 
 def _checked(corners: Array) -> Array:
@@ -199,13 +208,11 @@ def _outer_model(shape: Mesh) -> Any | None:
 
 
 def _plain_model(shape: Mesh) -> Prepared | None:
-    """Return a large binary STL or PLY without equal corners, kept from before if there is one; None for
-    another file, and for one with a fault.
+    """Return a large mesh without equal corners, kept from before if there is one; None for a small file, and
+    for one with a fault.
 
-    The triangles are the same as those of coal's reader, which takes three times as long.
+    Where the file can be read as arrays, coal's reader isn't needed, which takes three times as long.
     """
-    if shape.path.suffix.lower() not in (".stl", ".ply"):
-        return None
     try:
         is_large = shape.path.stat().st_size >= _LARGE
     except OSError:
@@ -214,51 +221,64 @@ def _plain_model(shape: Mesh) -> Prepared | None:
         return None
     if not shape.digest:
         return _prepared(shape)
-    key = f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
-    return kept(key, lambda: _prepared(shape))
+    return kept(content_key(shape), lambda: _prepared(shape))
+
+
+def content_key(shape: Mesh) -> str:
+    """Return all on which the triangles of a mesh depend."""
+    return f"{shape.path.suffix.lower()} {shape.digest} {shape.unit!r} {' '.join(map(repr, shape.scale))}"
 
 
 def _prepared(shape: Mesh) -> Prepared | None:
-    corners = _large_stl(shape) if shape.path.suffix.lower() == ".stl" else _large_ply(shape)
-    if corners is None:
+    suffix = shape.path.suffix.lower()
+    content = _content(shape)
+    look = _TRIANGLES.get(suffix)
+    three = look(content) if look is not None else None
+    del content
+    if three is None and suffix == ".ply":
+        return None
+    three = _read_by_coal(shape) if three is None else three * (np.array(shape.scale) * shape.unit)
+    if not np.isfinite(three).all() or float(np.abs(three).max(initial=0.0)) > _FAR:
+        return None
+    is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
+    corners = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
+    if not len(corners):
         return None
     order, of, begins = _joined(corners)
     corners, faces = corners[order[begins]], of.reshape(-1, 3)
     return Prepared(corners, in_order(corners, faces), _has_even_edges(len(corners), faces))
 
 
-def _large_stl(shape: Mesh) -> Array | None:
-    """Return the corners (3 T, 3) [m] of all triangles of a large binary STL without a fault; None for
-    another file, or if a corner is too far away.
-    """
-    if shape.path.suffix.lower() != ".stl":
-        return None
-    content = _content(shape)
-    if len(content) < _LARGE or not is_binary(content):
-        return None
+def _stl_triangles(content: bytes) -> Array | None:
     corners = stl_corners(content)
-    if corners is None:
-        return None
-    corners = corners * (np.array(shape.scale) * shape.unit)
-    if float(np.abs(corners).max()) > _FAR:
-        return None
-    three = corners.reshape(-1, 3, 3)
-    is_one = [(three[:, a] == three[:, b]).all(axis=1) for a, b in ((0, 1), (1, 2), (2, 0))]
-    found: Array = three[~np.logical_or.reduce(is_one)].reshape(-1, 3)  # the others are edges without an area
-    return found if len(found) else None
+    return None if corners is None else corners.reshape(-1, 3, 3)
 
 
-def _large_ply(shape: Mesh) -> Array | None:
-    """Return the corners (3 T, 3) [m] of all triangles of a PLY; None for one with a fault, or if a corner is
-    too far away.
-    """
-    read = read_ply(_content(shape))
-    if isinstance(read, str):
+def _ply_triangles(content: bytes) -> Array | None:
+    read = read_ply(content)
+    if isinstance(read, str) or not len(read[1]):
         return None
-    corners = read[0] * (np.array(shape.scale) * shape.unit)
-    if not len(read[1]) or not np.isfinite(corners).all() or float(np.abs(corners).max()) > _FAR:
-        return None
-    found: Array = corners[read[1]].reshape(-1, 3)
+    corners, faces = read
+    found: Array = corners[faces]
+    return found
+
+
+_TRIANGLES: dict[str, Callable[[bytes], Array | None]] = {
+    ".stl": _stl_triangles,
+    ".obj": obj_triangles,
+    ".ply": _ply_triangles,
+}
+"""Readers of the triangles (T, 3, 3) of files without a fault as arrays; coal reads all other files."""
+
+
+def _read_by_coal(shape: Mesh) -> Array:
+    """Return the triangles (T, 3, 3) of a mesh [m]."""
+    model = load_mesh(shape, plain=True)
+    faces = np.array(
+        [[face[0], face[1], face[2]] for face in map(model.tri_indices, range(model.num_tris))],
+        dtype=np.int64,
+    )
+    found: Array = np.array(model.vertices())[faces]
     return found
 
 

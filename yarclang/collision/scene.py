@@ -12,13 +12,14 @@ import numpy as np
 from yarclang.cell.model import Cell, Touch
 from yarclang.collision.bodies import Body, Pairs, Rows, Scene, assembled, paired, together
 from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
+from yarclang.collision.pieces import OpenMeshError, pieces_of_mesh
 from yarclang.collision.placing import distances, place, relative
 from yarclang.diagnostics import Diagnostic, Result
 from yarclang.robot.model import Robot
 from yarclang.shapes import Array, Mesh, Shape
 from yarclang.source import SourceFile
 
-__all__ = ["TOUCHING", "Body", "Rows", "Scene", "allowed_name", "scene_of", "together"]
+__all__ = ["TOUCHING", "Body", "Rows", "Scene", "allowed_name", "geometries", "scene_of", "together"]
 
 TOUCHING = 2e-5
 """Distance below which links count as touching [m]."""
@@ -40,25 +41,26 @@ def scene_of(robot: Robot, cell: Cell | None, *, lenient: bool = True) -> Result
     for one in cell.obstacles if cell else ():
         carried = one.mount.on_flange
         placed = robot.chain.base_from_flange @ one.mount.transform if carried else one.mount.transform
-        geometry = _geometry(one.shape, False)
-        if isinstance(geometry, str):
-            findings.append(_unreadable(one.name, one.shape, geometry, cell.source if cell else None))
-        else:
-            joint = robot.size if carried else 0
-            bodies.append(
-                Body(
-                    one.name,
-                    joint,
-                    placed,
-                    geometry,
-                    one.margin,
-                    is_link=False,
-                    of_robot=False,
-                    of_cell=not carried,
-                    is_part=one.is_part,
-                    of_tool=one.of_tool,
-                )
+        made = geometries(one.shape, False)
+        if isinstance(made, UnreadableError):
+            findings.append(_unreadable(one.name, one.shape, made, cell.source if cell else None))
+            continue
+        joint = robot.size if carried else 0
+        bodies += [
+            Body(
+                one.name,
+                joint,
+                placed,
+                geometry,
+                one.margin,
+                is_link=False,
+                of_robot=False,
+                of_cell=not carried,
+                is_part=one.is_part,
+                of_tool=one.of_tool,
             )
+            for geometry in made
+        ]
     if findings:
         return Result(None, tuple(findings))
     at_home = _touching_at_home(robot) if lenient else frozenset()
@@ -78,28 +80,38 @@ def _of_robot(robot: Robot) -> Result[tuple[Body, ...]]:
     findings: list[Diagnostic] = []
     bodies: list[Body] = []
     for name, joint, placed, shape, is_link in parts:
-        geometry = _geometry(shape, True)
-        if isinstance(geometry, str):
-            findings.append(_unreadable(name, shape, geometry, None))
-        else:
-            bodies.append(Body(name, joint, placed, geometry, 0.0, is_link, of_robot=True, of_cell=False))
+        made = geometries(shape, True)
+        if isinstance(made, UnreadableError):
+            findings.append(_unreadable(name, shape, made, None))
+            continue
+        bodies += [
+            Body(name, joint, placed, geometry, 0.0, is_link, of_robot=True, of_cell=False)
+            for geometry in made
+        ]
     return Result(tuple(bodies), tuple(findings))
 
 
 @lru_cache(maxsize=1024)
-def _geometry(shape: Shape, hull: bool) -> Geometry | str:
-    """Return a shape for distances, or the fault of its mesh."""
+def geometries(shape: Shape, hull: bool) -> tuple[Geometry, ...] | UnreadableError:
+    """Return a shape for distances, in its convex pieces if it has some, or the fault of its mesh."""
     try:
-        return geometry_of(shape, hull=hull)
+        if isinstance(shape, Mesh) and shape.pieces:
+            return pieces_of_mesh(shape)
+        return (geometry_of(shape, hull=hull),)
     except UnreadableError as error:
-        return str(error)
+        return error
 
 
-def _unreadable(name: str, shape: Shape, reason: str, source: SourceFile | None) -> Diagnostic:
+def _unreadable(name: str, shape: Shape, fault: UnreadableError, source: SourceFile | None) -> Diagnostic:
     assert isinstance(shape, Mesh)  # only a mesh has a file
-    return Diagnostic("Y0904", f"the mesh {shape.path.name} of {name} {reason}", source, None, _MESH)
+    mesh = f"the mesh {shape.path.name} of {name}"
+    if isinstance(fault, OpenMeshError):
+        message = f"{mesh} isn't closed, so that it has no inside that {shape.pieces} pieces could contain"
+        return Diagnostic("Y0960", message, source, None, _OPEN)
+    return Diagnostic("Y0904", f"{mesh} {fault}", source, None, _MESH)
 
 
+_OPEN = "close its holes and save it again, or remove pieces"
 _MESH = "save it again as a binary STL, and check that it isn't empty"
 
 

@@ -84,4 +84,41 @@ FINDINGS = (
         "P0010 MOVEJ 0 -20 -94 0 0 0 [9] (deg,s) ALLOW LINK_2 LINK_5     ! they meet",
         "P0010 MOVEJ 0 -20 -84 0 0 0 [9] (deg,s)",
     ),
+    Finding(
+        "Y0960",
+        "open-mesh-in-pieces",
+        "error",
+        "a mesh that is to be divided into pieces isn't closed",
+        "pieces = N divides a mesh into convex pieces that contain it. What a mesh contains is only known if its triangles enclose a volume: each edge belongs to two triangles, or another even number. "
+        "Mesh tools close holes (in MeshLab: Close Holes). Without pieces, or with pieces = 1, its convex hull or its triangles count, which need no inside.",
+        'shape = "mesh"\nfile = "shell.stl"     # a shell with a hole\npieces = 8',
+        'shape = "mesh"\nfile = "shell.stl"\npieces = 1             # its hull',
+    ),
+    Finding(
+        "Y0961",
+        "incomplete-pieces",
+        "error",
+        "the pieces of a mesh don't contain it",
+        "The certificate cuts each mesh that is divided into convex pieces once more, in another way, and has found a point of it that is in none of them, or a gap between their cells. "
+        "The division has an error, and nothing is written. Report it, with the mesh.",
+    ),
+    Finding(
+        "Y0962",
+        "heights-not-readable",
+        "error",
+        "the height field can't be read",
+        "Height fields are read from NPY files of numpy (an array of two dimensions, of whole or real numbers) and from CSV files: a row in each line, no header, the same number of values in each row, "
+        "separated by commas, semicolons, tabs or blanks. An empty value, and nan, is a place that nobody has measured.",
+        "x,y,z                   # a header, and points instead of rows of heights\n0,0,12.5\n10,0,12.9",
+        "12.5,12.9,13.0          # the heights at y = 0\n12.4,12.8,12.9",
+    ),
+    Finding(
+        "Y0963",
+        "heights-too-many",
+        "error",
+        "the mesh of the height field would have too many triangles",
+        "A height field becomes a closed mesh with four triangles between four heights. More than 2,000,000 make the collision proof slow. With --every N, N by N cells become one, whose corners are as high as the highest place around them, so that nothing is cut off.",
+        "yarc import ground.npy --units m --spacing 1",
+        "yarc import ground.npy --units m --spacing 1 --every 3",
+    ),
 )

@@ -1,5 +1,5 @@
-"""Large meshes that were prepared before, in the user's cache folder: reading and sorting a million triangles
-takes seconds, reading the result a fraction of that.
+"""Large meshes that were prepared before, and meshes that were divided into pieces, in the user's cache folder:
+reading and sorting a million triangles takes seconds, reading the result a fraction of that.
 
 An entry is named after the content of the mesh's file (SHA-256), so that a file that has changed is prepared
 anew. It is signed: an entry that is damaged, or that somebody else has made, is prepared anew as well. Without a
@@ -13,12 +13,14 @@ import os
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from yarclang.files import cache_folder, replace_file
 from yarclang.frozen import frozen
+from yarclang.meshes.pieces import MOST_PIECES, Piece
 from yarclang.signing import SIZE, is_signed, own_secret, signature
 
 MOST_BYTES = 1_000_000_000
@@ -26,6 +28,9 @@ MOST_BYTES = 1_000_000_000
 _MAGIC = b"yarclang mesh 1\n"
 _SUFFIX = ".mesh"
 _HEAD = np.dtype([("corners", np.int64), ("faces", np.int64), ("closed", np.int64)])
+_OF_PIECE = np.dtype([("low", "<f8", 3), ("high", "<f8", 3), ("corners", np.int64)])
+
+T = TypeVar("T")
 
 
 @frozen(eq=False)
@@ -50,12 +55,27 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
         key: names all on which the result depends.
         make: prepares the mesh; None is handed on, and not kept.
     """
+    return _kept(key, make, _written, _mesh)
+
+
+def kept_pieces(key: str, make: Callable[[], tuple[Piece, ...] | None]) -> tuple[Piece, ...] | None:
+    """Return the convex pieces of a mesh, as `kept` does."""
+    return _kept(key, make, _written_pieces, _pieces)
+
+
+def _kept(
+    key: str,
+    make: Callable[[], T | None],
+    written: Callable[[T], bytes],
+    read: Callable[[memoryview], T | None],
+) -> T | None:
     cache, secret = cache_folder(), own_secret()
     if cache is None or secret is None:
         return make()
     folder = cache / "meshes"
     path = folder / (hashlib.sha256(key.encode()).hexdigest() + _SUFFIX)
-    found = _read(path, key, secret)
+    payload = _payload(path, key, secret)
+    found = None if payload is None else read(payload)
     if found is not None:
         with suppress(OSError):
             os.utime(path)  # it was used lately
@@ -64,21 +84,19 @@ def kept(key: str, make: Callable[[], Prepared | None]) -> Prepared | None:
     if made is not None:
         with suppress(OSError):
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            replace_file(path, _entry(key, made, secret))
+            replace_file(path, _entry(key, written(made), secret))
             _remove_old(folder, path)
     return made
 
 
-def _entry(key: str, mesh: Prepared, secret: bytes) -> bytes:
-    head = np.array([(len(mesh.corners), len(mesh.faces), mesh.closed)], dtype=_HEAD)
-    payload = b"".join(
-        (head.tobytes(), mesh.corners.astype("<f8").tobytes(), mesh.faces.astype("<i4").tobytes())
-    )
+def _entry(key: str, payload: bytes, secret: bytes) -> bytes:
     return _MAGIC + signature(secret, (key.encode(), payload)) + payload
 
 
-def _read(path: Path, key: str, secret: bytes) -> Prepared | None:
-    """Return the mesh of an entry; None if it is missing, damaged, or signed for another key or by another user."""
+def _payload(path: Path, key: str, secret: bytes) -> memoryview | None:
+    """Return the content of an entry; None if it is missing, damaged, or signed for another key or by another
+    user.
+    """
     if not path.is_file():  # nor anything that could block
         return None
     try:
@@ -86,10 +104,22 @@ def _read(path: Path, key: str, secret: bytes) -> Prepared | None:
     except OSError:
         return None
     begin = len(_MAGIC) + SIZE
-    if content[: len(_MAGIC)] != _MAGIC or len(content) < begin + _HEAD.itemsize:
+    if content[: len(_MAGIC)] != _MAGIC or len(content) < begin:
         return None
     payload = content[begin:]
-    if not is_signed(content[len(_MAGIC) : begin], secret, (key.encode(), payload)):
+    return payload if is_signed(content[len(_MAGIC) : begin], secret, (key.encode(), payload)) else None
+
+
+def _written(mesh: Prepared) -> bytes:
+    head = np.array([(len(mesh.corners), len(mesh.faces), mesh.closed)], dtype=_HEAD)
+    return b"".join(
+        (head.tobytes(), mesh.corners.astype("<f8").tobytes(), mesh.faces.astype("<i4").tobytes())
+    )
+
+
+def _mesh(payload: memoryview) -> Prepared | None:
+    """Return the mesh of an entry; None for one that isn't."""
+    if len(payload) < _HEAD.itemsize:
         return None
     head = np.frombuffer(payload, _HEAD, 1)[0]
     count, size = int(head["corners"]), int(head["faces"])
@@ -101,6 +131,27 @@ def _read(path: Path, key: str, secret: bytes) -> Prepared | None:
     if faces.min() < 0 or faces.max() >= count:
         return None
     return Prepared(corners, faces, bool(head["closed"]))
+
+
+def _written_pieces(pieces: tuple[Piece, ...]) -> bytes:
+    head = np.array([(one.low, one.high, len(one.corners)) for one in pieces], dtype=_OF_PIECE)
+    corners = (one.corners.astype("<f8").tobytes() for one in pieces)
+    return b"".join((len(pieces).to_bytes(8, "little"), head.tobytes(), *corners))
+
+
+def _pieces(payload: memoryview) -> tuple[Piece, ...] | None:
+    """Return the pieces of an entry; None for one that isn't."""
+    count = int.from_bytes(payload[:8], "little")
+    begin = 8 + count * _OF_PIECE.itemsize
+    if not 1 <= count <= MOST_PIECES or len(payload) < begin:
+        return None
+    head = np.frombuffer(payload, _OF_PIECE, count, 8)
+    sizes = head["corners"]
+    if sizes.min() < 1 or sizes.max() > len(payload) or len(payload) != begin + 24 * int(sizes.sum()):
+        return None
+    corners = np.frombuffer(payload, "<f8", 3 * int(sizes.sum()), begin).reshape(-1, 3)
+    parts = np.split(corners, np.cumsum(sizes)[:-1])
+    return tuple(Piece(one["low"], one["high"], part) for one, part in zip(head, parts, strict=True))
 
 
 def _remove_old(folder: Path, newest: Path) -> None:

@@ -97,6 +97,31 @@ def obj_corners(content: bytes) -> NDArray[np.float64] | None:
     return chosen
 
 
+def obj_triangles(content: bytes) -> NDArray[np.float64] | None:
+    """Return the triangles (T, 3, 3) of an OBJ file, in its own unit.
+
+    None for a file for which `obj_corners` returns None, and for one with faces of more than three corners.
+    """
+    rows: list[NDArray[np.float64]] = []
+    used: list[NDArray[np.float64]] = []
+    for piece in pieces(content):
+        if b"\\" in piece or _UNUSUAL.search(piece) or _LOST.search(piece):
+            return None
+        found = table(_PLACE.findall(piece), 3)
+        named = table([_BESIDE.sub(b"", one) for one in _FACE.findall(piece)], 3)
+        if found is None or named is None:
+            return None
+        rows.append(found)
+        used.append(named)
+    if not rows:
+        return None
+    corners, faces = np.concatenate(rows), np.concatenate(used)
+    if not len(faces) or (faces != np.floor(faces)).any() or faces.min() < 1 or faces.max() > len(corners):
+        return None
+    chosen: NDArray[np.float64] = corners[faces.astype(np.int64) - 1]
+    return chosen
+
+
 def _is_plain(content: bytes) -> bool:
     """Return True if all faces number their corners from 1, and all these corners exist.
 

@@ -47,6 +47,27 @@ def allowed_pairs(file: TomlFile, folder: Path, table: RobotTable, urdf: Urdf) -
     return frozenset(pairs)
 
 
+def check_pieces(file: TomlFile, table: RobotTable, urdf: Urdf) -> None:
+    """Check that the links whose meshes are to be divided are there, and have meshes.
+
+    Args:
+        file: findings go to it.
+        table: the tables of the robot.toml.
+        urdf: its URDF.
+    """
+    for name in table.collision.pieces:
+        place = ("collision", "pieces", name)
+        if name not in urdf.links:
+            message = f"pieces names the link {name[:40]}, which the URDF doesn't have."
+            remedy = f"{did_you_mean(name, urdf.links)[0]} A tool's mesh has its pieces under [[bodies]]."
+            file.say("Y1347", place, message, remedy, at_key=True)
+            continue
+        geometries = [body.first("geometry") for body in urdf.links[name].all("collision")]
+        if not any(one is not None and one.children[0].tag == "mesh" for one in geometries):
+            message = f"The link {name[:40]} has no mesh for collisions that could be divided into pieces."
+            file.say("Y1308", place, message, "Remove it: only meshes have pieces.", at_key=True)
+
+
 def _of_srdf(file: TomlFile, folder: Path, name: str, urdf: Urdf) -> Iterable[Pair]:
     """Yield the pairs that an SRDF disables, and report names that the URDF doesn't have. Other readers of
     SRDF files ignore unknown names.

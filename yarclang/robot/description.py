@@ -19,7 +19,7 @@ import numpy as np
 from yarclang.diagnostics import Diagnostic, Result, has_errors, in_order
 from yarclang.robot.chain import check_chain, find_links, frozen, joints_between, screws
 from yarclang.robot.checks import check_narrower, check_table
-from yarclang.robot.contacts import allowed_pairs
+from yarclang.robot.contacts import allowed_pairs, check_pieces
 from yarclang.robot.controller import Kind
 from yarclang.robot.kinds import kind_of
 from yarclang.robot.library import RobotSummary, find_robot, list_robots, stdlib_folder
@@ -150,9 +150,12 @@ def _load(folder: Path, source: SourceFile, data: dict[str, Any]) -> Result[Robo
     if chain is None:
         return Result(None, in_order([*findings, *urdf.findings]))
     allowed = allowed_pairs(file, folder, table, urdf)
+    check_pieces(file, table, urdf)
     if has_errors(file.findings):
         return Result(None, in_order([*file.findings, *urdf.findings]))
-    bodies = link_shapes(urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving)
+    bodies = link_shapes(
+        urdf, (folder / _given(table.urdf)).parent, _given(table.base), moving, table.collision.pieces
+    )
     frames = flange_frames(table)
     tools = tools_of(file, table, frames, folder)
     efforts = [_given(table.joints)[joint.name].effort for joint in moving]
@@ -299,7 +302,13 @@ def _fingerprint(
     parts: list[object] = [values, joints, dict(shapes), *sorted(allowed)]
     if tools:
         meshes = [one.shape.digest for tool in tools for one in tool.shapes if isinstance(one.shape, Mesh)]
-        parts += [table.model_dump(include={"tools", "bodies"}), meshes]
+        said = table.model_dump(include={"tools", "bodies"})
+        for body in said["bodies"]:
+            if body["pieces"] is None:
+                del body["pieces"]
+        parts += [said, meshes]
+    if table.collision.pieces:
+        parts.append({"pieces": table.collision.pieces})
     if dynamics.is_checked:
         parts += [getattr(dynamics, name).tolist() for name in _OF_DYNAMICS]
     return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
+from types import MappingProxyType
 from typing import TypeVar
 
 import numpy as np
@@ -19,8 +21,12 @@ from yarclang.transforms import constant, rpy_rotation
 
 T = TypeVar("T")
 
+_NONE: Mapping[str, int] = MappingProxyType({})
 
-def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) -> tuple[LinkShape, ...]:
+
+def link_shapes(
+    urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint], pieces: Mapping[str, int] = _NONE
+) -> tuple[LinkShape, ...]:
     """Return all collision shapes, in the order of the file. Joints that don't belong to the arm are at zero.
 
     Args:
@@ -28,6 +34,7 @@ def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) ->
         folder: its folder; mesh names are relative to it.
         base: the link that is {B}.
         moving: the arm's moving joints, from the base to the flange.
+        pieces: largest number of convex pieces of a link's meshes, by its name.
     """
     places = link_places(urdf, moving)
     base_from_root = np.linalg.inv(places[base][0])
@@ -38,6 +45,8 @@ def link_shapes(urdf: Urdf, folder: Path, base: str, moving: Sequence[Joint]) ->
             origin = body.first("origin")
             placed = base_from_root @ root_from_link @ placed_at(urdf, origin)
             shape = shape_of(urdf, _given(body.first("geometry")).children[0], folder)
+            if isinstance(shape, Mesh):
+                shape = replace(shape, pieces=pieces.get(name, 0))
             found.append(LinkShape(name, joint, constant(placed), shape))
     return tuple(found)
 

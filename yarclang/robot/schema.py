@@ -11,9 +11,11 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, create_model
 
+from yarclang.meshes.pieces import MOST_PIECES
 from yarclang.robot.kinds import DEFAULT, kind_names, kind_of
 from yarclang.toml.tables import LARGEST, LEAST, Document, Number, Positive, Table
 
+Pieces = Annotated[int, Field(ge=1, le=MOST_PIECES)]
 NotNegative = Annotated[float, Field(ge=0.0, le=LARGEST)]
 
 
@@ -93,10 +95,13 @@ class JogTable(Table):
 
 
 class CollisionTable(Table):
-    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more of them."""
+    """`[collision]`: pairs of links that may touch each other, and an SRDF that lists more of them; links whose
+    meshes are divided into convex pieces, with the largest number of these.
+    """
 
     allowed: list[list[str]] = Field(default=[])
     srdf: str | None = None
+    pieces: dict[str, Pieces] = Field(default={})
 
 
 class ToolTable(Table):
@@ -123,6 +128,7 @@ class BodyTable(Table):
     radius: Positive | None = None
     length: Positive | None = None
     file: str | None = None
+    pieces: Pieces | None = None
 
 
 class DynamicsTable(Table):

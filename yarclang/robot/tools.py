@@ -11,7 +11,7 @@ import numpy as np
 from yarclang.robot.chain import frozen
 from yarclang.robot.model import Array, Tool, ToolShape
 from yarclang.shapes import Shape
-from yarclang.toml.bodies import OF_SHAPES, SIZES, Keys, has_its_keys, named_mesh, simple_shape
+from yarclang.toml.bodies import OF_MESHES, OF_SHAPES, SIZES, Keys, has_its_keys, named_mesh, simple_shape
 from yarclang.toml.draft import table_name
 from yarclang.toml.file import TomlFile, did_you_mean
 from yarclang.toml.places import Path
@@ -49,8 +49,9 @@ def check_tools(file: TomlFile, draft: RobotDraft, folder: FilePath) -> None:
             remedy, subject = did_you_mean(body.tool.upper(), names)
             file.say("Y0931", (*path, "tool"), message, f"{remedy} A tool is a table [tools.NAME].", subject)
         if body.shape is not None:
-            keys = Keys(f"a {body.shape}", SIZES[body.shape])
-            if has_its_keys(body, (file, type(draft.table), path), keys, OF_SHAPES, draft.dropped):
+            keys = Keys(f"a {body.shape}", SIZES[body.shape], OF_MESHES if body.shape == "mesh" else ())
+            every = (*OF_SHAPES, *OF_MESHES)
+            if has_its_keys(body, (file, type(draft.table), path), keys, every, draft.dropped):
                 for key, size in (("size", 3), ("xyz", 3), ("rpy", 3)):
                     _sized(file, (*path, key), getattr(body, key), size)
                 if body.shape == "mesh":
@@ -157,7 +158,7 @@ def _sized(file: TomlFile, path: Path, values: Sequence[float] | None, size: int
 
 def _shape(file: TomlFile, body: BodyTable, path: Path, folder: FilePath) -> Shape:
     if body.shape == "mesh":
-        made = named_mesh(str(body.file), MM, (file, (*path, "file")), folder)
+        made = named_mesh(str(body.file), MM, (file, (*path, "file")), folder, body.pieces or 0)
         assert made is not None  # it was there a moment ago
         return made
     return simple_shape(str(body.shape), body, MM)

@@ -33,6 +33,8 @@ SIZES: Mapping[str, tuple[str, ...]] = {
 """The keys that each shape needs."""
 OF_SHAPES = tuple(dict.fromkeys(key for keys in SIZES.values() for key in keys))
 """The keys of any shape."""
+OF_MESHES = ("pieces",)
+"""The keys that a mesh may have as well, if it is a body."""
 
 
 class Sized(Protocol):
@@ -125,7 +127,9 @@ def simple_shape(shape: str, table: Sized, unit: float) -> SimpleShape:
             return Capsule(radius, length)
 
 
-def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath) -> Mesh | None:
+def named_mesh(
+    name: str, unit: float | None, place: tuple[TomlFile, Path], folder: FilePath, pieces: int = 0
+) -> Mesh | None:
     """Return the mesh of a file that exists and isn't empty; None with a finding, or without a unit.
 
     Args:
@@ -133,6 +137,7 @@ def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], fold
         unit: unit of lengths in the file [m]; None if it isn't known.
         place: the TOML file, and the path of the name in it.
         folder: folder of the TOML file.
+        pieces: largest number of convex pieces that stand for the mesh; 0 for none.
     """
     file, path = place
     if FilePath(name).suffix.lower() not in MESHES:
@@ -149,4 +154,4 @@ def named_mesh(name: str, unit: float | None, place: tuple[TomlFile, Path], fold
         return None
     if unit is None:
         return None
-    return Mesh((folder / name).absolute(), unit, hashlib.sha256(content).hexdigest())
+    return Mesh((folder / name).absolute(), unit, hashlib.sha256(content).hexdigest(), pieces=pieces)

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang import hir
 from yarclang.certify.bodies.handled import Handled
+from yarclang.certify.bodies.pieces import incomplete
 from yarclang.certify.bodies.remedy import remedy
 from yarclang.certify.bodies.second import Nearer, refuted
 from yarclang.certify.bodies.sweep import Sweep, sweep_of
@@ -58,7 +59,7 @@ def find_clearances(
     if not robot.shapes and not handled.cells and not (cell and cell.obstacles):
         return {}, []
     apart: dict[int, Apart] = {}
-    findings: list[Diagnostic] = []
+    findings = list(incomplete(robot, cell, program.source))
     for places in chunks([place for place in layout.places if place.size]):
         cells = [handled.at(place.step) for place in places]
         scenes: list[Scene] = []

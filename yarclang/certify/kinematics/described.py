@@ -127,7 +127,13 @@ def own_robot(robot: Robot) -> Robot:
             limits=_limits(table, robot.joint_names, units),
             flange_from_frame=frames,
             actuation=_actuation(table, robot.size),
-            shapes=_link_shapes(robot.shapes, tree, base_from_root, robot.joint_names),
+            shapes=_link_shapes(
+                robot.shapes,
+                tree,
+                base_from_root,
+                robot.joint_names,
+                table.get("collision", {}).get("pieces", {}),
+            ),
             tools=_tools(robot.tools, table, frames),
             dynamics=_dynamics(robot.dynamics, table, tree, moving, base_from_root),
         )
@@ -232,7 +238,11 @@ def _screw(base_from_joint: Array, joint: _Joint) -> Array:
 
 
 def _link_shapes(
-    known: Sequence[LinkShape], tree: _Tree, base_from_root: Array, moving: tuple[str, ...]
+    known: Sequence[LinkShape],
+    tree: _Tree,
+    base_from_root: Array,
+    moving: tuple[str, ...],
+    pieces: Mapping[str, int],
 ) -> tuple[LinkShape, ...]:
     """Compute places and sizes of the links' shapes again; a mesh itself is taken from the known shapes."""
     count: dict[str, int] = {}
@@ -245,6 +255,8 @@ def _link_shapes(
         link_from_shape, own = tree.shapes[one.link][number]
         if (own is None) != isinstance(one.shape, Mesh):
             raise ContradictionError(f"a collision shape of {one.link} is another one")
+        if isinstance(one.shape, Mesh) and one.shape.pieces != pieces.get(one.link, 0):
+            raise ContradictionError(f"a mesh of {one.link} is in another number of pieces")
         made = _sealed(base_from_root @ placed @ link_from_shape)
         found.append(LinkShape(one.link, joint, made, one.shape if own is None else own))
     if sum(map(len, tree.shapes.values())) != len(known):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from yarclang.cli.importing_clouds import import_cloud
+from yarclang.cli.importing_meshes import import_cloud, import_heights
 from yarclang.cli.options import PositiveNumber, robot_option
 from yarclang.cli.outputs import STANDARD, beside, refuse_collisions
 from yarclang.cli.parameter import ParamType
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     UnitsByKind = dict[Kind, Unit]
 
 _CLOUDS = (".pcd", ".ply")
+_HEIGHTS = (".npy", ".csv")
 _TIME = re.compile(r"MIN|[0-9]+(\.[0-9]+)?%?", re.ASCII)
 
 
@@ -77,7 +78,11 @@ class _Time(ParamType[str]):
 )
 @click.option("--time", type=_Time(), help="MIN, 50% or seconds for the whole, instead of the file's times.")
 @click.option(
-    "--every", type=click.IntRange(min=1), metavar="N", default=1, help="Take each N-th target only."
+    "--every",
+    type=click.IntRange(min=1),
+    metavar="N",
+    default=1,
+    help="Take each N-th target only; of a height field, join N by N cells.",
 )
 @click.option(
     "--tolerance",
@@ -94,6 +99,11 @@ class _Time(ParamType[str]):
     type=PositiveNumber("MM"),
     help="Edge of the cubes that a point cloud becomes, in mm.",
 )
+@click.option(
+    "--spacing",
+    type=PositiveNumber("MM"),
+    help="Distance of neighbouring heights of a height field, in mm.",
+)
 def command(
     file: str,
     output: str | None,
@@ -106,27 +116,36 @@ def command(
     tolerance: float | None,
     topic: str | None,
     voxel: float | None,
+    spacing: float | None,
 ) -> None:
     """Make a YARC program from FILE: a CSV table, a ROS trajectory (YAML, JSON, or a bag), or an SRDF.
 
     FILE.csv becomes FILE.yarc; - reads standard input. Way-points keep their times; long lists go into a CSV file beside the program. The program isn't
-    planned: use yarc check. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml.
+    planned: use yarc check. A point cloud, FILE.pcd or FILE.ply, becomes FILE.stl, a mesh for a cell.toml; so does a height field, FILE.npy, or
+    FILE.csv with --spacing.
     """
-    if Path(file).suffix.lower() in _CLOUDS:
-        others = {
-            "robot": robot,
-            "joints": joints,
-            "as": form,
-            "time": time,
-            "tolerance": tolerance,
-            "topic": topic,
-        }
-        given = [f"--{name}" for name, value in others.items() if value is not None] + ["--every"] * (
-            every > 1
-        )
+    suffix = Path(file).suffix.lower()
+    others = {
+        "robot": robot,
+        "joints": joints,
+        "as": form,
+        "time": time,
+        "tolerance": tolerance,
+        "topic": topic,
+    }
+    given = [f"--{name}" for name, value in others.items() if value is not None]
+    if suffix in _CLOUDS:
+        given += ["--spacing"] * (spacing is not None) + ["--every"] * (every > 1)
         if given:
             raise click.UsageError(f"{', '.join(given)}: not for a point cloud")
         import_cloud(file, output, units, voxel)
+    if suffix == ".npy" or (suffix == ".csv" and spacing is not None):
+        given += ["--voxel"] * (voxel is not None)
+        if given:
+            raise click.UsageError(f"{', '.join(given)}: not for a height field")
+        import_heights(file, output, units, spacing, every)
+    if spacing is not None:
+        raise click.UsageError(f"--spacing is for height fields: files that end in {' or '.join(_HEIGHTS)}")
     if voxel is not None:
         raise click.UsageError(f"--voxel is for point clouds: files that end in {' or '.join(_CLOUDS)}")
     from yarclang.cli.show import show_findings

@@ -1,0 +1,166 @@
+"""Proof that the convex pieces of a mesh contain it.
+
+The judge cuts the mesh again, in another way than the division does. For each cell, a little smaller than it was
+made, it computes all points that can be extreme ones of the solid's part in it: corners of triangles in the cell,
+points where edges of triangles meet its borders, points where its own edges meet triangles, and its own corners
+if they are inside the solid. All of them must be in the cell's piece, and the solid's part then is as well. The
+cells must fill the box around the mesh without overlapping.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+from itertools import product
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.collision.geometry import Geometry, UnreadableError, geometry_of
+from yarclang.collision.scene import geometries
+from yarclang.diagnostics import Diagnostic
+from yarclang.robot.model import Array, Robot
+from yarclang.shapes import Mesh, Shape
+from yarclang.source import SourceFile
+from yarclang.units import MM
+
+ALLOWED = 1e-8
+"""Distance by which a point may be outside of its piece because of rounding [m]."""
+_BORDER = 1e-6
+"""Thickness of the borders between cells, where nothing is proved [m]. Distances are not more exact."""
+_ROUNDED = 1e-9
+"""Share of the volume of a box by which the cells in it may differ from it."""
+
+
+def incomplete(robot: Robot, cell: Cell | None, source: SourceFile) -> Iterator[Diagnostic]:
+    """Yield a finding for each mesh whose pieces don't contain it."""
+    named: list[tuple[str, Shape]] = [(one.link, one.shape) for one in robot.shapes]
+    named += [(tool.name, one.shape) for tool in robot.tools for one in tool.shapes]
+    if cell is not None:
+        bodies = (*cell.obstacles, *(part.body for part in cell.parts))
+        named += [(one.name, one.shape) for one in bodies]
+    for name, shape in dict.fromkeys(named):
+        if not isinstance(shape, Mesh) or shape.pieces < 2:
+            continue
+        off = _off(shape)
+        if off > ALLOWED:
+            lacks = f"lack up to {off / MM:.3g} mm of it" if np.isfinite(off) else "leave a gap between them"
+            message = f"the {shape.pieces} pieces of the mesh {shape.path.name} of {name} {lacks}"
+            yield Diagnostic("Y0961", message, source, help=_REPORT)
+
+
+_REPORT = "nothing is written: this is an error of yarclang; please report it with the mesh, and remove pieces until it is corrected"
+
+
+@lru_cache(maxsize=64)
+def _off(shape: Mesh) -> float:
+    pieces = geometries(shape, True)
+    try:
+        skin = geometry_of(replace(shape, pieces=0)).skin
+    except UnreadableError:
+        skin = None
+    # a mesh that has changed or can't be read is reported with the scene
+    return 0.0 if skin is None or isinstance(pieces, UnreadableError) else lacking(skin, pieces)
+
+
+def lacking(triangles: Array, pieces: tuple[Geometry, ...]) -> float:
+    """Return the largest distance of a point that pieces must contain from them [m].
+
+    Args:
+        triangles: (T, 3, 3), which enclose the solid.
+        pieces: each with its cell.
+
+    Returns:
+        The distance; infinite if the cells don't fill the box around the triangles, or overlap.
+    """
+    low = np.array([one.cell[0] for one in pieces if one.cell is not None])
+    high = np.array([one.cell[1] for one in pieces if one.cell is not None])
+    if len(low) != len(pieces):
+        return np.inf
+    lower, upper = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    if not _fill(low, high, lower, upper):
+        return np.inf
+    return max(_outside(triangles, *each) for each in zip(low, high, pieces, strict=True))
+
+
+def _fill(low: Array, high: Array, lower: Array, upper: Array) -> bool:
+    """Return True if cells (N, 3), (N, 3) fill a box (3,), (3,) without overlapping."""
+    if (low < lower).any() or (high > upper).any() or (low > high).any():
+        return False
+    for number in range(len(low) - 1):
+        shared = np.minimum(high[number], high[number + 1 :]) - np.maximum(low[number], low[number + 1 :])
+        if (shared > 0.0).all(axis=1).any():
+            return False
+    whole = float(np.prod(upper - lower))
+    return abs(float(np.prod(high - low, axis=1).sum()) - whole) <= _ROUNDED * whole
+
+
+def _outside(triangles: Array, low: Array, high: Array, piece: Geometry) -> float:
+    """Return how far a point of the solid's part in a cell is outside of the cell's piece [m]."""
+    border = np.minimum(_BORDER, (high - low) / 4.0)
+    low, high = low + border, high - border
+    near = ((triangles.max(axis=1) >= low) & (triangles.min(axis=1) <= high)).all(axis=1)
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    filled = np.array([_is_filled(triangles, corner) for corner in corners])
+    points = np.concatenate((_points(triangles[near], low, high), corners[filled]))
+    return _beyond(piece, points) if len(points) else 0.0
+
+
+def _points(triangles: Array, low: Array, high: Array) -> Array:
+    """Return the extreme points (P, 3) of triangles' parts in a cell."""
+    found = [triangles.reshape(-1, 3)]
+    for axis, at in product(range(3), (low, high)):
+        for one, other in ((0, 1), (1, 2), (2, 0)):
+            first, second = triangles[:, one], triangles[:, other]
+            below, above = first[:, axis] - at[axis], second[:, axis] - at[axis]
+            cut = below * above < 0.0
+            share = below[cut] / (below[cut] - above[cut])
+            found.append(first[cut] + share[:, None] * (second[cut] - first[cut]))
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    for axis in range(3):
+        side, top = (axis + 1) % 3, (axis + 2) % 3
+        across = np.abs(normals[:, axis]) > 0.0
+        for at, over in product((low[side], high[side]), (low[top], high[top])):
+            found.append(_on_line(triangles[across], axis, (at, over)))
+    points = np.concatenate(found)
+    within = ((points >= low - ALLOWED) & (points <= high + ALLOWED)).all(axis=1)
+    found_within: Array = points[within]
+    return found_within
+
+
+def _on_line(triangles: Array, axis: int, at: tuple[float, float]) -> Array:
+    """Return the points (P, 3) of triangles on a line along an axis."""
+    side, top = (axis + 1) % 3, (axis + 2) % 3
+    flat = triangles[:, :, [side, top]] - np.array(at)
+    turns = np.stack(
+        [
+            flat[:, one, 0] * flat[:, other, 1] - flat[:, one, 1] * flat[:, other, 0]
+            for one, other in ((1, 2), (2, 0), (0, 1))
+        ]
+    )
+    hit = (turns >= 0.0).all(axis=0) | (turns <= 0.0).all(axis=0)
+    weights = turns[:, hit] / turns[:, hit].sum(axis=0)
+    points: Array = np.einsum("it,tix->tx", weights, triangles[hit])
+    points[:, side], points[:, top] = at
+    return points
+
+
+def _is_filled(triangles: Array, point: Array) -> bool:
+    """Return True if a point is inside: triangles turn around it (Van Oosterom and Strackee 1983)."""
+    a, b, c = (triangles[:, number] - point for number in range(3))
+    one, other, third = (np.sqrt((arm * arm).sum(axis=1)) for arm in (a, b, c))
+    volume = (a * np.cross(b, c)).sum(axis=1)
+    rest = one * other * third + (a * b).sum(axis=1) * third
+    rest += (b * c).sum(axis=1) * one + (c * a).sum(axis=1) * other
+    return bool(abs(2.0 * np.arctan2(volume, rest).sum()) > 2.0 * np.pi)
+
+
+def _beyond(piece: Geometry, points: Array) -> float:
+    """Return the largest distance of points (P, 3) beyond a face of a piece [m]."""
+    from scipy.spatial import ConvexHull
+
+    assert piece.corners is not None  # each piece has corners
+    faces = ConvexHull(piece.corners + piece.middle).equations
+    parts = np.array_split(np.unique(points, axis=0), len(points) * len(faces) // 10_000_000 + 1)
+    return max(float((part @ faces[:, :3].T + faces[:, 3]).max()) for part in parts if len(part))

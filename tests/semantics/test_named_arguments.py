@@ -55,7 +55,11 @@ def test_names_in_any_order(data, by_position):
     names = list(VALUES)
     rest = data.draw(st.permutations(names[by_position:]))
     call = " ".join(
-        ["CALL TURN", *(VALUES[one] for one in names[:by_position]), *(f"{one}={VALUES[one]}" for one in rest)]
+        [
+            "CALL TURN",
+            *(VALUES[one] for one in names[:by_position]),
+            *(f"{one}={VALUES[one]}" for one in rest),
+        ]
     )
     assert moved(call) == moved("CALL TURN " + " ".join(VALUES.values()))
 

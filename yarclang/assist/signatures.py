@@ -13,6 +13,7 @@ from yarclang.assist.view import View
 from yarclang.assist.vocabulary import DECLARED, command_of
 from yarclang.commands.spec import Values
 from yarclang.report.module_text import SubText
+from yarclang.robot.joint_names import joint_labels
 from yarclang.syntax.words import OPTIONS
 from yarclang.units import UNITS, Kind
 from yarclang.words.registry import word_specs
@@ -131,7 +132,7 @@ def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
 def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, ...]:
     """Return the names of values with their units in a line."""
     robot = view.robot
-    names = robot.joint_names if robot else _WITHOUT_ROBOT
+    names = joint_labels(robot.joint_names) if robot else _WITHOUT_ROBOT
     kinds: tuple[Kind, ...] = tuple(
         "length" if unit == "mm" else "angle" for unit in (robot.axis_unit_names if robot else ("deg",) * 6)
     )

@@ -13,6 +13,7 @@ from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.session import Session
 from yarclang.repl.texts import read_exactly, write_exactly
+from yarclang.robot.joint_names import joint_number, listed_joints
 from yarclang.robot.library import list_robots
 from yarclang.robot.model import Robot
 from yarclang.source import SourceFile
@@ -158,13 +159,18 @@ def _marks(robot: Robot, words: list[str]) -> dict[str, float]:
         raise Misused("joints and their positions at the marks are needed: J2 0 J3 90")
     marks = {}
     for name, value in zip(words[::2], words[1::2], strict=True):
-        if name.upper() not in robot.joint_names:
-            raise Misused(f"{robot.name} has no joint {name}; its joints are {', '.join(robot.joint_names)}")
+        joint = joint_number(robot.joint_names, name)
+        if joint is None:
+            raise Misused(
+                f"{robot.name} has no joint {name}; its joints are {listed_joints(robot.joint_names)}"
+            )
+        if robot.joint_names[joint] in marks:
+            raise Misused(f"joint {name} is named twice")
         try:
             number = float(value)
         except ValueError:
             raise Misused(f"{value!r} isn't a position") from None
-        marks[name.upper()] = number * float(robot.axis_units[robot.joint_names.index(name.upper())])
+        marks[robot.joint_names[joint]] = number * float(robot.axis_units[joint])
     return marks
 
 

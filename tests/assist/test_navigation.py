@@ -213,3 +213,18 @@ def test_a_sub_of_a_module_can_be_renamed_where_it_is_called():
     assert LIBRARY("PICKPLACE") is not None
     place = renamable_at(looked_at(TEXT), *at(TEXT, "PICK {TCP}"))
     assert TEXT.split("\n")[place.span.line - 1][place.span.column - 1 : place.span.end_column - 1] == "PICK"
+
+
+def test_renaming_a_parameter_renames_it_in_calls():
+    text = (
+        "SUB GO {AT} DEPTH=20 (mm)\n  P0010 MOVEL 0 0 $DEPTH 0 0 0 {AT}\nEND\nSUB OTHER DEPTH\nEND\n"
+        "P0020 CALL GO DEPTH=20 AT={B}\nP0030 CALL OTHER DEPTH=5\n"
+    )
+    view = looked_at(HEAD + text)
+    first = HEAD.count("\n") + 1
+    target = target_at(view, first + 5, text.split("\n")[5].index("DEPTH") + 1)
+    assert [place.span.line - first for place in references(target, [view])] == [0, 1, 5]
+    (edits,) = rename(target, [view], "DOWN").values()
+    assert len(edits) == 3
+    frame = target_at(view, first, text.index("AT") + 1)
+    assert [place.span.line - first for place in references(frame, [view])] == [0, 1, 5]

@@ -72,5 +72,13 @@ def test_parameters_of_subs():
     assert [one.label for one in found.values] == ["{TOOL}", "{AT}", "ABOVE (mm)", "GRIP", "T (s)"]
     assert found.active == 3
     assert found.values[3].meaning == "output that shuts the gripper"
+    named = "USE PICKPLACE\nP0010 CALL PICKPLACE.PICK {TCP} "
+    assert signature(f"{named}T=|").active == 4
+    assert signature(f"{named}T=$(2*3) |").active == 1
+    assert signature(f"{named}T=2 AT={{B}} |").active == 2
+    assert signature(f"{named}T=2 AT={{B}} GRIP=GRIP ABOVE=60 (mm) |").active is None
+    assert signature(f"{named}TT=|").active is None
+    default = signature("SUB GO {AT} DEPTH=20 (mm)\nEND\nP0010 CALL GO |")
+    assert [one.label for one in default.values] == ["{AT}", "DEPTH=20 (mm)"]
     own = signature("! Goes.\n!   DEPTH (mm)  how far\nSUB GO {AT} DEPTH (mm)\nEND\nP0010 CALL GO |")
     assert (own.active, own.values[1].meaning, own.summary) == (0, "how far", "Goes.")

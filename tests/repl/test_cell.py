@@ -83,3 +83,89 @@ def test_nothing_moves_where_the_cell_is_not_known(project, cell):
             assert world.stands() == pytest.approx([0] * 6, abs=1e-9)
 
     run(session())
+
+
+COMMENTED = """\
+# The cell of the press.
+units = "mm,deg"
+
+[frames]
+TABLE = { parent = "B", xyz = [0, 1174.4, 300], rpy = [0, 0, 0] }   # measured in May
+PIN = { parent = "TABLE", xyz = [0, 0, 10], rpy = [0, 0, 0] }
+FINGER = { parent = "FLANGE", xyz = [0, 0, 100], rpy = [0, 0, 0] }
+
+[[obstacles]]   # the last one
+name = "TABLE"
+frame = "TABLE"
+shape = "box"
+size = [1200, 1200, 100]
+"""
+
+
+def test_a_frame_is_taught_into_the_cell(project):
+    file = project / "cell.toml"
+    file.write_text(COMMENTED)
+
+    async def session():
+        async with talking(project, joints=[0, 0, 0, 0, 30, 0], asks=False) as person:
+            told = await person.type(".teach cell {PIN}")
+            assert "- PIN = " in told
+            assert "+ PIN = " in told
+            assert "{PIN} moves by" in told
+            assert "nothing was written" in await person.type("n")
+            assert file.read_text() == COMMENTED
+            assert "cell.toml is written" in await person.type(".teach cell {pin}", "y")
+            lines = file.read_text().splitlines()
+            assert [one for one in lines if not one.startswith("PIN")] == [
+                one for one in COMMENTED.splitlines() if not one.startswith("PIN")
+            ]
+            assert 'parent = "TABLE"' in next(one for one in lines if one.startswith("PIN"))
+            await person.type("MOVEJ 10 0 0 0 30 0 [1] (deg,s)")
+            assert "done" in await person.type("MOVEL {TCP} 0 0 0 0 0 0 [2] (mm,deg,s) {PIN}")
+            assert person.world.stands() == pytest.approx([0, 0, 0, 0, 30, 0], abs=1e-2)
+            told = await person.type(".teach cell {NEW} {TABLE}", "y")
+            assert "the frame {NEW} is written" in told
+            assert file.read_text().startswith("\n".join(lines))
+            assert "[frames.NEW]" in file.read_text()
+
+    run(session())
+
+
+@pytest.mark.parametrize(
+    ("typed", "said"),
+    [
+        (".teach cell PIN", "a frame is taught into the cell"),
+        (".teach cell {PIN} {B}", "{PIN} hangs on {TABLE} in cell.toml, and stays there"),
+        (".teach cell {FINGER}", "sits on the flange"),
+        (".teach cell {NEW} {FINGER}", "isn't a frame of the cell that stands still"),
+        (".teach cell {NEW} {NOWHERE}", "isn't a frame of the cell that stands still"),
+        (".teach cell {TCP}", "would not be read back"),
+    ],
+)
+def test_what_is_not_taught_into_the_cell(project, typed, said):
+    file = project / "cell.toml"
+    file.write_text(COMMENTED)
+
+    async def session():
+        async with talking(project) as person:
+            assert said in await person.type(typed)
+            assert file.read_text() == COMMENTED
+
+    run(session())
+
+
+def test_teaching_into_no_cell_or_a_changed_one(tmp_path_factory, project):
+    async def session():
+        async with talking(tmp_path_factory.mktemp("none")) as person:
+            assert "there is no cell" in await person.type(".teach cell {PIN}")
+
+    run(session())
+
+    async def changed():
+        async with talking(project) as person:
+            await person.type(".teach cell {TABLE}")
+            (project / "cell.toml").write_text(TABLE + "# by somebody else\n")
+            assert "was changed in the meantime" in await person.type("y")
+            assert (project / "cell.toml").read_text().endswith("# by somebody else\n")
+
+    run(changed())

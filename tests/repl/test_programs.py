@@ -8,6 +8,8 @@ import pytest
 from coordinator.virtual import run
 from repl.talking import talking
 
+from yarclang.coordinator.lines import seen_from
+
 PROGRAM = """\
 ROBOT INDUSTRIAL6
 START HOME
@@ -236,6 +238,17 @@ def test_back_works_behind_a_step_that_was_stopped(folder):
             assert person.world.stands() == pytest.approx(before, abs=1e-3)
 
     run(session())
+
+
+def test_files_of_trajectories_are_seen_from_the_folder(tmp_path):
+    here, there = tmp_path, tmp_path / "saved"
+    text = (
+        'SUB RUN\n  P0010 movej_timed "runs/a.csv" ! MOVEJ_TIMED "b.csv"\n  P0020 MOVEJ_TIMED  "/c.csv"\nEND'
+    )
+    assert seen_from(text, here, there) == text.replace('"runs/a.csv"', '"../runs/a.csv"')
+    assert seen_from('P0010 HOLD "MOVEJ_TIMED"', here, there) == 'P0010 HOLD "MOVEJ_TIMED"'
+    assert seen_from('MOVEJ_TIMED "a.csv" [5] (s)', here, there) == 'MOVEJ_TIMED "../a.csv" [5] (s)'
+    assert seen_from(seen_from(text, here, there), there, here) == text
 
 
 def test_a_session_is_saved_with_names_as_they_are_seen_from_its_folder(folder):

@@ -204,10 +204,14 @@ def timed_motion(draw):
     return draw(blank).join(parts)
 
 
+equals = st.sampled_from(["=", " =", "= ", "  =  "])
+
+
 @st.composite
 def call(draw):
     quantity = st.tuples(number, gap, unit).map(lambda parts: f"{parts[0]}{parts[1]}({parts[2]})")
-    argument = st.one_of(number, computed, frame, name, quantity)
+    value = st.one_of(number, computed, frame, name, quantity)
+    argument = st.one_of(value, st.tuples(word, equals, value).map("".join))
     parts = [draw(index), draw(st.sampled_from(["CALL", "call"])), draw(name)]
     return draw(blank).join([*parts, *draw(st.lists(argument, max_size=5))])
 
@@ -215,7 +219,11 @@ def call(draw):
 @st.composite
 def sub_head(draw):
     parameter = st.one_of(
-        frame, word, st.tuples(word, gap, unit).map(lambda parts: f"{parts[0]}{parts[1]}({parts[2]})")
+        frame,
+        word,
+        st.tuples(word, gap, unit).map(lambda parts: f"{parts[0]}{parts[1]}({parts[2]})"),
+        st.tuples(word, equals, st.one_of(number, computed, word)).map("".join),
+        st.tuples(word, equals, number, gap, unit).map(lambda parts: "{}{}{}{}({})".format(*parts)),
     )
     return draw(blank).join(["SUB", draw(word), *draw(st.lists(parameter, max_size=4))])
 

@@ -11,6 +11,7 @@ from dataclasses import replace
 
 from yarclang.assist.candidates import Candidate, NameMaker
 from yarclang.assist.cursor import Cursor, cursor_at
+from yarclang.assist.signatures import called_sub, given_arguments
 from yarclang.assist.snippets import command_snippet, declaration_snippet, next_index, plain_text
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import (
@@ -217,6 +218,18 @@ class _Maker(NameMaker):
         yield from self.known(Pose, "pose")
         yield from self.known(Input, "input")
         yield from self.known(Output, "output")
+        yield from self._names_of_arguments()
+
+    def _names_of_arguments(self) -> Iterator[Candidate]:
+        """Yield the parameters that aren't given yet, each with its equals sign."""
+        sub = called_sub(self.view, self.cursor)
+        given, waits = given_arguments(self.cursor.before[2:])
+        if sub is None or waits:
+            return
+        for one in sub.parameters[given.count("") :]:
+            if one.word not in given:
+                text = f"{one.word}={{${{1:{one.word}}}}}" if one.name.startswith("{") else f"{one.word}="
+                yield self.make(f"{one.word}=", "word", one.written, one.meaning, text)
 
     # Brackets.
 

@@ -80,7 +80,7 @@ def _of_module(view: View, use: Use, line: int) -> list[str]:
     """Describe the part of `PALLET.GRID` after the dot."""
     symbol = view.sketch.names.meant(use.module, False, line)
     module = view.module(use.module) if symbol and symbol.kind == "module" else None
-    found = module.names.declared(use.name, use.is_frame) if module else None
+    found = module.names.meant_by(use) if module else None
     if module is None or found is None:
         return []
     lines = _of_symbol(view, module, found)

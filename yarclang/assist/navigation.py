@@ -76,7 +76,7 @@ def target_of(view: View, named: Symbol | Use) -> Target | None:
         return None
     symbol = view.sketch.names.meant(named.module, False, named.span.line)
     module = view.module(named.module) if symbol and symbol.kind == "module" else None
-    found = module.names.declared(named.name, named.is_frame) if module else None
+    found = module.names.meant_by(named) if module else None
     return Target(module, found) if module and found else None
 
 

@@ -12,6 +12,8 @@ from yarclang.assist.sketch import Sketch
 from yarclang.assist.view import View
 from yarclang.assist.vocabulary import DECLARED, command_of
 from yarclang.commands.spec import Values
+from yarclang.report.module_text import SubText
+from yarclang.robot.joint_names import joint_labels
 from yarclang.syntax.words import OPTIONS
 from yarclang.units import UNITS, Kind
 from yarclang.words.registry import word_specs
@@ -130,7 +132,7 @@ def _wanted(cursor: Cursor) -> tuple[Values, str] | None:
 def value_texts(view: View, values: Values, cursor: Cursor) -> tuple[ValueText, ...]:
     """Return the names of values with their units in a line."""
     robot = view.robot
-    names = robot.joint_names if robot else _WITHOUT_ROBOT
+    names = joint_labels(robot.joint_names) if robot else _WITHOUT_ROBOT
     kinds: tuple[Kind, ...] = tuple(
         "length" if unit == "mm" else "angle" for unit in (robot.axis_unit_names if robot else ("deg",) * 6)
     )
@@ -157,6 +159,22 @@ def units_in(sketch: Sketch, line: int) -> Mapping[Kind, str]:
 
 def _of_call(view: View, cursor: Cursor) -> Signature | None:
     """Return the parameters of the SUB that is called."""
+    sub = called_sub(view, cursor)
+    if sub is None:
+        return None
+    name = cursor.before[1].name
+    values = tuple(ValueText(one.written, one.meaning) for one in sub.parameters)
+    words = [one.word for one in sub.parameters]
+    return Signature(
+        f"CALL {name}",
+        values,
+        _next_argument(cursor.before[2:], words),
+        sub.purpose or word_specs()["CALL"].summary,
+    )
+
+
+def called_sub(view: View, cursor: Cursor) -> SubText | None:
+    """Return the SUB that the CALL at a cursor names; None without one."""
     arguments = [
         lexeme
         for lexeme in cursor.before[1:]
@@ -167,28 +185,49 @@ def _of_call(view: View, cursor: Cursor) -> Signature | None:
     name = arguments[0].name
     module, dot, inner = name.partition(".")
     sketch = view.module(module) if dot else view.sketch
-    sub = described_sub(sketch, inner if dot else name) if sketch else None
-    if sub is None:
-        return None
-    values = tuple(ValueText(lexeme.name, lexeme.meaning) for lexeme in sub.parameters)
-    active = _arguments(cursor.before[2:])
-    return Signature(
-        f"CALL {name}",
-        values,
-        active if active < len(values) else None,
-        sub.purpose or word_specs()["CALL"].summary,
-    )
+    return described_sub(sketch, inner if dot else name) if sketch else None
 
 
-def _arguments(pieces: tuple[Lexeme, ...]) -> int:
-    """Return the number of arguments in pieces. Pieces in brackets belong to one argument."""
-    depth = count = 0
-    for one in pieces:
+def given_arguments(pieces: tuple[Lexeme, ...]) -> tuple[list[str], bool]:
+    """Return the names of the arguments in pieces; empty for an argument without a name.
+
+    Args:
+        pieces: the pieces of a CALL after the SUB's name. Pieces in brackets belong to one argument.
+
+    Returns:
+        The names, in order, and True if the last one still has no value.
+    """
+    depth, found, waits = 0, [], False
+    for at, one in enumerate(pieces):
+        if one.text == "=" and not depth:
+            continue
         if one.text in {"(", "$("}:
-            count += one.text == "$(" and not depth
-            depth += 1
+            is_value, depth = one.text == "$(" and not depth, depth + 1
         elif one.text == ")":
-            depth = max(depth - 1, 0)
-        elif not depth and one.kind != "mark":
-            count += 1
-    return count
+            is_value, depth = False, max(depth - 1, 0)
+        else:
+            is_value = not depth and one.kind != "mark"
+        if not is_value:
+            continue
+        if one.kind == "word" and at + 1 < len(pieces) and pieces[at + 1].text == "=":
+            found.append(one.name)
+            waits = True
+        elif waits:
+            waits = False
+        else:
+            found.append("")
+    return found, waits
+
+
+def _next_argument(pieces: tuple[Lexeme, ...], parameters: list[str]) -> int | None:
+    """Return the number of the parameter that is being given, from 0; None if all are given.
+
+    Args:
+        pieces: the pieces of the CALL after the SUB's name.
+        parameters: names of the SUB's parameters, without braces.
+    """
+    given, waits = given_arguments(pieces)
+    if waits:
+        return parameters.index(given[-1]) if given[-1] in parameters else None
+    rest = [at for at, name in enumerate(parameters) if at >= given.count("") and name not in given]
+    return rest[0] if rest else None

@@ -18,6 +18,7 @@ from yarclang.syntax.ast import (
     Computed,
     ComputedPercent,
     FrameName,
+    NamedValue,
     Node,
     Parameter,
     Statement,
@@ -94,6 +95,7 @@ class Use:
         is_frame: True if it names a frame.
         span: place of the name.
         module: module in front of the name; empty without one.
+        sub: the SUB whose parameter is named in a CALL, in upper case; empty otherwise.
         symbol: its declaration, if it is in this file.
     """
 
@@ -102,6 +104,7 @@ class Use:
     span: Span
     module: str = ""
     symbol: Symbol | None = None
+    sub: str = ""
 
 
 @dataclass(slots=True)
@@ -135,6 +138,17 @@ class Names:
         """Return the symbol that a name means to users of the module: it is declared outside of blocks."""
         named = self._by_name.get((name, is_frame), [])
         return next((one for one in named if one.last == _END and not one.inside), None)
+
+    def parameter(self, sub: str, name: str, is_frame: bool) -> Symbol | None:
+        """Return the parameter of a SUB; None if it has none of this name."""
+        named = self._by_name.get((name, is_frame), [])
+        return next((one for one in named if one.kind == "parameter" and one.inside == sub), None)
+
+    def meant_by(self, use: Use) -> Symbol | None:
+        """Return the symbol of this file that another file uses as `MODULE.NAME`, or as a parameter's name."""
+        if use.sub:
+            return self.parameter(use.sub, use.name, use.is_frame)
+        return self.declared(use.name, use.is_frame)
 
 
 def names_of(nodes: tuple[Node, ...]) -> Names:
@@ -187,6 +201,8 @@ class _Reader:
                 case FrameName():
                     self._declare_frame(value, head, end, word.name, "parameter")
                 case Parameter(word=named) | (Word() as named):
+                    if isinstance(value, Parameter) and value.default is not None:
+                        self._speak_of(value.default, head)
                     self._declare("parameter", named.name, head.span(named.place), head, end, word.name)
         return word.name
 
@@ -273,12 +289,26 @@ class _Reader:
 
     def _speak_of(self, value: object, statement: Statement) -> None:
         match value:
+            case NamedValue(word=word, value=given):
+                self._speak_of(given, statement)
+                self._use_parameter(word, isinstance(given, FrameName), statement)
             case Word(name=name, place=place) if name not in STATES:
                 self._use(name, False, statement.span(place), statement.line)
             case FrameName(name=name):
                 self._use(name, True, _inner(statement, value), statement.line)
             case Computed(expression=expression) | ComputedPercent(expression=expression):
                 self._expression(expression, statement)
+
+    def _use_parameter(self, word: Word, is_frame: bool, statement: Statement) -> None:
+        """Add the use of a parameter's name in front of its argument."""
+        called = values_of(statement)[0]
+        if not isinstance(called, Word):
+            return
+        module, _, sub = called.name.rpartition(".")
+        symbol = None if module else self.names.parameter(sub, word.name, is_frame)
+        self.names.uses.append(
+            Use(word.name, is_frame, statement.span(word.place), module, symbol, sub if module else "")
+        )
 
     def _expression(self, expression: Expression, statement: Statement) -> None:
         if isinstance(expression, Name) and expression.name not in CONSTANTS:

@@ -8,6 +8,7 @@ import numpy as np
 
 from yarclang.cell.measures import Measures
 from yarclang.cell.model import Array, JointWindow
+from yarclang.robot.joint_names import numbers_by_name
 from yarclang.robot.model import Robot
 from yarclang.toml.draft import spoken
 from yarclang.toml.file import did_you_mean, right_length
@@ -71,7 +72,8 @@ def joint_window(
     if robot is None or units is None:
         return None
     lower, upper = np.full(robot.size, -np.inf), np.full(robot.size, np.inf)
-    known = {name.upper(): at for at, name in enumerate(robot.joint_names)}
+    known = numbers_by_name(robot.joint_names)
+    named: dict[int, str] = {}
     for name, ends in joints.items():
         at = known.get(name.upper())
         if at is None:
@@ -81,6 +83,14 @@ def joint_window(
             )
             sound = False
             continue
+        if at in named:
+            message = (
+                f"The window names joint {robot.joint_names[at]} twice: {named[at][:40]} and {name[:40]}."
+            )
+            measures.file.say("Y1372", (*path, name), message, "Leave one of them.", at_key=True)
+            sound = False
+            continue
+        named[at] = name
         factor = measures.factor(units, _kinds(robot)[at], (*path, name))
         if factor is None:
             sound = False

@@ -56,6 +56,7 @@ _COMMANDS = {
     "Editors and shells": {
         "lsp": "Check programs while they are typed, for editors.",
         "completion": "Print the shell's completion script.",
+        "man": "Write the manual pages into a folder.",
     },
 }
 """Summaries of the commands, in the sections of --help."""

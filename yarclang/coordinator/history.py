@@ -156,7 +156,7 @@ class History:
             if not stands_there(robot, one.start, stands):
                 values = _values(robot, one.start)
                 text.append(f"MOVEJ {values} {_BRIDGE} {_units(robot, ',s')} ! to where the robot was moved")
-            text += one.commands
+            text += (seen_from(command, home.absolute(), there) for command in one.commands)
             stands = one.end
         # Renumber the commands as they stand in the file: typed lines may share an index.
         module = parse(SourceFile("<session>", "\n".join(text) + "\n")).value

@@ -23,8 +23,10 @@ SESSION = "<session>"
 TYPED = "<line>"
 """Name, in findings, of the entered text."""
 
-_CELL = re.compile(r'(?P<before>\s*CELL\s+)"(?P<file>[^"]+)"', re.IGNORECASE)
-"""The line that names a cell's file."""
+_FILE = re.compile(
+    r'^(?P<before>\s*(?:CELL|(?:P[0-9]+\s+)?MOVEJ_TIMED)\s+)"(?P<file>[^"\n]+)"', re.IGNORECASE | re.MULTILINE
+)
+"""A line that names a file: that of a cell, or that of a trajectory, also in a SUB."""
 
 _STEP = 10
 """Step between two indices."""
@@ -106,18 +108,21 @@ def _last(node: Node) -> Statement:
     return _last(inside[-1]) if inside else node.head
 
 
-def seen_from(declaration: str, home: Path, folder: Path) -> str:
-    """Rewrite a declaration in one folder for another folder: a CELL names a file.
+def seen_from(text: str, home: Path, folder: Path) -> str:
+    """Rewrite lines in one folder for another folder: a CELL and a MOVEJ_TIMED may name a file.
 
     Args:
-        declaration: the declaration as it was written.
+        text: a declaration, a block or a command as it was written.
         home: folder that its file's name is relative to, absolute.
         folder: new folder, absolute.
     """
-    named = _CELL.match(declaration)
-    if named is None or Path(named["file"]).is_absolute():
-        return declaration
-    return f'{named["before"]}"{relative(home / named["file"], folder)}"{declaration[named.end() :]}'
+
+    def renamed(named: re.Match[str]) -> str:
+        if Path(named["file"]).is_absolute():
+            return named[0]
+        return f'{named["before"]}"{relative(home / named["file"], folder)}"'
+
+    return _FILE.sub(renamed, text) if home != folder else text
 
 
 def relative(path: Path, folder: Path) -> str:

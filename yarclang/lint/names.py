@@ -13,7 +13,9 @@ from yarclang.syntax.ast import (
     ComputedPercent,
     FrameName,
     Module,
+    NamedValue,
     Number,
+    Parameter,
     Statement,
     Word,
 )
@@ -117,6 +119,10 @@ def _read(statement: Statement, word: str, found: Names) -> None:
 
 def _speak_of(value: object, found: Names) -> None:
     match value:
+        case NamedValue(value=given):
+            _speak_of(given, found)
+        case Parameter(default=given) if given is not None:
+            _speak_of(given, found)
         case Word(name=name):
             found.words |= {name, name.partition(".")[0]}
         case FrameName(name=name):

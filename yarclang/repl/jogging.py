@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from yarclang.coordinator.messages import wants
+from yarclang.robot.joint_names import joint_labels, joint_number, listed_joints
 from yarclang.robot.model import Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.units import DEG, MM
@@ -125,7 +126,7 @@ class Jogging:
         speed = self.share * self._fastest
         if self.axis.kind == "joint":
             unit = self.robot.axis_unit_names[self.axis.number]
-            name = self.robot.joint_names[self.axis.number]
+            name = joint_labels(self.robot.joint_names)[self.axis.number]
             shown = f"{speed / float(self.robot.axis_units[self.axis.number]):.3g} {unit}/s"
         else:
             frame = self.moving if self.axis.kind == "tool" else "{B}"
@@ -142,9 +143,9 @@ def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
     """
     what = words[0].upper() if words else ""
     rest = words[1:]
-    names = [name.upper() for name in robot.joint_names]
-    if what in names and len(rest) <= 1 and all(word in ("+", "-") for word in rest):
-        return Axis("joint", names.index(what)), -1 if rest == ["-"] else 1, "{TCP}"
+    number = joint_number(robot.joint_names, what)
+    if number is not None and len(rest) <= 1 and all(word in ("+", "-") for word in rest):
+        return Axis("joint", number), -1 if rest == ["-"] else 1, "{TCP}"
     if what.startswith("{") and what.endswith("}") and len(rest) <= 2:
         along = rest[0].lower() if rest else "x"
         kind: Literal["base", "tool"] = "tool" if rest[1:] == ["tool"] else "base"
@@ -153,5 +154,5 @@ def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:
             return Axis(kind, AXES.index(letter)), sign, what
     raise Trouble(
         "what is jogged is a joint, as J3 +, or a frame along or about an axis, as {TCP} +x",
-        f"the joints are {', '.join(names)}",
+        f"the joints are {listed_joints(robot.joint_names)}",
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from yarclang.coordinator.describing import joints_of
 from yarclang.coordinator.picture import Picture
+from yarclang.robot.joint_names import short_labels
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.state import State
@@ -59,7 +60,7 @@ class Toolbar:
         joints = joints_of(robot, self._picture.joints)
         tool = "TCP" if "TCP" in robot.flange_from_frame else "FLANGE"
         place = tool_poses(robot.chain, joints[None], robot.flange_from_frame[tool])[0, :3, 3] / MM
-        names, values = robot.joint_names, joints / robot.axis_units
+        names, values = short_labels(robot.joint_names), joints / robot.axis_units
         named = [f"{name} {_number(value, 2)}" for name, value in zip(names, values, strict=True)]
         short = [
             [f"{{{tool}}} {_numbers(place, tools)} mm", f"{names[0]}-{names[-1]} {_numbers(values, digits)}"]

@@ -32,10 +32,23 @@ class ParameterText:
     Attributes:
         name: as in the head, `{AT}` or `T (s)`.
         meaning: from the comment.
+        default: its value if a CALL gives none; empty without a default.
     """
 
     name: str
     meaning: str
+    default: str = ""
+
+    @property
+    def word(self) -> str:
+        """Return the name without braces and unit, as it stands in front of an argument."""
+        return self.name.partition(" (")[0].strip("{}")
+
+    @property
+    def written(self) -> str:
+        """Return the parameter as in the head, with its default."""
+        word, bracket, unit = self.name.partition(" (")
+        return f"{word}={self.default}{bracket}{unit}" if self.default else self.name
 
 
 @frozen
@@ -59,7 +72,7 @@ class SubText:
     @property
     def head(self) -> str:
         """Name and parameters as in the text."""
-        return " ".join((self.name, *(one.name for one in self.parameters)))
+        return " ".join((self.name, *(one.written for one in self.parameters)))
 
 
 @frozen
@@ -185,7 +198,10 @@ def _sub(statement: Statement, comments: dict[int, str], module: str) -> SubText
     head = [_head_name(value) for value in values]
     name, wanted = (head[0], head[1:]) if head else ("", [])
     purpose, meanings, example = _parts(_upwards(comments, statement.line - 1))
-    parameters = tuple(ParameterText(one, meanings.get(_plain(one), "")) for one in wanted)
+    parameters = tuple(
+        ParameterText(one, meanings.get(_plain(one), ""), _default(value))
+        for one, value in zip(wanted, values[1:], strict=True)
+    )
     known = {_plain(one) for one in wanted}
     strangers = tuple(one for one in meanings if one not in known)
     # without a call in the comment, the parameters' names are its arguments
@@ -204,9 +220,16 @@ def _head_name(value: Value) -> str:
     """Return a word of the head in its usual form: names in upper case, units in lower case."""
     if isinstance(value, FrameName):
         return f"{{{value.name}}}"
-    if isinstance(value, Parameter) and value.unit is not None:
-        return f"{value.word.name} ({value.unit.text.lower()})"
+    if isinstance(value, Parameter):
+        return f"{value.word.name} ({value.unit.text.lower()})" if value.unit else value.word.name
     return value.text.upper()
+
+
+def _default(value: Value) -> str:
+    """Return the default of a parameter; empty without one."""
+    if not isinstance(value, Parameter) or value.default is None:
+        return ""
+    return value.default.text.upper()
 
 
 def _parts(lines: list[str]) -> tuple[str, dict[str, str], str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from yarclang.robot.joint_names import joint_labels
 from yarclang.robot.model import Robot
 from yarclang.units import MS
 
@@ -9,13 +10,14 @@ from yarclang.units import MS
 def robot_text(robot: Robot) -> str:
     """Return joints with their limits, frames, positions and controller, for people."""
     limits, units = robot.limits, robot.axis_units
-    wide = max(8, *(len(name) + 2 for name in robot.joint_names))
+    names = joint_labels(robot.joint_names)
+    wide = max(8, *(len(name) + 2 for name in names))
     lines = [
         f"{robot.name}: {robot.title}",
         "",
         f"{'joint':{wide}}{'axis':6}{'from':>9}{'to':>9}{'per s':>9}{'per s2':>9}{'per s3':>9}",
     ]
-    for joint, name in enumerate(robot.joint_names):
+    for joint, name in enumerate(names):
         numbers = (limits.lower, limits.upper, limits.velocity, limits.acceleration, limits.jerk)
         cells = "".join(f"{values[joint] / units[joint]:>9.5g}" for values in numbers)
         lines.append(f"{name:{wide}}{robot.controller.axes[joint]:6}{cells} {robot.axis_unit_names[joint]}")

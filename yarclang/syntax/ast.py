@@ -9,7 +9,7 @@ from __future__ import annotations
 from yarclang.frozen import frozen
 from yarclang.source import SourceFile, Span
 from yarclang.syntax.expressions import Expression
-from yarclang.syntax.leaves import FrameName, Number, Other, Parameter, Percent, Place, Quantity, Text, Word
+from yarclang.syntax.leaves import FrameName, Number, Other, Percent, Place, Quantity, Text, Word
 
 __all__ = [
     "Block",
@@ -18,6 +18,7 @@ __all__ = [
     "ComputedPercent",
     "FrameName",
     "Module",
+    "NamedValue",
     "Node",
     "Number",
     "Option",
@@ -55,10 +56,41 @@ class ComputedPercent:
     place: Place
 
 
-Value = Number | Word | Text | Other | Computed | FrameName | Quantity | Parameter
+@frozen
+class NamedValue:
+    """An argument of CALL with the name of its parameter, `ROWS=4`."""
+
+    word: Word
+    value: Number | Word | Text | Other | Computed | FrameName | Quantity
+    place: Place
+
+    @property
+    def text(self) -> str:
+        """Return the name and the value in their standard form."""
+        return f"{self.word.text}={self.value.text}"
+
+
+@frozen
+class Parameter:
+    """A name in the head of a SUB, its unit, and its default: `DEPTH (mm)`, `DEPTH=20 (mm)`."""
+
+    word: Word
+    unit: Word | None
+    place: Place
+    default: Number | Word | Computed | None = None
+
+    @property
+    def text(self) -> str:
+        """Return the name, its default and its unit in their standard form."""
+        name = self.word.text if self.default is None else f"{self.word.text}={self.default.text}"
+        return f"{name} ({self.unit.text})" if self.unit else name
+
+
+Value = Number | Word | Text | Other | Computed | FrameName | Quantity | NamedValue | Parameter
 """An item between blanks.
 
-Frames and quantities occur only among CALL's arguments; frames and parameters only in the head of a SUB.
+Frames, quantities and named values occur only among CALL's arguments; frames and parameters only in the head of
+a SUB.
 """
 
 

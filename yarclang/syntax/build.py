@@ -12,6 +12,7 @@ from yarclang.syntax.ast import (
     Computed,
     ComputedPercent,
     FrameName,
+    NamedValue,
     Number,
     Option,
     Other,
@@ -142,7 +143,7 @@ def _items(rows: Rows, children: Any) -> list[Any]:
             found.append(_LEAVES[kind](str(child), place_of(child)))
         elif kind is None:
             found += _SMALL_TREES[child.data](rows, child.children)
-            computed = computed or child.data == "computed"
+            computed = computed or child.data in ("computed", "named")
     if computed:
         _check_blanks(found)
     return found
@@ -224,11 +225,41 @@ def _parameter(rows: Rows, children: list[Any]) -> list[Parameter]:  # noqa: ARG
     return [Parameter(word, unit, from_to(word.place, place_of(children[3])))]
 
 
+def _default(rows: Rows, children: list[Any]) -> list[Any]:
+    """Build a parameter with its default."""
+    word = _name_of(children[0])
+    first, *others = _items(rows, children[1:2])
+    if others:
+        message = f"{word.text} has one default; `{others[0].text}` is one too many"
+        help_ = f"write {word.name}={first.text}, and blanks between parameters"
+        raise FaultError(Fault("Y0101", message, help_, others[0].place))
+    if len(children) == 2:
+        return [Parameter(word, None, from_to(word.place, first.place), first)]
+    unit, end = Word(str(children[3]), place_of(children[3])), place_of(children[4])
+    return [Parameter(word, unit, from_to(word.place, end), first)]
+
+
+def _named(rows: Rows, children: list[Any]) -> list[Any]:
+    """Build an argument with its name. Of a run of numbers, only the first belongs to the name."""
+    word = _name_of(children[0])
+    first, *others = _items(rows, children[1:])
+    return [NamedValue(word, first, from_to(word.place, first.place)), *others]
+
+
+def _name_of(token: Any) -> Word:
+    """Return the name in front of an equals sign."""
+    name = str(token)[:-1].rstrip()
+    place = place_of(token)
+    return Word(name, Place(place.row, place.start, place.start + len(name)))
+
+
 _SMALL_TREES: dict[str, Callable[[Rows, list[Any]], list[Any]]] = {
     "computed": _computed,
     "computed_percent": _computed_percent,
     "measured": _measured,
     "parameter": _parameter,
+    "default": _default,
+    "named": _named,
 }
 
 
@@ -236,7 +267,7 @@ def _check_blanks(values: list[Any]) -> None:
     """Check that a blank follows the bracket of a computed value."""
     for one, following in pairwise(values):
         near = one.place.row == following.place.row and one.place.end == following.place.start
-        if near and isinstance(one, Computed):
+        if near and isinstance(one.value if isinstance(one, NamedValue) else one, Computed):
             message = f"`{following.text}` runs into `{one.text}`"
             raise FaultError(
                 Fault(

@@ -34,6 +34,10 @@ def unexpected(text: str, token: Any, expected: Collection[str], stack: Sequence
         return no_operand(text, token, place, stack)
     if "OR" in expected:
         return no_operator(text, token, place, stack)
+    if before == "NAMED":
+        name = str(stack[-1]).rstrip("= \t")
+        help_ = f"write {name.upper()}=4: the value directly follows the `=`"
+        return Fault("Y0101", f"no value follows `{name}=`", help_, place)
     if before == "LET":
         return _no_name(token, place)
     if "FUNC" in kinds and "ASSIGN" not in kinds:

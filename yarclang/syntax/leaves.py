@@ -99,17 +99,3 @@ class Quantity:
     def text(self) -> str:
         """Return the number and its unit in their standard form."""
         return f"{self.number.text} ({self.unit.text})"
-
-
-@frozen
-class Parameter:
-    """A name in the head of a SUB, and its unit."""
-
-    word: Word
-    unit: Word | None
-    place: Place
-
-    @property
-    def text(self) -> str:
-        """Return the name and its unit in their standard form."""
-        return f"{self.word.text} ({self.unit.text})" if self.unit else self.word.text

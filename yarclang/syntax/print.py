@@ -15,6 +15,7 @@ from yarclang.syntax.ast import (
     ComputedPercent,
     FrameName,
     Module,
+    NamedValue,
     Number,
     Option,
     Other,
@@ -197,7 +198,19 @@ def _option(option: Option) -> list[str]:
     return said if option.state is None else [*said, _item(option.state)]
 
 
-_Item = Number | Word | Percent | Text | Other | Computed | ComputedPercent | FrameName | Quantity | Parameter
+_Item = (
+    Number
+    | Word
+    | Percent
+    | Text
+    | Other
+    | Computed
+    | ComputedPercent
+    | FrameName
+    | Quantity
+    | NamedValue
+    | Parameter
+)
 
 
 def _item(item: _Item) -> str:
@@ -209,8 +222,11 @@ def _item(item: _Item) -> str:
             return f"{{{item.name}}}"
         case Quantity(number, unit):
             return f"{number.text} ({unit.text.lower()})"
-        case Parameter(word, unit):
-            return f"{word.name} ({unit.text.lower()})" if unit else word.name
+        case Parameter(word, unit, default=default):
+            name = word.name if default is None else f"{word.name}={_item(default)}"
+            return f"{name} ({unit.text.lower()})" if unit else name
+        case NamedValue(word, value):
+            return f"{word.name}={_item(value)}"
         case Computed() | ComputedPercent():
             inner = print_expression(item.expression)
             inner = f"({inner})" if item.text.startswith("$(") else inner

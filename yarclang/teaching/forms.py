@@ -193,9 +193,12 @@ def _of_calls(names: Known) -> Iterator[Form]:
 
 def _parameters(sub: SubText, names: Known) -> Iterator[Field]:
     given = sub.example.split()[2:]
-    proposed = given if len(given) == len(sub.parameters) else [""] * len(sub.parameters)
-    for one, value in zip(sub.parameters, proposed, strict=True):
-        yield _parameter(one, value, names)
+    by_position = [one for one in given if "=" not in one]
+    by_name = {one.partition("=")[0].upper(): one.partition("=")[2] for one in given if "=" in one}
+    is_readable = len(given) <= len(sub.parameters) and "(" not in sub.example
+    for at, one in enumerate(sub.parameters):
+        value = by_position[at] if at < len(by_position) else by_name.get(one.word, one.default)
+        yield _parameter(one, value if is_readable else one.default, names)
 
 
 def _parameter(one: ParameterText, value: str, names: Known) -> Field:

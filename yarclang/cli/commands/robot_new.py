@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from yarclang.cli.options import Numbers
+from yarclang.robot.joint_names import joint_number, listed_joints
 
 if TYPE_CHECKING:
     from yarclang.diagnostics import Diagnostic
@@ -174,15 +175,16 @@ def _position(arm: Arm, text: str) -> tuple[str, tuple[float, float]]:
     """Parse JOINT=LOW,HIGH."""
     name, _, values = text.partition("=")
     names = [joint.name for joint in arm.chain.joints]
-    if name not in names:
-        raise click.UsageError(f"--position {text!r}: the joints are {', '.join(names)}")
+    number = joint_number(names, name)
+    if number is None:
+        raise click.UsageError(f"--position {text!r}: the joints are {listed_joints(names)}")
     try:
         low, high = (float(value) for value in values.split(","))
     except ValueError:
         raise click.UsageError(f"--position {text!r} isn't JOINT=LOW,HIGH") from None
     if not -1e12 < low < high < 1e12:
         raise click.UsageError(f"--position {text!r}: the lower limit isn't below the upper one")
-    return name, (low, high)
+    return names[number], (low, high)
 
 
 def _ask(arm: Arm, path: Path, said: dict[str, Any], unknown: tuple[Question, ...]) -> Arm:

@@ -10,6 +10,7 @@ import numpy as np
 from yarclang.coordinator.engine import Running
 from yarclang.coordinator.live.generator import WATCHDOG, Generator
 from yarclang.coordinator.live.steering import JointVelocity, Master, Target, Twist
+from yarclang.robot.joint_names import joint_number, listed_joints
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.runtime.outcome import Ended
@@ -144,11 +145,11 @@ def joint_target(robot: Robot, name: str, speed: float) -> JointVelocity:
     Raises:
         Trouble: there is no such joint.
     """
-    names = [one.upper() for one in robot.joint_names]
-    if name.upper() not in names:
-        raise Trouble(f"there is no joint {name}", f"there are {', '.join(robot.joint_names)}", "Y1616")
+    number = joint_number(robot.joint_names, name)
+    if number is None:
+        raise Trouble(f"there is no joint {name}", f"there are {listed_joints(robot.joint_names)}", "Y1616")
     velocity = np.zeros(robot.size)
-    velocity[names.index(name.upper())] = speed
+    velocity[number] = speed
     return JointVelocity(velocity)
 
 

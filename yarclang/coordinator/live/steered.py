@@ -13,6 +13,7 @@ from yarclang.coordinator.live.opening import Settings
 from yarclang.coordinator.live.steering import JointVelocity, Master, Target, Twist
 from yarclang.coordinator.messages import orders, replies, wants
 from yarclang.diagnostics import Diagnostic
+from yarclang.robot.joint_names import listed_joints, numbers_by_name
 from yarclang.robot.kinematics.inverse import follow, reached_within
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
@@ -114,13 +115,14 @@ class Reader:
         return Master(q, rate)
 
     def _velocity(self, given: dict[str, float]) -> JointVelocity:
-        names = {name.upper(): number for number, name in enumerate(self._robot.joint_names)}
-        if len({name.upper() for name in given}) < len(given):
+        names = numbers_by_name(self._robot.joint_names)
+        known = [names[name.upper()] for name in given if name.upper() in names]
+        if len(set(known)) < len(known) or len({name.upper() for name in given}) < len(given):
             raise Trouble("a joint is named twice", code="Y1616")
         velocity = np.zeros(self._robot.size)
         for name, value in given.items():
             if name.upper() not in names:
-                what = f"{name[:40]!r} isn't a joint; there are {', '.join(self._robot.joint_names)}"
+                what = f"{name[:40]!r} isn't a joint; there are {listed_joints(self._robot.joint_names)}"
                 raise Trouble(what, code="Y1616")
             velocity[names[name.upper()]] = value
         return JointVelocity(velocity * self._robot.axis_units)

@@ -16,6 +16,7 @@ from yarclang.pendant.messages import calibration as said
 from yarclang.pendant.standing import stands
 from yarclang.pendant.watched import Watched
 from yarclang.robot.actuation import counts_per_joint
+from yarclang.robot.joint_names import joint_number, listed_joints
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
 from yarclang.semantics.names.scope import BASE
@@ -193,16 +194,18 @@ class Calibrations:
     def _marks(self, asked: said.OffsetCalibration) -> dict[str, float]:
         robot, marks = self._robot, {}
         for name, value in asked.marks.items():
-            if name.upper() not in robot.joint_names:
+            at = joint_number(robot.joint_names, name)
+            if at is None:
                 what = f"{robot.name} has no joint {name[:40]!r}"
-                raise Trouble(what, f"its joints are {', '.join(robot.joint_names)}", "joints")
-            at = robot.joint_names.index(name.upper())
+                raise Trouble(what, f"its joints are {listed_joints(robot.joint_names)}", "joints")
+            if robot.joint_names[at] in marks:
+                raise Trouble(f"joint {name[:40]} is named twice", "leave one of them", "joints")
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
-                what = f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
+                what = f"the mark of {robot.joint_names[at]} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
                 raise Trouble(what, "give the joint position at the mark", "joints")
-            marks[name.upper()] = value * factor
+            marks[robot.joint_names[at]] = value * factor
         return {name: marks[name] for name in robot.joint_names if name in marks}
 
     async def _tool(self, wanted: str) -> tuple[str, Array]:

@@ -11,11 +11,15 @@ from pathlib import Path
 
 import numpy as np
 
+from yarclang.calibration.cell_frames import (
+    CellFrameError,
+    moves_text,
+    read_frame_cell,
+    with_measured_frame,
+)
 from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouching, Touching
-from yarclang.calibration.writing import with_frame, with_offsets, with_tip
-from yarclang.cell.description import Names, read_cell
-from yarclang.cell.frames import ROOTS
-from yarclang.cell.model import Cell
+from yarclang.calibration.writing import with_offsets, with_tip
+from yarclang.cell.description import Names
 from yarclang.diagnostics import Diagnostic
 from yarclang.robot.description import read_robot
 from yarclang.robot.model import Array, Robot
@@ -26,7 +30,6 @@ from yarclang.teaching.declaring import declare_pose
 from yarclang.teaching.edits import Program, applied
 from yarclang.teaching.holding import around
 from yarclang.toml.changes import ChangeError
-from yarclang.units import DEG, MM
 
 RESTART = "restart the pendant (System > Controller): until then it goes on with the robot as it was"
 SETTINGS = f"{RESTART}; then send the settings to the controller again"
@@ -104,7 +107,7 @@ def in_robot(source: SourceFile, place: Path, robot: Robot, touching: Touching, 
     what = (
         f"the tip {{{name}}} is written, in the orientation of the flange"
         if old is None
-        else _moves(name, old, wanted)
+        else moves_text(name, old, wanted)
     )
     if hanging:
         what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
@@ -146,46 +149,17 @@ def in_cell(
         raise Trouble(
             "only a frame is written into a cell", "write it into the robot's file or a program", "to"
         )
-    names = Names(is_word, robot)
-    read = read_cell(source, place.parent, names)
-    if read.value is None:
-        first = read.diagnostics[0]
-        raise Trouble(f"{place.name} can't be read as it is: {first.message}", first.help, first.code)
-    cell, name, pose = read.value, touching.name, touching.value.base_from_frame
-    old = cell.frames.get(name)
-    if old is None and ("frames", name) in cell.places:
-        raise Trouble(f"{{{name}}} is in {place.name}, and can't be read", "correct it there first", "frame")
-    if old is not None and not replace:
-        raise _exists(
-            f"{{{name}}} is a frame of {place.name} already", "it gets another place and orientation"
-        )
-    if old is not None and old.mount.on_flange:
-        raise Trouble(f"{{{name}}} in {place.name} sits on the flange", "choose another name", "name")
-    wanted = old.parent if old is not None else parent.strip("{} ").upper()
-    local = np.linalg.inv(_standing(cell, wanted)) @ pose
-    key = _key(source.text, name)
-    text = _changed(lambda: with_frame(source, key, local, wanted), place.name)
-    after = read_cell(SourceFile(source.name, text), place.parent, names)
-    found = None if after.value is None else after.value.frames.get(name)
-    _check_pose(None if found is None else found.mount.transform, pose, after.diagnostics)
-    what = f"the frame {{{name}}} is written" if old is None else _moves(name, old.mount.transform, pose)
-    hanging = sorted(one.name for one in cell.frames.values() if one.parent == name)
-    if hanging:
-        what += f"; {', '.join(f'{{{one}}}' for one in hanging)} hang on it, and move with it"
-    return Made(text, what, CELL, after.diagnostics)
-
-
-def _key(text: str, name: str) -> str:
-    """Return a frame's name as the file writes it. New names are in upper case."""
-    tables = tomllib.loads(text).get("frames", {})
-    return next((one for one in tables if one.upper() == name), name) if isinstance(tables, dict) else name
-
-
-def _standing(cell: Cell, name: str) -> Array:
-    mount = ROOTS.get(name) or (cell.frames[name].mount if name in cell.frames else None)
-    if mount is None or mount.on_flange:
-        raise Trouble(f"{name[:40]!r} isn't a frame of the cell that stands still", "choose B", "parent")
-    return mount.transform
+    names, name = Names(is_word, robot), touching.name
+    try:
+        exists = name in read_frame_cell(source, place, names).frames
+        if exists and not replace:
+            raise _exists(
+                f"{{{name}}} is a frame of {place.name} already", "it gets another place and orientation"
+            )
+        made = with_measured_frame(source, place, names, name, touching.value.base_from_frame, parent)
+    except CellFrameError as error:
+        raise Trouble(str(error), error.help, error.what) from None
+    return Made(made.text, made.what, CELL, made.findings)
 
 
 def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching, *, replace: bool) -> Made:
@@ -221,7 +195,7 @@ def in_program(source: SourceFile, place: Path, robot: Robot, touching: Touching
     after = around(Program(SourceFile(source.name, text)), place.parent, robot)
     found = after.scope.frame(name)
     _check_pose(None if found is None else np.array(found.transform), pose, ())
-    what = made.what if old is None else f"{made.what}; {_moves(name, np.array(old.transform), pose)}"
+    what = made.what if old is None else f"{made.what}; {moves_text(name, np.array(old.transform), pose)}"
     return Made(text, what, PROGRAM, ())
 
 
@@ -248,10 +222,3 @@ def _lost(findings: tuple[Diagnostic, ...]) -> Trouble:
 
 def _exists(what: str, then: str) -> Trouble:
     return Trouble(what, f"replace it ({then}), or choose another name", "exists")
-
-
-def _moves(name: str, old: Array, new: Array) -> str:
-    shift = float(np.linalg.norm(new[:3, 3] - old[:3, 3])) / MM
-    cosine = (float(np.trace(old[:3, :3].T @ new[:3, :3])) - 1.0) / 2.0
-    turn = float(np.arccos(np.clip(cosine, -1.0, 1.0))) / DEG
-    return f"{{{name}}} moves by {shift:.3f} mm and turns by {turn:.3f} deg"

@@ -11,7 +11,7 @@ const STEPS = [
   [1, "1"],
   [10, "10"],
 ];
-const LONG = 6; // longer names stand beside the buttons alone
+const LONG = 6; // longer names stand beside the buttons alone, which have J1, J2 and so on
 const LETTERS = [..."xyzabc"];
 const NAMES = ["X", "Y", "Z", "A (about X)", "B (about Y)", "C (about Z)"];
 
@@ -69,9 +69,10 @@ export function jogPage(place, app) {
       settings.kind === "base" && along);
     values = axes.map(() => h("output", { class: "value" }));
     put(rows, axes.map((axis, number) => {
-      const name = joint ? axis : NAMES[number];
+      const short = joint && !axes.some((one) => /^J[0-9]+$/i.test(one)) ? `J${number + 1}` : "";
+      const name = joint ? `${short} ${axis}`.trim() : NAMES[number];
       const key = (sign) => {
-        const made = h("button", { type: "button", class: "jog", "aria-label": `${name} ${sign > 0 ? "plus" : "minus"}`, "data-axis": axis, "data-sign": sign }, `${axis.length > LONG ? "" : joint ? axis : axis.toUpperCase()}${sign > 0 ? "+" : "−"}`);
+        const made = h("button", { type: "button", class: "jog", "aria-label": `${name} ${sign > 0 ? "plus" : "minus"}`, "data-axis": axis, "data-sign": sign }, `${axis.length > LONG ? short : joint ? axis : axis.toUpperCase()}${sign > 0 ? "+" : "−"}`);
         holdable(made, holding, `${axis}${sign}`, () => (joint ? { joint: axis, sign } : { axis, sign }));
         return made;
       };

@@ -9,12 +9,14 @@ import numpy as np
 
 from yarclang.calibration.touching import FrameTouching, HomeTouching, TipTouching, Touching
 from yarclang.calibration.writing import frame_line, with_offsets, with_tip
+from yarclang.repl.cell_frames import cell_file, cell_of, write_into_cell
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.session import Session
 from yarclang.repl.texts import read_exactly, write_exactly
+from yarclang.robot.joint_names import joint_number, listed_joints
 from yarclang.robot.library import list_robots
-from yarclang.robot.model import Robot
+from yarclang.robot.model import Array, Robot
 from yarclang.source import SourceFile
 
 _NAME = re.compile(r"\{?([A-Za-z_]\w*)\}?")
@@ -75,8 +77,7 @@ async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
         case TipTouching(value=found) if found is not None:
             written = await _write_tip(session, touching.name, touching)
         case FrameTouching(value=found) if found is not None:
-            line = frame_line(touching.name, found.base_from_frame, "B")
-            written = await declare(session, touching.name, line, is_frame=True)
+            written = await _write_frame(session, touching.name, found.base_from_frame)
         case HomeTouching(value=found) if found is not None:
             written = await _write_robot(session, lambda file: with_offsets(file, found.offsets))
         case _:
@@ -84,6 +85,14 @@ async def _done(session: Session, rest: str) -> None:  # noqa: ARG001
             return
     if written:
         session.touching = None
+
+
+async def _write_frame(session: Session, name: str, base_from_frame: Array) -> bool:
+    """Write a frame into the cell.toml if the cell has it; otherwise as a FRAME line."""
+    path = await cell_file(session)
+    if path is not None and name in cell_of(session, path).frames:
+        return await write_into_cell(session, path, name, base_from_frame, "B")
+    return await declare(session, name, frame_line(name, base_from_frame, "B"), is_frame=True)
 
 
 async def _write_tip(session: Session, name: str, touching: TipTouching) -> bool:
@@ -158,13 +167,18 @@ def _marks(robot: Robot, words: list[str]) -> dict[str, float]:
         raise Misused("joints and their positions at the marks are needed: J2 0 J3 90")
     marks = {}
     for name, value in zip(words[::2], words[1::2], strict=True):
-        if name.upper() not in robot.joint_names:
-            raise Misused(f"{robot.name} has no joint {name}; its joints are {', '.join(robot.joint_names)}")
+        joint = joint_number(robot.joint_names, name)
+        if joint is None:
+            raise Misused(
+                f"{robot.name} has no joint {name}; its joints are {listed_joints(robot.joint_names)}"
+            )
+        if robot.joint_names[joint] in marks:
+            raise Misused(f"joint {name} is named twice")
         try:
             number = float(value)
         except ValueError:
             raise Misused(f"{value!r} isn't a position") from None
-        marks[name.upper()] = number * float(robot.axis_units[robot.joint_names.index(name.upper())])
+        marks[robot.joint_names[joint]] = number * float(robot.axis_units[joint])
     return marks
 
 

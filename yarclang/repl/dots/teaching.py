@@ -9,6 +9,7 @@ import numpy as np
 from yarclang.calibration.writing import frame_line
 from yarclang.coordinator.messages import orders
 from yarclang.coordinator.messages.findings import findings_of
+from yarclang.repl.cell_frames import cell_file, cell_of, write_into_cell
 from yarclang.repl.declaring import declare
 from yarclang.repl.dot import DotCommand, Misused
 from yarclang.repl.session import Session
@@ -19,10 +20,15 @@ _NAME = re.compile(r"(\{)?([A-Za-z_]\w*)(?(1)\})")
 
 async def _teach(session: Session, rest: str) -> None:
     words = rest.split()
+    into_cell = words[:1] == ["cell"] and len(words) > 1
+    words = words[into_cell:]
     found = _NAME.fullmatch(words[0]) if words else None
     if found is None:
         raise Misused("a name is missing: {PICK} for a frame, READY for a joint position")
     name, is_frame = found[2].upper(), bool(found[1])
+    if into_cell:
+        await _teach_cell(session, name, words) if is_frame else _no_joints_in_cell()
+        return
     if not is_frame:
         if len(words) > 1:
             raise Misused("a joint position has no frame")
@@ -40,6 +46,26 @@ async def _teach(session: Session, rest: str) -> None:
         await declare(session, name, line, is_frame=True)
 
 
+def _no_joints_in_cell() -> None:
+    raise Misused("a frame is taught into the cell: .teach cell {PICK}")
+
+
+async def _teach_cell(session: Session, name: str, words: list[str]) -> None:
+    """Write the tool's pose as a frame into the cell.toml of the session."""
+    path = await cell_file(session)
+    if path is None:
+        raise Misused('there is no cell: write `cell = "cell.toml"` into yarc.toml, or type CELL "cell.toml"')
+    known = cell_of(session, path).frames.get(name)
+    parent = words[1].strip("{}").upper() if words[1:] else known.parent if known is not None else "B"
+    if known is not None and parent != known.parent:
+        raise Misused(f"{{{name}}} hangs on {{{known.parent}}} in {path.name}, and stays there")
+    moving = f"{{{words[2].strip('{}').upper()}}}" if words[2:] else "{TCP}"
+    where = await session.attached.ask(orders.AskPlace(base="{B}", moving=moving))
+    session.show(findings_of(where.findings))
+    if where.pose is not None:
+        await write_into_cell(session, path, name, np.array(where.pose), parent)
+
+
 def joints_line(name: str, robot: Robot, joints: Array) -> str:
     """Return `JOINTS NAME q1 ... (deg)` of joint positions (n,) [rad or m], to 0.0001 deg or mm."""
     values = " ".join(
@@ -51,10 +77,10 @@ def joints_line(name: str, robot: Robot, joints: Array) -> str:
 COMMANDS = (
     DotCommand(
         ".teach",
-        "NAME | {NAME} [BASE [MOVING]]",
+        "NAME | [cell] {NAME} [BASE [MOVING]]",
         "name where the robot stands: its joints, or the tool's pose as a frame",
         "teaching",
         _teach,
-        doc="A name that is declared already is touched up: the person sees both lines and is asked, and the loaded file's line is changed as well.",
+        doc="A name that is declared already is touched up: the person sees both lines and is asked, and the loaded file's line is changed as well. `.teach cell {NAME}` writes the frame into the cell.toml; a frame that is there keeps its parent, and comments and order stay.",
     ),
 )

@@ -18,6 +18,7 @@ from yarclang.report.pictures.palette import CORNER_COLOUR, Bar, joint_style
 from yarclang.report.pictures.passed import Passed
 from yarclang.report.pictures.tool_trace import ToolTrace
 from yarclang.report.pictures.trace import Peak, Trace, has_limits, peak_of
+from yarclang.robot.joint_names import joint_labels
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -52,7 +53,7 @@ def draw_panels(
 ) -> None:
     """Draw a ribbon of commands, and the panels below it, over one axis of time."""
     robot = plan.robot
-    joints = robot.joint_names
+    joints = joint_labels(robot.joint_names)
     motors = tuple(f"motor {number}" for number in robot.controller.motors)
     panels = [
         _Panel("joint position", trace.position, joints, "−100 % is the lower limit, +100 % the upper"),
@@ -272,7 +273,9 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
 
     robot = plan.robot
     handles: list[Line2D | Patch] = []
-    for joint, (name, limited) in enumerate(zip(robot.joint_names, has_limits(robot), strict=True)):
+    for joint, (name, limited) in enumerate(
+        zip(joint_labels(robot.joint_names), has_limits(robot), strict=True)
+    ):
         colour, style = joint_style(joint)
         label = name if limited else f"{name}*"
         handles.append(Line2D([], [], color=colour, linestyle=style, linewidth=2.0, label=label))

@@ -40,9 +40,10 @@ class Calls:
         sub = self._meant(statement, file, scope)
         if sub is None:
             return None
-        inner, head, source = Scope(sub.scope), sub.block.head, sub.file.findings.source
-        if not bind(statement, scope, file.findings, head, source, inner):
+        inner = bind(statement, scope, file.findings, sub)
+        if inner is None:
             return None
+        head, source = sub.block.head, sub.file.findings.source
         self._subs.append(sub)
         self._given.append(given_by(statement, file.findings.source, head, source, self.given))
         return sub, inner

@@ -15,7 +15,8 @@ from yarclang.frozen import frozen
 from yarclang.progress import tell
 from yarclang.semantics.control.arguments import names_in
 from yarclang.semantics.control.conditional import KnownBehind
-from yarclang.semantics.control.parameters import bind_some, names_of_parameters
+from yarclang.semantics.control.matching import arguments_by_name
+from yarclang.semantics.control.parameters import bind_some
 from yarclang.semantics.control.repeats import AT_MOST, MOST_COMMANDS, MOST_ROUNDS, counted, repeats
 from yarclang.semantics.files import File, Sub, values_of
 from yarclang.semantics.names.scope import Routine, Scope
@@ -273,10 +274,10 @@ class Counter:
         if not isinstance(sub, Sub) or sub in self._inside:
             return self._fault()
         needed = self._needed(sub.block.body, sub.scope)
-        inner = Scope(sub.scope)
-        given = bind_some(statement, scope, file.findings.source, sub.block.head, inner, needed)
-        if given is None:
+        bound = bind_some(statement, scope, file.findings.source, sub, needed)
+        if bound is None:
             return self._fault()
+        inner, given = bound
         tally = self._subs.get((sub, given))
         if tally is None:
             self._inside.append(sub)
@@ -348,7 +349,7 @@ class Counter:
         if not isinstance(found, Routine) or not isinstance(sub := found.sub, Sub):
             return
         needed = self._needed(sub.block.body, sub.scope)
-        for name, value in zip(names_of_parameters(sub.block.head), values[1:], strict=False):
+        for name, value in arguments_by_name(statement, sub.block.head).items():
             if name in needed and isinstance(value, Computed):
                 yield from names_in(value.expression)
 

@@ -10,8 +10,15 @@ from yarclang.diagnostics import Collector
 from yarclang.hir import Output
 from yarclang.robot.model import Robot
 from yarclang.semantics.control.arguments import Given, names_in
+from yarclang.semantics.control.matching import (
+    arguments_by_name,
+    matched,
+    names_of_parameters,
+    parameters_of,
+    word_of,
+)
 from yarclang.semantics.declared.meanings import frame_may_be_declared, may_be_declared
-from yarclang.semantics.files import values_of
+from yarclang.semantics.files import Sub
 from yarclang.semantics.names.frames import known_frame
 from yarclang.semantics.names.scope import KINDS, Frame, Input, JointPosition, Named, Pose, Scope, Where
 from yarclang.semantics.values.amounts import Amount, AmountError, no_unit
@@ -24,7 +31,7 @@ from yarclang.units import UNITS, Unit
 
 
 def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Collector) -> None:
-    """Check the names and units of a SUB's parameters.
+    """Check the names, units and defaults of a SUB's parameters.
 
     Args:
         head: the SUB line.
@@ -38,85 +45,82 @@ def check_parameters(head: Statement, scope: Scope, robot: Robot, findings: Coll
             if frame_may_be_declared(head, parameter, seen, findings):
                 seen.declare_frame(parameter.name, Frame(np.eye(4), on_flange=False))
             continue
-        word = _word(parameter)
+        word = word_of(parameter)
         if word is not None and may_be_declared(head, word, seen, robot, findings, may_hide=True):
             seen.declare(word.name, Amount(0.0), Where(findings.source, head.span(word.place)))
         if isinstance(parameter, Parameter) and (unit := parameter.unit) and unit.text.lower() not in UNITS:
             findings.add_error(no_unit(unit.text), head.span(unit.place))
+        elif isinstance(parameter, Parameter) and parameter.default is not None:
+            # A default sees what the SUB sees, not the parameters before it.
+            where = Where(findings.source, head.span(parameter.place))
+            _bind_one(parameter, parameter.default, Scope(), head, scope, where, findings)
 
 
-def bind(
-    statement: Statement, scope: Scope, findings: Collector, head: Statement, source: SourceFile, inner: Scope
-) -> bool:
+def bind(statement: Statement, scope: Scope, findings: Collector, sub: Sub) -> Scope | None:
     """Declare the parameters of a SUB with the arguments of a CALL.
 
     Args:
         statement: the CALL.
         scope: the names that are known there.
         findings: the findings of the CALL's file; receives one for each argument that doesn't fit.
-        head: the SUB's first line.
-        source: the SUB's file.
-        inner: the scope of the SUB's body; receives the parameters.
+        sub: the SUB.
 
     Returns:
-        True if all arguments fit.
+        The scope of the SUB's body, with the parameters; None if an argument doesn't fit.
     """
-    wanted, given = parameters_of(head), values_of(statement)[1:]
-    if len(given) != len(wanted):
-        listed = " ".join(value.text for value in wanted) or "nothing"
-        message = (
-            f"{values_of(head)[0].text} wants {len(wanted)} argument{'s' * (len(wanted) != 1)} ({listed}), "
-            f"{len(given)} given"
-        )
-        name = values_of(head)[0].text
-        help_ = f"write CALL {name} {listed}, with a value for each" if wanted else f"write CALL {name} alone"
-        findings.add("Y0411", message, statement.whole_span, help_)
-        return False
-    fine = True
-    for parameter, value in zip(wanted, given, strict=True):
+    head, source = sub.block.head, sub.file.findings.source
+    given = matched(statement, head, findings)
+    if given is None:
+        return None
+    inner, fine = Scope(sub.scope), True
+    for parameter, value in zip(parameters_of(head), given, strict=True):
         where = Where(source, head.span(parameter.place))
-        fine &= _bind_one(parameter, value, inner, statement, scope, where, findings)
-    return fine
+        if value is None:
+            fine &= _bind_default(parameter, inner, sub, where)
+        else:
+            fine &= _bind_one(parameter, value, inner, statement, scope, where, findings)
+    return inner if fine else None
 
 
 def bind_some(
-    statement: Statement,
-    scope: Scope,
-    source: SourceFile,
-    head: Statement,
-    inner: Scope,
-    names: Container[str],
-) -> tuple[Named | None, ...] | None:
+    statement: Statement, scope: Scope, source: SourceFile, sub: Sub, names: Container[str]
+) -> tuple[Scope, tuple[Named | None, ...]] | None:
     """Declare some parameters of a SUB with the arguments of a CALL, without findings.
 
     Args:
         statement: the CALL.
         scope: the names that are known there.
         source: the CALL's file.
-        head: the SUB's first line.
-        inner: the scope of the SUB's body; receives the parameters.
+        sub: the SUB.
         names: the parameters, in upper case; frames are never declared.
 
     Returns:
-        The meanings of these parameters; None if an argument doesn't fit.
+        The scope of the SUB's body, with these parameters, and their meanings; None if an argument doesn't fit.
     """
-    wanted, given = parameters_of(head), values_of(statement)[1:]
-    if len(given) != len(wanted):
+    head, silent = sub.block.head, Collector(source)
+    given = matched(statement, head, silent)
+    if given is None:
         return None
-    where, silent = Where(source, head.whole_span), Collector(source)
+    inner, where = Scope(sub.scope), Where(source, head.whole_span)
     found: list[Named | None] = []
-    for name, parameter, value in zip(names_of_parameters(head), wanted, given, strict=True):
+    for name, parameter, value in zip(names_of_parameters(head), parameters_of(head), given, strict=True):
         if name in names:
-            if not _bind_one(parameter, value, inner, statement, scope, where, silent):
+            if value is None:
+                fine = _bind_default(parameter, inner, sub, where)
+            else:
+                fine = _bind_one(parameter, value, inner, statement, scope, where, silent)
+            if not fine:
                 return None
             found.append(inner.declared(name))
-    return tuple(found)
+    return inner, tuple(found)
 
 
-def names_of_parameters(head: Statement) -> list[str]:
-    """Return the names of a SUB's parameters in upper case; empty for a frame."""
-    words = map(_word, parameters_of(head))
-    return [word.name if word is not None else "" for word in words]
+def _bind_default(parameter: Value, inner: Scope, sub: Sub, where: Where) -> bool:
+    """Declare a parameter with its default; a default that doesn't fit was reported at the SUB."""
+    assert isinstance(parameter, Parameter)
+    assert parameter.default is not None
+    silent = Collector(sub.file.findings.source)
+    return _bind_one(parameter, parameter.default, inner, sub.block.head, sub.scope, where, silent)
 
 
 def _bind_one(
@@ -217,26 +221,20 @@ def given_by(
         outer: texts about the arguments of the SUB around the CALL; they follow for its parameters.
     """
     told: dict[str, str] = {}
-    for parameter, value in zip(parameters_of(head), values_of(statement)[1:], strict=True):
-        word = _word(parameter)
-        if word is not None:
+    given = arguments_by_name(statement, head)
+    for parameter in parameters_of(head):
+        word = word_of(parameter)
+        if word is None:
+            continue
+        if (value := given.get(word.name)) is not None:
             line = Where(caller, statement.span(value.place)).seen_from(source)
             said = [f"{word.text} is `{value.text}` in {line}"]
             if isinstance(value, Computed):
                 said += (outer[name] for name in dict.fromkeys(names_in(value.expression)) if name in outer)
             told[word.name] = ", and there ".join(said)
+        elif isinstance(parameter, Parameter) and parameter.default is not None:
+            told[word.name] = f"{word.text} is `{parameter.default.text}` by default"
     return told
-
-
-def parameters_of(head: Statement) -> list[Value]:
-    """Return the parameters of a SUB: the values after the name in its first line."""
-    return values_of(head)[1:]
-
-
-def _word(parameter: Value) -> Word | None:
-    if isinstance(parameter, Parameter):
-        return parameter.word
-    return parameter if isinstance(parameter, Word) else None
 
 
 def _unit_of(parameter: Value) -> Unit | None:

@@ -16,6 +16,7 @@ import numpy as np
 from yarclang.diagnostics import Collector, Result
 from yarclang.frozen import frozen
 from yarclang.hir import Array, Timetable
+from yarclang.robot.joint_names import numbers_by_name
 from yarclang.robot.model import Robot
 from yarclang.semantics.values.evaluate import LARGEST_NUMBER
 from yarclang.semantics.values.poses import check_limits
@@ -260,7 +261,7 @@ def _columns(
         return None
     cells = _cells(text, line)
     known = joint_names(robot)
-    numbered = {f"j{number}": number - 1 for number in range(1, robot.size + 1) if f"j{number}" not in known}
+    numbered = {name.lower(): number for name, number in numbers_by_name(robot.joint_names).items()}
     found_: dict[tuple[int, int], _Cell] = {}
     for cell in cells:
         name, order = rate_of(cell.name)

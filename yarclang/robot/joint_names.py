@@ -1,0 +1,53 @@
+"""Names of joints: those of the URDF, and the short ones J1, J2 and so on in the robot's order."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+
+_NUMBERED = re.compile(r"J[0-9]+", re.IGNORECASE)
+
+
+def has_short_names(names: Sequence[str]) -> bool:
+    """Return True if J1, J2 and so on name these joints by their number.
+
+    They don't if a joint has such a name of its own: J1 of an arm with joints J0 to J5 would be two joints.
+    """
+    return not any(_NUMBERED.fullmatch(name) for name in names)
+
+
+def numbers_by_name(names: Sequence[str]) -> Mapping[str, int]:
+    """Return the number of each joint, from 0, by all of its names in upper case."""
+    found = (
+        {f"J{number}": number - 1 for number in range(1, len(names) + 1)} if has_short_names(names) else {}
+    )
+    return found | {name.upper(): number for number, name in enumerate(names)}
+
+
+def joint_number(names: Sequence[str], name: str) -> int | None:
+    """Return the number of the joint with a name, from 0, in any case; None without one.
+
+    Args:
+        names: the robot's joint names.
+        name: the name of the URDF, or the short one.
+    """
+    return numbers_by_name(names).get(name.upper())
+
+
+def joint_labels(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the names for people: `J2 shoulder_lift_joint`, or the robot's own if it has no short ones."""
+    if not has_short_names(names):
+        return tuple(names)
+    return tuple(f"J{number} {name}" for number, name in enumerate(names, 1))
+
+
+def short_labels(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the shortest unambiguous names: J1, J2 and so on, or the robot's own."""
+    return tuple(f"J{number + 1}" for number in range(len(names))) if has_short_names(names) else tuple(names)
+
+
+def listed_joints(names: Sequence[str]) -> str:
+    """Return the joints for a message about an unknown one: `J1 (shoulder_pan_joint), J2 (...)`."""
+    if not has_short_names(names):
+        return ", ".join(names)
+    return ", ".join(f"J{number} ({name})" for number, name in enumerate(names, 1))

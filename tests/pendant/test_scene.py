@@ -18,10 +18,10 @@ from yarclang.coordinator.messages.events import Began, OutputSet, Told
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.scene.meshes import blob_of
 from yarclang.pendant.scene.placements import moved_links, packed, quaternions
+from yarclang.report.solids import solid_of
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.shapes import Box, Cylinder, Sphere
-from yarclang.view.solids import solid_of
 
 NEAR = """
 units = "mm,deg,s"

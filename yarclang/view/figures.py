@@ -11,12 +11,12 @@ import numpy as np
 
 from yarclang.collision.scene import Scene
 from yarclang.findings import Severity
+from yarclang.report.clearance import SEEN, Near
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
 from yarclang.view import colours
-from yarclang.view.clearance import SEEN, Near
 from yarclang.view.stage import Colour, Mark, Piece, Stage
 from yarclang.view.track import followed
 

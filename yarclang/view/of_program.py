@@ -38,6 +38,7 @@ from yarclang.lint.registry import everything
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.progress import each
 from yarclang.report.carried import Carried, carried_in_plan
+from yarclang.report.clearance import near
 from yarclang.report.distances import distances_of
 from yarclang.report.nearest import nearest_places
 from yarclang.report.pictures.drawn_frame import drawn_frame
@@ -45,7 +46,6 @@ from yarclang.report.pictures.plot import time_facts
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
-from yarclang.view.clearance import near
 from yarclang.view.parts import facts_of_motion, facts_of_set, parts_of_plan, with_parts
 from yarclang.view.stage import Later, Mark, Piece, Scenes, Stage, Worst
 from yarclang.view.surroundings import surroundings_of

@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from yarclang.report.clearance import SEEN, near, touching
 from yarclang.robot.model import Array
 from yarclang.units import MM
 from yarclang.view import colours, figures
-from yarclang.view.clearance import SEEN, apart_over, near, touching
+from yarclang.view.clearance import apart_over
 from yarclang.view.door import Door, opened
 from yarclang.view.panel import Order, Panel
 from yarclang.view.picking import ANGLE, beside, picked_time

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from yarclang.cell.model import Cell
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.findings import Severity
+from yarclang.report.solids import Solid
 from yarclang.robot.kinematics.fk import joint_transform
 from yarclang.robot.model import Array, Chain, Robot
-from yarclang.view.solids import Solid
 
 Colour = tuple[int, int, int]
 Kind = Literal["robot", "tool", "obstacle", "zone", "part", "shape"]

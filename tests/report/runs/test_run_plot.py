@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from report.runs.made_up_runs import ANCHOR, made, progress, samples, whole, write
 
 from yarclang.cli.yarc import main
-from yarclang.report.pictures.plot import SIZE
+from yarclang.report.runs.plot import SIZE
 from yarclang.report.runs import panels as run_panels
 from yarclang.report.runs import plot as run_plot
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of

@@ -20,7 +20,7 @@ from yarclang.report.pictures.palette import bars_of
 from yarclang.report.pictures.panels import draw_panels
 from yarclang.report.pictures.passed import passed_corners
 from yarclang.report.pictures.scene import draw_scene
-from yarclang.report.pictures.style import picture_style
+from yarclang.report.pictures.style import picture_style, printable
 from yarclang.report.pictures.tool_trace import tool_trace_of
 from yarclang.report.pictures.toolpath import tool_path_of
 from yarclang.report.pictures.trace import trace_of
@@ -106,11 +106,6 @@ def duration_text(seconds: float) -> str:
         return f"{tenths // 600} min {tenths % 600 / 10:04.1f} s"
     whole = round(seconds)
     return f"{whole // 3600} h {whole // 60 % 60:02} min {whole % 60:02} s"
-
-
-def printable(text: str) -> str:
-    """Return the text with a dot for each character that can't be drawn."""
-    return "".join(character if character.isprintable() else "·" for character in text)
 
 
 def saved(figure: Figure, format_: Format) -> bytes:

@@ -28,3 +28,8 @@ def picture_style() -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)
         yield
+
+
+def printable(text: str) -> str:
+    """Return the text with a dot for each character that can't be drawn."""
+    return "".join(character if character.isprintable() else "·" for character in text)

@@ -85,9 +85,7 @@ def _draw_stretches(axes: Axes, signal: SignalRow, middle: float, colour: str, f
         zorder=3,
     )
     spans = [(begins / factor, (ends - begins) / factor) for begins, ends, _ in on]
-    axes.broken_barh(
-        spans, (middle - _HIGH / 2.0, _HIGH), color=colour, alpha=0.75, linewidth=0.6, zorder=3
-    )
+    axes.broken_barh(spans, (middle - _HIGH / 2.0, _HIGH), color=colour, alpha=0.75, linewidth=0.6, zorder=3)
     for begins, _, value in [one for one in on if one[2] != 1.0][:_MOST_TEXTS]:
         axes.text(
             begins / factor, middle, f" {state_text(value)}", fontsize=7, color="white", va="center", zorder=5

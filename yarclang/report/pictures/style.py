@@ -33,3 +33,14 @@ def picture_style() -> Iterator[None]:
 def printable(text: str) -> str:
     """Return the text with a dot for each character that can't be drawn."""
     return "".join(character if character.isprintable() else "·" for character in text)
+
+
+LONGEST_NAME = 14
+"""Most characters of a name among others in a picture."""
+
+
+def short_name(name: str) -> str:
+    """Return a name that can be drawn, of at most `LONGEST_NAME` characters, with its middle left out."""
+    name = printable(name)
+    kept = (LONGEST_NAME - 1) // 2
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1 - kept]}…{name[-kept:]}"

@@ -1,4 +1,6 @@
-"""Two rows below the joints' shares: the tool's speed, and the arm's distance from a singularity."""
+"""Rows below the joints' shares: the tool's speed, the arm's distance from a singularity, and the
+distances of bodies.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from yarclang.hir import Array
+from yarclang.report.clearance import SEEN
+from yarclang.report.pictures.clearance import Clearance
+from yarclang.report.pictures.style import short_name
 from yarclang.report.pictures.tool_trace import ToolTrace
+from yarclang.units import MM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +34,9 @@ _ZOOMED_HEIGHT = 0.75
 
 _TOGETHER = 1e-6
 """Difference below which times count as equal [s]."""
+
+_LEAST_SPEED = 1.0
+"""Least top of the speed's scale [mm/s]. Less would show rounding as motion."""
 
 _STILL = 1e-6
 """Speeds below this are rounding [mm/s]."""
@@ -75,7 +84,7 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
     Returns:
         A remark on the scale.
     """
-    axes.set_ylim(0.0, max(1.12 * top, _STILL))
+    axes.set_ylim(0.0, max(1.12 * top, _LEAST_SPEED))
     if not wanted:
         return ""
     inner = 1.25 * wanted
@@ -113,6 +122,22 @@ def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, wid
     axes.set_ylim(0.0, max(1.15 * float(trace.singular.max()), _LEAST_TOP))
     row = int(np.argmin(trace.singular))
     return f"least: {trace.singular[row]:.2g}, at {trace.times[row] / factor:.4g} {unit}"
+
+
+def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width: float) -> str:
+    """Draw the smallest distance of two bodies; times in units of `factor` [s].
+
+    Returns:
+        The least value in words, with the pair of bodies.
+    """
+    _curve(axes, trace.times / factor, trace.apart / MM, width)
+    axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
+    axes.set_ylim(0.0, 1.12 * SEEN / MM)
+    row = int(np.argmin(trace.apart))
+    if not trace.pair:
+        return f"nowhere below {SEEN / MM:g} mm"
+    first, second = map(short_name, trace.pair)
+    return f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} {unit}"
 
 
 def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:

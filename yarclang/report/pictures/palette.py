@@ -73,12 +73,13 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
 
     count = len(plan.motions)
     number = min(count, MOST_BARS)
-    firsts = [bar * count // number for bar in range(number)]
+    bounds = [bar * count // number for bar in range(number + 1)] if number else [0]
+    firsts = bounds[:-1]
     origins = [plan.origin_of(first) for first in firsts]
     lines = [(origin.source.name, origin.span.line) for origin in origins]
     rank = {line: place for place, line in enumerate(dict.fromkeys(lines))}
     bars = []
-    for first, end, origin, line in zip(firsts, [*firsts[1:], count], origins, lines, strict=True):
+    for first, end, origin, line in zip(firsts, bounds[1:], origins, lines, strict=True):
         # from the dark end to a colour that is visible on white
         red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (rank[line] / max(len(rank) - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5

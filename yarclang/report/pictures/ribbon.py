@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 from yarclang.report.pictures.actions import Action
@@ -64,15 +65,16 @@ def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
 def draw_actions(axes: Axes, actions: tuple[Action, ...], factor: float) -> None:
     """Draw waits and outputs in a row below the ribbon, with their texts if there is room for them."""
     dwells = [one for one in actions if one.sort == "dwell"]
-    axes.broken_barh(
-        [(one.start / factor, (one.end - one.start) / factor) for one in dwells],
-        (0.0, 1.0),
-        facecolors=_DWELL_COLOUR,
-        edgecolors="white",
-        linewidth=1.0 if len(dwells) <= _MOST_BOUNDARIES else 0.0,
-        hatch="////" if len(dwells) <= _MOST_BOUNDARIES else None,
-        label="dwell",
-    )
+    if dwells:
+        axes.broken_barh(
+            [(one.start / factor, (one.end - one.start) / factor) for one in dwells],
+            (0.0, 1.0),
+            facecolors=_DWELL_COLOUR,
+            edgecolors="white",
+            linewidth=1.0 if len(dwells) <= _MOST_BOUNDARIES else 0.0,
+            hatch="////" if len(dwells) <= _MOST_BOUNDARIES else None,
+            label="dwell",
+        )
     for sort, (marker, colour) in _MARKS.items():
         times = [one.start / factor for one in actions if one.sort == sort]
         if times:
@@ -80,13 +82,12 @@ def draw_actions(axes: Axes, actions: tuple[Action, ...], factor: float) -> None
                 times, [_BELOW] * len(times), s=20, marker=marker, color=colour, clip_on=False, label=sort
             )
     width, places = _Widths(axes), sorted({one.start for one in actions})
-    following = dict(zip(places, [*places[1:], math.inf], strict=True))
     free, end = -math.inf, width.pixel(axes.get_xlim()[1])
-    for start in places:
+    for start, following in pairwise([*places, math.inf]):
         texts = dict.fromkeys(one.text for one in actions if one.start == start)
         text = _cut(", ".join(texts))
         left = width.pixel(start / factor) + 7.0
-        until = min(width.pixel(following[start] / factor) - 7.0 if following[start] < math.inf else end, end)
+        until = min(width.pixel(following / factor) - 7.0, end) if following < math.inf else end
         if left >= free and left + width.of(text) <= until:
             axes.text(start / factor, _BELOW, f"  {text}", ha="left", va="center", fontsize=8, color="0.2")
             free = left + width.of(text) + 10.0

@@ -58,15 +58,16 @@ def draw_rows(axes: Axes, rows: tuple[SignalRow, ...], end: float, factor: float
                 for begins, ends, met in signal.waits
                 if met == is_met
             ]
-            axes.broken_barh(
-                waits,
-                (middle - 0.45, 0.9),
-                facecolor="none" if is_met else WAIT,
-                edgecolor=WAIT,
-                alpha=1.0 if is_met else 0.5,
-                linewidth=1.4,
-                zorder=4,
-            )
+            if waits:
+                axes.broken_barh(
+                    waits,
+                    (middle - 0.45, 0.9),
+                    facecolor="none" if is_met else WAIT,
+                    edgecolor=WAIT,
+                    alpha=1.0 if is_met else 0.5,
+                    linewidth=1.4,
+                    zorder=4,
+                )
     axes.set_ylim(-0.6, len(shown) - 0.4)
     axes.set_yticks(range(len(shown)), [_cut(signal.name) for signal in reversed(shown)])
     axes.tick_params(length=0, labelsize=8)
@@ -85,7 +86,10 @@ def _draw_stretches(axes: Axes, signal: SignalRow, middle: float, colour: str, f
         zorder=3,
     )
     spans = [(begins / factor, (ends - begins) / factor) for begins, ends, _ in on]
-    axes.broken_barh(spans, (middle - _HIGH / 2.0, _HIGH), color=colour, alpha=0.75, linewidth=0.6, zorder=3)
+    if spans:
+        axes.broken_barh(
+            spans, (middle - _HIGH / 2.0, _HIGH), color=colour, alpha=0.75, linewidth=0.6, zorder=3
+        )
     for begins, _, value in [one for one in on if one[2] != 1.0][:_MOST_TEXTS]:
         axes.text(
             begins / factor, middle, f" {state_text(value)}", fontsize=7, color="white", va="center", zorder=5

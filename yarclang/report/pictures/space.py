@@ -25,7 +25,7 @@ WHOLE: Place = (0.648, 0.13, 0.343, 0.76)
 VIEW = (24.0, -52.0)
 """Elevation and azimuth of the view on the box [deg]."""
 
-_MARGINS = np.array([48.0, 26.0])
+_MARGINS = np.array([48.0, 40.0])
 """Space for the labels of the axes beside, and below and above the box [pixels]."""
 
 _SLIMMEST = 0.35
@@ -120,7 +120,7 @@ def space_legend(figure: Figure, handles: Sequence[Artist], place: Place, column
     figure.legend(
         handles=list(handles),
         loc="upper center",
-        bbox_to_anchor=(place[0] + place[2] / 2.0, place[1] - 0.004),
+        bbox_to_anchor=(place[0] + place[2] / 2.0, place[1] - 0.002),
         ncols=max(columns, 1),
         frameon=False,
         fontsize=8,

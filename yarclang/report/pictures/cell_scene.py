@@ -59,7 +59,7 @@ def draw_cell(
     figure: Figure, path: ToolPath, bars: tuple[Bar, ...], surroundings: Surroundings, place: Place
 ) -> None:
     """Draw the robot, its cell and the path."""
-    axes = space_axes(figure, place)
+    axes = space_axes(figure, place, "cell")
     low, high = _box(path.points, surroundings)
     longest = float((high - low).max())
     drawn = [

@@ -80,7 +80,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
         right=_RIGHT,
         top=_TOP,
         bottom=_BOTTOM,
-        hspace=0.34 + 0.02 * (len(heights) - 6),
+        hspace=0.40 + 0.02 * (len(heights) - 6),
     )
     ribbon = figure.add_subplot(grid[0])
     ribbon.set_xlim(float(trace.times[0]) / factor, float(trace.times[-1]) / factor)
@@ -336,19 +336,35 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
     legend_row(figure, handles, _LEFT, 0.931)
 
 
-def legend_row(figure: Figure, handles: Sequence[Artist], left: float, height: float) -> None:
-    """Draw a legend in one row, with its left end at a place of the figure (shares of its width and
-    height).
+def legend_row(
+    figure: Figure, handles: Sequence[Artist], left: float, height: float, right: float = _RIGHT
+) -> None:
+    """Draw a legend in one row, or in two if it would be too long for one.
+
+    Args:
+        figure: to draw on.
+        handles: its entries.
+        left: left end, as a share of the figure's width.
+        height: of its middle, as a share of the figure's height.
+        right: the farthest right end, as a share of the figure's width.
     """
-    figure.legend(
-        handles=list(handles),
-        loc="center left",
-        bbox_to_anchor=(left, height),
-        ncols=len(handles),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        frameon=False,
-        fontsize=9,
-        handlelength=1.6,
-        columnspacing=1.4,
-    )
+    canvas: Any = figure.canvas
+    room = (right - left) * figure.bbox.width
+    for rows, size in ((1, 9.0), (1, 8.0), (2, 8.0), (2, 7.0), (3, 6.5)):
+        legend = figure.legend(
+            handles=list(handles),
+            loc="center left",
+            bbox_to_anchor=(left, height),
+            ncols=-(-len(handles) // rows),
+            borderpad=0.0,
+            borderaxespad=0.0,
+            frameon=False,
+            fontsize=size,
+            handlelength=1.6,
+            columnspacing=1.4,
+            labelspacing=0.25,
+        )
+        if legend.get_window_extent(canvas.get_renderer()).width <= room:
+            return
+        legend.remove()
+    figure.add_artist(legend)  # too many names for any row

@@ -105,8 +105,8 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
     count = len(plan.motions)
     motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion: the robot stands still"
     facts = (plan.robot.name, *time_facts(plan.lasting, plan.duration), motions)
-    figure.text(0.045, 0.970, name, fontsize=17, fontweight="bold", color="0.1")
-    figure.text(0.045, 0.950, "   ·   ".join(facts), fontsize=11, color="0.3")
+    figure.text(0.052, 0.970, name, fontsize=17, fontweight="bold", color="0.1")
+    figure.text(0.052, 0.950, "   ·   ".join(facts), fontsize=11, color="0.3")
 
 
 def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:

@@ -25,7 +25,7 @@ _DWELL_COLOUR = "0.75"
 _BELOW = -0.42
 """Height of the row of actions, in heights of the ribbon."""
 
-_LONGEST = 24
+_LONGEST = 40
 """Most characters of an action."""
 
 

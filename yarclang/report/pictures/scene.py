@@ -29,7 +29,7 @@ def draw_scene(figure: Figure, path: ToolPath, bars: tuple[Bar, ...], corners: P
     """Draw the path with each command in its colour, the way-points, corners passed in motion, and start and
     end.
     """
-    axes = space_axes(figure, place)
+    axes = space_axes(figure, place, "path")
     low, high = box_around(path.points)
     width = line_width(bars)
     if bars:

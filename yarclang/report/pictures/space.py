@@ -25,7 +25,7 @@ WHOLE: Place = (0.648, 0.13, 0.343, 0.76)
 VIEW = (24.0, -52.0)
 """Elevation and azimuth of the view on the box [deg]."""
 
-_MARGINS = np.array([48.0, 40.0])
+_MARGINS = np.array([60.0, 40.0])
 """Space for the labels of the axes beside, and below and above the box [pixels]."""
 
 _SLIMMEST = 0.35
@@ -42,14 +42,14 @@ _LINES: dict[Sort, tuple[float, Any, str]] = {
 """Width relative to other lines, style, and label of each sort of motion."""
 
 
-def space_axes(figure: Figure, place: Place) -> Any:
+def space_axes(figure: Figure, place: Place, label: str) -> Any:
     """Add axes around a place: matplotlib draws 3D axes in squares, and clips at their borders."""
     left, bottom, width, height = place
     size = figure.get_size_inches()
     side = max(width * size[0], height * size[1])
     across, up = side / size[0], side / size[1]
     square = (left + (width - across) / 2.0, bottom + (height - up) / 2.0, across, up)
-    axes: Any = figure.add_axes(square, projection="3d", computed_zorder=False)
+    axes: Any = figure.add_axes(square, projection="3d", computed_zorder=False, label=label)
     axes.patch.set_visible(False)  # the background would cover the panels
     return axes
 

@@ -35,7 +35,7 @@ def printable(text: str) -> str:
     return "".join(character if character.isprintable() else "·" for character in text)
 
 
-LONGEST_NAME = 14
+LONGEST_NAME = 20
 """Most characters of a name among others in a picture."""
 
 

@@ -198,7 +198,7 @@ def _draw_legend(figure: Figure, shown: Shown) -> None:
         handles.append(Patch(color=colour, alpha=min(1.0, 1.5 * alpha), lw=0, label=state.value))
     if not_run(shown):
         handles.append(Patch(color=NOT_RUN, lw=0, label="not run"))
-    legend_row(figure, handles, _LEFT, 0.909)
+    legend_row(figure, handles, _LEFT, 0.909, _RIGHT)
 
 
 def _cut(text: str, most: int) -> str:

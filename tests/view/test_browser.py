@@ -194,3 +194,30 @@ def test_ctrl_c_ends_it(program):
     with viewed(str(program)) as (_, process):
         pass
     assert process.returncode == 0
+
+
+def test_curves_stand_beside_the_time_and_a_frame_can_be_chosen(page):
+    browser, _, _ = page
+    press(browser, "Curves")
+    lines = "return document.querySelectorAll('svg polyline').length"
+    waited(lambda: browser.execute_script(lines) == 13)
+    share = "const one = document.querySelector('[data-instant]'); return one ? +one.dataset.instant : -1"
+    press(browser, "Commands")
+    press(browser, "P0050 MOVEL")
+    press(browser, "Curves")
+    waited(lambda: browser.execute_script(share) > 0.1)
+    # the marker lies over the pictures, at the share of their width
+    places = browser.execute_script(
+        "const one = document.querySelector('[data-instant]');"
+        "const svg = [...document.querySelectorAll('svg')].filter(s => s.querySelector('polyline'));"
+        "const box = one.getBoundingClientRect(), first = svg[0].getBoundingClientRect(),"
+        " last = svg[svg.length - 1].getBoundingClientRect();"
+        "return [box.left, box.top, box.bottom, first.left, first.width, first.top, last.bottom, +one.dataset.instant]"
+    )
+    left, top, bottom, first_left, width, first_top, last_bottom, at = places
+    assert abs(left - first_left - at * width) < 3.0
+    assert top <= first_top + 3.0
+    assert abs(bottom - last_bottom) < 12.0
+    press(browser, "Frames")
+    waited(lambda: "Choose a frame, drag it" in text_of(browser))
+    press(browser, "Commands")

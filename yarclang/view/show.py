@@ -62,6 +62,7 @@ class _Showing:
         self._values: dict[str, Array] = {"speed": stage.way.speed / MM}
         self._ramps = ramps_of(stage)
         self._piece = -2
+        self._dragged = -1
         self._picture = Picture(server, stage)
         self._panel = Panel(server.gui, stage, self._picture.switches, self._ramps, self._orders.put)
         self._lists = {"piece": self._panel.pieces, "mark": self._panel.marks}
@@ -117,9 +118,25 @@ class _Showing:
             case "find":
                 self._lists[order.value].listing.choose(order.more)
                 self._lists[order.value].draw()
+            case "drag":
+                self._drag(order.value)
+            case "dragged":
+                self._tell_dragged(order.value, order.more)
             case "turn":
                 self._lists[order.value].listing.turn(order.more)
                 self._lists[order.value].draw()
+
+    def _drag(self, number: int) -> None:
+        """Let a frame be dragged; none for -1."""
+        self._dragged = number
+        self._picture.drag(number, lambda position, wxyz: self._orders.put(Order("dragged", position, wxyz)))
+        one = self._stage.draggable[number] if number >= 0 else None
+        self._panel.show_line("" if one is None else one.declaration(one.parent_from_frame))
+
+    def _tell_dragged(self, position: Array, wxyz: Array) -> None:
+        if self._dragged >= 0:
+            one = self._stage.draggable[self._dragged]
+            self._panel.show_line(one.declaration(one.moved_to(position, wxyz)))
 
     def _jump(self, to: float) -> None:
         self._player.plays = False

@@ -17,7 +17,7 @@ from yarclang.pipeline.inputs import Options, open_source
 from yarclang.pipeline.stages import check_program
 from yarclang.source import SourceFile
 from yarclang.transforms import quaternions, rpy_rotation
-from yarclang.view.curves import curves_html, curves_of, key_html, marker_html
+from yarclang.view.curves import curves_html, curves_of, instant_html, key_html
 from yarclang.view.door import Door, opened
 from yarclang.view.dragging import Draggable
 from yarclang.view.panel import Order
@@ -172,8 +172,8 @@ def test_curves_are_those_of_the_motion():
 
 def test_the_marker_is_where_the_time_is():
     for share in (0.0, 0.25, 1.0):
-        assert f'data-instant="{share:.4f}"' in marker_html(3, share)
-        assert f"left:{100.0 * share:.3f}%" in marker_html(3, share)
+        assert f"--yarc-instant: {100.0 * share:.3f}%" in instant_html(share)
+    assert curves_html(curves_of(stage_of(CRASH))).count("var(--yarc-instant") == 1
 
 
 def test_without_time_there_are_no_curves():

@@ -1,6 +1,7 @@
 """Curves over time beside the picture, as SVG: joints in their ranges, joint speeds, and the frame's speed.
 
-The marker of the present instant is a node of its own, so that only few bytes are sent while time runs.
+The marker of the present instant is placed by a style in a node of its own, so that only few bytes are sent while
+time runs.
 """
 
 from __future__ import annotations
@@ -76,8 +77,13 @@ def curves_of(stage: Stage) -> tuple[Curve, ...]:
 
 
 def curves_html(curves: tuple[Curve, ...]) -> str:
-    """Return the pictures of curves, one below the other."""
-    return "".join(_picture(one) for one in curves)
+    """Return the pictures of curves, one below the other, and the marker over all of them."""
+    marker = (
+        '<div style="position:absolute;top:0;bottom:0;left:10px;right:10px;pointer-events:none">'
+        '<div data-marker style="position:absolute;top:0;bottom:0;width:1px;background:#d62828;'
+        'left:var(--yarc-instant, 0%)"></div></div>'
+    )
+    return f'<div style="position:relative">{"".join(map(_picture, curves))}{marker}</div>'
 
 
 def _picture(curve: Curve) -> str:
@@ -114,16 +120,10 @@ def key_html(curves: tuple[Curve, ...]) -> str:
     return f'<div style="font-size:11px;padding:2px 10px">{"".join(swatches)}</div>' if names else ""
 
 
-def marker_html(count: int, share: float) -> str:
-    """Return the marker of the present instant, which lies over `count` pictures that stand above.
+def instant_html(share: float) -> str:
+    """Return the style that places the marker.
 
     Args:
-        count: number of pictures.
         share: of the time that has passed, from 0 to 1.
     """
-    height = count * (_HEIGHT + _GAP)
-    return (
-        '<div style="position:relative;height:0;margin:0 10px">'
-        f'<div data-instant="{share:.4f}" style="position:absolute;left:{100.0 * share:.3f}%;top:{-height:.0f}px;'
-        f'width:1px;height:{height:.0f}px;background:#d62828"></div></div>'
-    )
+    return f"<style>:root {{ --yarc-instant: {100.0 * share:.3f}%; }}</style>"

@@ -13,7 +13,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from yarclang.view import figures
-from yarclang.view.curves import curves_html, curves_of, key_html, marker_html
+from yarclang.view.curves import curves_html, curves_of, instant_html, key_html
 from yarclang.view.dragging import Draggable
 from yarclang.view.listing import Listing
 from yarclang.view.stage import Stage
@@ -173,13 +173,12 @@ class Panel:
                 gui.add_html(_NEAREST)
                 Rows(gui, [one.text for one in stage.worst], "worst", give)
         curves = curves_of(stage)
-        self._curves = len(curves)
         self._instant: Any = None
         if curves:
             with tabs.add_tab("Curves"):
                 gui.add_html(key_html(curves))
                 gui.add_html(curves_html(curves))
-                self._instant = gui.add_html(marker_html(len(curves), 0.0))
+                self._instant = gui.add_html(instant_html(0.0))
         self._line: Any = None
         if stage.draggable:
             with tabs.add_tab("Frames"):
@@ -209,7 +208,7 @@ class Panel:
     def _show_instant(self, time: float) -> None:
         """Move the marker of the curves to a time [s]."""
         if self._instant is not None:
-            self._instant.content = marker_html(self._curves, min(time / self._stage.duration, 1.0))
+            self._instant.content = instant_html(min(time / self._stage.duration, 1.0))
 
     def _slid(self, give: Give, event: Any) -> None:
         if event.client_id is not None:  # otherwise the slider follows the time that is played

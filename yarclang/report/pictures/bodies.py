@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from yarclang.cell.model import Cell, HalfSpace, ShapeRegion
 from yarclang.frozen import frozen
@@ -150,7 +151,7 @@ def _triangles(solid: Solid, pose: Array) -> Array:
     return triangles
 
 
-def _outline(vertices: Array) -> tuple[Array, Array]:
+def _outline(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
     """Return corners and faces of the hull of the extreme corners in `_DIRECTIONS` directions; of the box
     around the corners if they are in a plane.
     """
@@ -168,7 +169,7 @@ def _outline(vertices: Array) -> tuple[Array, Array]:
         corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1).reshape(-1, 3)
         quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
         return corners, np.array([[q[0], *pair] for q in quads for pair in (q[1:3], q[2:4])])
-    faces = hull.simplices.copy()
+    faces: NDArray[np.int64] = hull.simplices.astype(np.int64)
     a, b, c = corners[faces].transpose(1, 0, 2)
     inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
     faces[inward] = faces[inward][:, ::-1]
@@ -197,8 +198,40 @@ def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
         done.append(left[is_small])
         left = _split(left[~is_small])
     found: Array = np.concatenate(done) if done else triangles[:0]
-    middle = found.mean(axis=1)
-    return found[((middle >= low) & (middle <= high)).all(axis=1)]
+    for axis in range(3):
+        found = _cut(_cut(found, axis, -1.0, low[axis]), axis, 1.0, high[axis])
+    return found
+
+
+def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
+    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger than
+    `sign` times `bound`.
+    """
+    beyond = sign * (triangles[:, :, axis] - bound)
+    outside = beyond > 0.0
+    count = outside.sum(axis=1)
+    # turn each triangle that the plane cuts so that its single corner on a side comes first
+    single = np.where(count == 1, outside.argmax(axis=1), (~outside).argmax(axis=1))
+    order = (np.arange(3) + single[:, None]) % 3
+    rows = np.arange(len(triangles))[:, None]
+    a, b, c = triangles[rows, order].transpose(1, 0, 2)
+    at_a, at_b, at_c = beyond[rows, order].T
+    kept = [triangles[count == 0]]
+    for number in (1, 2):
+        here = count == number
+        to_b = (at_a[here] / (at_a[here] - at_b[here]))[:, None]
+        to_c = (at_a[here] / (at_a[here] - at_c[here]))[:, None]
+        on_b = a[here] + to_b * (b[here] - a[here])
+        on_c = a[here] + to_c * (c[here] - a[here])
+        if number == 2:  # the single corner is kept
+            kept.append(np.stack((a[here], on_b, on_c), axis=1))
+        else:
+            kept += [
+                np.stack((on_b, b[here], c[here]), axis=1),
+                np.stack((on_b, c[here], on_c), axis=1),
+            ]
+    found: Array = np.concatenate(kept)
+    return found
 
 
 def _split(triangles: Array) -> Array:
@@ -208,7 +241,8 @@ def _split(triangles: Array) -> Array:
     turned = triangles[np.arange(len(triangles))[:, None], (np.arange(3) + size[:, None]) % 3]
     a, b, c = turned.transpose(1, 0, 2)
     middle = (a + b) / 2.0
-    return np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+    parts: Array = np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+    return parts
 
 
 def box_of(bodies: Iterable[Body]) -> tuple[Array, Array]:

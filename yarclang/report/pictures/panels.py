@@ -86,7 +86,7 @@ def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
     ribbon.set_xlim(float(trace.times[0]) / factor, float(trace.times[-1]) / factor)
     draw_ribbon(ribbon, shown.bars, factor)
     draw_actions(ribbon, shown.actions, factor)
-    rows = [figure.add_subplot(cell, sharex=ribbon) for cell in list(grid)[1:]]
+    rows = [figure.add_subplot(grid[row], sharex=ribbon) for row in range(1, len(heights))]
     left = iter(rows)
     for row, panel in enumerate(quantities):
         axes = next(left)

@@ -25,7 +25,7 @@ WHOLE: Place = (0.648, 0.13, 0.343, 0.76)
 VIEW = (24.0, -52.0)
 """Elevation and azimuth of the view on the box [deg]."""
 
-_MARGINS = np.array([60.0, 40.0])
+_MARGINS = np.array([76.0, 40.0])
 """Space for the labels of the axes beside, and below and above the box [pixels]."""
 
 _SLIMMEST = 0.35
@@ -93,7 +93,7 @@ def dress(axes: Any, low: Array, high: Array, place: Place, title: str) -> None:
     """Set the scales of axes that show the box from `low` to `high` (3,) [mm], and write labels and title."""
     for name, least, most in zip("xyz", low, high, strict=True):
         getattr(axes, f"set_{name}lim")(least, most)
-        getattr(axes, f"set_{name}label")(f"{name} [mm]", labelpad=10 if name == "z" else 6)
+        getattr(axes, f"set_{name}label")(f"{name} [mm]", labelpad=7 if name == "z" else 6)
         axis = getattr(axes, f"{name}axis")
         axis.set_pane_color((0.97, 0.97, 0.97, 1.0))
         axis.pane.set_edgecolor("0.75")

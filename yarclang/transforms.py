@@ -63,6 +63,31 @@ def quaternion_rotation(quaternion: Array) -> Array:
     )
 
 
+def quaternions(turns: Array) -> Array:
+    """Return rotations (..., 3, 3) as unit quaternions x y z w (..., 4), w not negative.
+
+    The largest component is computed from the diagonal, the others from it (Shepperd, 1978): this is exact
+    for turns by any angle.
+    """
+    xx, yy, zz = turns[..., 0, 0], turns[..., 1, 1], turns[..., 2, 2]
+    x, y, z = (turns[..., 2, 1], turns[..., 0, 2], turns[..., 1, 0])
+    u, v, w = (turns[..., 1, 2], turns[..., 2, 0], turns[..., 0, 1])
+    rows = np.stack(
+        [
+            np.stack([1.0 + xx - yy - zz, w + z, v + y, x - u], axis=-1),
+            np.stack([w + z, 1.0 - xx + yy - zz, x + u, y - v], axis=-1),
+            np.stack([v + y, x + u, 1.0 - xx - yy + zz, z - w], axis=-1),
+            np.stack([x - u, y - v, z - w, 1.0 + xx + yy + zz], axis=-1),
+        ],
+        axis=-2,
+    )
+    largest = np.stack([rows[..., k, k] for k in range(4)], axis=-1).argmax(axis=-1)
+    found = np.take_along_axis(rows, largest[..., None, None], axis=-2)[..., 0, :]
+    found = found / np.linalg.norm(found, axis=-1, keepdims=True)
+    signed: Array = np.where(found[..., 3:] < 0.0, -found, found)
+    return signed
+
+
 def constant(values: Array) -> Array:
     """Return the values as a read-only array of floats."""
     values = np.asarray(values, dtype=np.float64, order="C")

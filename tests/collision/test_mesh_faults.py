@@ -18,9 +18,9 @@ from yarclang.cli.yarcc import main as yarcc
 from yarclang.collision.geometry import UnreadableError, geometry_of
 from yarclang.collision.scene import scene_of
 from yarclang.meshes.faults import mesh_fault
+from yarclang.report.solids import solid_of
 from yarclang.robot.description import load_robot, stdlib_folder
 from yarclang.shapes import Mesh
-from yarclang.view.solids import solid_of
 
 CORNERS = ((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0), (0.0, 0.0, 0.1))
 FACES = ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))

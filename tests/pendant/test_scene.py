@@ -17,11 +17,12 @@ from scipy.spatial.transform import Rotation
 from yarclang.coordinator.messages.events import Began, OutputSet, Told
 from yarclang.pendant.accounts.roles import Role
 from yarclang.pendant.scene.meshes import blob_of
-from yarclang.pendant.scene.placements import moved_links, packed, quaternions
+from yarclang.pendant.scene.placements import moved_links, packed
+from yarclang.report.solids import solid_of
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.shapes import Box, Cylinder, Sphere
-from yarclang.view.solids import solid_of
+from yarclang.transforms import quaternions
 
 NEAR = """
 units = "mm,deg,s"

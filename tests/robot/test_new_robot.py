@@ -18,13 +18,13 @@ from conftest import EXAMPLES
 
 from tests.robot.made_arms import DATA, made, urdf_of, yarc
 from yarclang.diagnostics import Diagnostic
+from yarclang.report.solids import solid_of
 from yarclang.robot.description import load_robot
 from yarclang.robot.new.chains import ArmChain, find_chain
 from yarclang.robot.new.writing import guesses
 from yarclang.robot.urdf import read_urdf
 from yarclang.robot.visuals import visual_shapes
 from yarclang.source import SourceFile
-from yarclang.view.solids import solid_of
 
 SCARA = EXAMPLES / "scara.urdf"
 BOX = "<link name='{0}'/>"

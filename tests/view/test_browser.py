@@ -194,3 +194,40 @@ def test_ctrl_c_ends_it(program):
     with viewed(str(program)) as (_, process):
         pass
     assert process.returncode == 0
+
+
+def test_curves_stand_beside_the_time_and_a_frame_gives_its_line(page):
+    browser, _, _ = page
+    press(browser, "Commands")
+    press(browser, "P0050 MOVEL")
+    press(browser, "Curves")
+    lines = "return document.querySelectorAll('svg polyline').length"
+    waited(lambda: browser.execute_script(lines) == 13)
+    places = """
+        const box = one => one.getBoundingClientRect();
+        const marker = box(document.querySelector("[data-marker]"));
+        const all = [...document.querySelectorAll("svg")].filter(one => one.querySelector("polyline"));
+        const first = box(all[0]), last = box(all[all.length - 1]);
+        return [(marker.left - first.left) / first.width, first.top - marker.top, marker.bottom - last.bottom];
+    """
+    # the marker crosses all pictures, where the command begins
+    waited(lambda: abs(browser.execute_script(places)[0] - 6.891 / 11.891) < 0.02)
+    _, above, below = browser.execute_script(places)
+    assert above > 0.0
+    assert below > -2.0
+    press(browser, "Frames")
+    waited(lambda: "Choose a frame, drag it" in text_of(browser))
+
+    def field(value):
+        found = browser.find_elements("css selector", "input")
+        return next((one for one in found if one.get_attribute("value") == value), None)
+
+    waited(lambda: field("none")).click()
+    options = "css selector", "[role=option]"
+    waited(
+        lambda: next((one for one in browser.find_elements(*options) if "{PART}" in one.text), None)
+    ).click()
+    wanted = "FRAME {PART} 0 0 100 0 0 0 (mm,deg) {FIXTURE}"
+    areas = "return [...document.querySelectorAll('textarea')].map(one => one.value)"
+    waited(lambda: wanted in browser.execute_script(areas))
+    press(browser, "Commands")

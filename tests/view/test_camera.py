@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from view.stages import CRASH, stage_of
 
+from yarclang.report.solids import solid_of
 from yarclang.shapes import Box
 from yarclang.view.camera import first_view, hidden, shown_box
-from yarclang.view.solids import solid_of
 from yarclang.view.stage import Item
 
 EYE = np.array([0.0, 0.0, 5.0])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from view.stages import CRASH, stage_of
 
+from yarclang.report.clearance import near
 from yarclang.view import colours
-from yarclang.view.clearance import near
 from yarclang.view.figures import (
     instant_html,
     key_html,

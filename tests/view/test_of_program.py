@@ -5,9 +5,9 @@ import pytest
 from view.stages import CRASH, EXAMPLES, stage_of
 
 from yarclang.pipeline.inputs import Options
+from yarclang.report.clearance import SEEN, near, touching
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.source import SourceFile
-from yarclang.view.clearance import SEEN, near, touching
 from yarclang.view.opening import opened, program_stage
 from yarclang.view.show import ramps_of, values_of
 from yarclang.view.stage import moved_by

@@ -19,12 +19,12 @@ from yarclang.pipeline.executed import executed
 from yarclang.pipeline.inputs import Options
 from yarclang.pipeline.jobs import job_of_compiled
 from yarclang.report.carried import begins_in_text, carried_in_plan, end_of
+from yarclang.report.clearance import touching
 from yarclang.report.comparison.compared import compare
 from yarclang.report.comparison.text import compared_json, compared_lines
 from yarclang.robot.description import load_robot
 from yarclang.robot.kinematics.fk import flange_poses
 from yarclang.source import SourceFile
-from yarclang.view.clearance import touching
 from yarclang.view.figures import key_html
 from yarclang.view.of_run import stage_of_run
 from yarclang.view.of_text import stage_of_text

@@ -7,6 +7,7 @@ notices.
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias, cast
 
@@ -16,6 +17,7 @@ from mcap.writer import Writer
 from yarclang.robot.actuation import from_counts
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.job import Job
+from yarclang.runtime.log_scene import BODIES, EACH, TRANSFORMS, LoggedScene, scene_schemas
 from yarclang.runtime.notices import Changed, Fail, Fill, Notice, Order, Override, Planned, Progress, Remark
 from yarclang.runtime.outcome import Ended
 from yarclang.runtime.sample import Sample
@@ -78,6 +80,8 @@ class Record:
         self._channels: dict[str, int] = {}
         self._last = anchor.clock
         self._planned = 0
+        self._scene = LoggedScene(job.robot)
+        self._shown = -math.inf
 
     def begin(self, facts: dict[str, str]) -> None:
         """Write the header, attachments, channels, and metadata: these facts and the known facts about the
@@ -106,12 +110,19 @@ class Record:
             schema = {"title": topic, "type": "object", "properties": {"time_s": _NUMBER, **properties}}
             schema_id = writer.register_schema(f"yarc.{topic}", "jsonschema", json.dumps(schema).encode())
             self._channels[topic] = writer.register_channel(f"/{topic}", "json", schema_id, motors)
+        for topic, (name, schema) in scene_schemas().items():
+            schema_id = writer.register_schema(name, "jsonschema", json.dumps(schema).encode())
+            self._channels[topic] = writer.register_channel(f"/{topic}", "json", schema_id)
+        bodies = self._scene.bodies(wall)
+        if bodies["entities"]:
+            self._add(BODIES, wall, bodies)
 
     def write(self, item: Item) -> None:
         """Write one message; it isn't on the disk yet."""
         match item:
             case Sample():
                 self._message("positions", item.time, self._positions(item))
+                self._show(item)
             case Changed(time=when, state=state, why=why):
                 self._message("state", when, {"state": state.value, "why": why})
             case Progress(time=when):
@@ -139,11 +150,22 @@ class Record:
             case Ended():
                 self._message("outcome", self._last, self._outcome(item))
 
+    def _show(self, sample: Sample) -> None:
+        """Write the frames of the robot, unless the last ones are recent."""
+        if not 0.0 <= sample.time - self._shown < EACH:
+            self._shown = sample.time
+            wall = self._anchor.wall_at(sample.time)
+            (q,) = from_counts(self._job.robot, sample.actual[None])
+            if np.isfinite(q).all():
+                self._add(TRANSFORMS, wall, self._scene.transforms(wall, q))
+
     def _message(self, topic: str, when: float, content: dict[str, Any]) -> None:
         self._last = when
         wall = self._anchor.wall_at(when)
-        data = json.dumps({"time_s": round(when - self._anchor.clock, _DIGITS), **content})
-        self._writer.add_message(self._channels[topic], wall, data.encode(), wall)
+        self._add(topic, wall, {"time_s": round(when - self._anchor.clock, _DIGITS), **content})
+
+    def _add(self, topic: str, wall: int, content: dict[str, Any]) -> None:
+        self._writer.add_message(self._channels[topic], wall, json.dumps(content).encode(), wall)
 
     def _positions(self, sample: Sample) -> dict[str, Any]:
         robot = self._job.robot

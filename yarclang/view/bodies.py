@@ -9,10 +9,10 @@ import numpy as np
 
 from yarclang.cell.model import Cell, HalfSpace, ShapeRegion, Zone
 from yarclang.hir import FrameLink, Gap, Program
+from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.model import Array, Robot
 from yarclang.robot.visuals import visual_shapes
 from yarclang.view import colours
-from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Axes, Colour, Item
 
 MOST_AXES = 60

@@ -1,47 +1,12 @@
-"""Distances of bodies at joint positions, for display: samples, no proof. The certificate has the proofs."""
+"""Distances of the bodies of a stage over time."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from yarclang.collision.placing import box_gaps, distances, place, relative
-from yarclang.collision.scene import Scene
+from yarclang.report.clearance import SEEN, near
 from yarclang.robot.model import Array
-from yarclang.view.stage import Rows, Stage
-
-SEEN = 0.2
-"""Largest distance that is computed exactly [m]."""
-_BLOCK = 256
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Near:
-    """Distances of bodies at P joint positions.
-
-    Attributes:
-        apart: (P,) smallest distance of two bodies, at most `SEEN` [m].
-        pair: (P,) the pair with this distance, -1 for none.
-        closest: (P,) smallest difference of a pair's distance and its margin, at most `SEEN` [m].
-        worst: (P,) the pair with this difference, -1 for none.
-    """
-
-    apart: Array
-    pair: Rows
-    closest: Array
-    worst: Rows
-
-
-def near(scene: Scene, q: Array) -> Near:
-    """Return the nearest pairs at joint positions `q` (P, n)."""
-    blocks = [_near(scene, q[at : at + _BLOCK]) for at in range(0, len(q), _BLOCK)]
-    return Near(
-        *(
-            np.concatenate([getattr(one, name) for one in blocks])
-            for name in ("apart", "pair", "closest", "worst")
-        )
-    )
+from yarclang.view.stage import Stage
 
 
 def apart_over(stage: Stage, times: Array) -> Array:
@@ -51,44 +16,3 @@ def apart_over(stage: Stage, times: Array) -> Array:
     for scene, rows in stage.scenes_over(times):
         found[rows] = near(scene, q[rows]).apart
     return found
-
-
-def _near(scene: Scene, q: Array) -> Near:
-    size, count = len(scene.pairs.first), len(q)
-    gap = np.full((count, size), np.inf)
-    placed = place(scene, q)
-    at, pair = np.repeat(np.arange(count), size), np.tile(np.arange(size), count)
-    seen = relative(placed, at, pair)
-    bound = box_gaps(scene, pair, seen).reshape(count, size)
-    if size:
-        # The most promising pair of each position comes first: its distance rules out most of the others.
-        first = np.arange(count) * size + bound.argmin(axis=1)
-        rows = first[bound.ravel()[first] < SEEN]
-        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
-        least = np.minimum(gap.min(axis=1), SEEN)
-        wanted = bound < np.maximum(least[:, None], scene.pairs.margin[None, :])
-        rows = np.flatnonzero((wanted & ~np.isfinite(gap)).ravel())
-        gap.ravel()[rows] = distances(scene, pair[rows], seen.take(rows))
-    return Near(*_least(gap, np.zeros(size)), *_least(gap, scene.pairs.margin))
-
-
-def _least(gap: Array, margin: Array) -> tuple[Array, Rows]:
-    if not gap.shape[1]:
-        return np.full(len(gap), SEEN), np.full(len(gap), -1)
-    above = gap - margin
-    pair = above.argmin(axis=1)
-    least = above[np.arange(len(gap)), pair]
-    return np.minimum(least, SEEN), np.where(least < SEEN, pair, -1)
-
-
-def touching(scene: Scene, q: Array) -> frozenset[str]:
-    """Return the bodies that are nearer to another one than their margin at the joint position `q` (n,)."""
-    size = len(scene.pairs.first)
-    if not size:
-        return frozenset()
-    placed, pair = place(scene, q[None]), np.arange(size)
-    seen = relative(placed, np.zeros(size, dtype=np.int64), pair)
-    rows = np.flatnonzero(box_gaps(scene, pair, seen) <= scene.pairs.margin + 1e-5)
-    apart = distances(scene, pair[rows], seen.take(rows))
-    close = rows[apart <= scene.pairs.margin[rows] + 1e-5]
-    return frozenset(name for one in close.tolist() for name in scene.names(one))

@@ -11,12 +11,12 @@ import numpy as np
 
 from yarclang.collision.scene import Scene
 from yarclang.findings import Severity
+from yarclang.report.clearance import SEEN, Near
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array
 from yarclang.transforms import roll_pitch_yaw
 from yarclang.units import DEG, MM
 from yarclang.view import colours
-from yarclang.view.clearance import SEEN, Near
 from yarclang.view.stage import Colour, Mark, Piece, Stage
 from yarclang.view.track import followed
 
@@ -26,9 +26,12 @@ _BLOCK = '<div style="font-size:12px;padding:2px 10px;line-height:1.45;overflow-
 STYLE = """<style>
 .mantine-Button-root { height: auto; min-height: 1.9rem; padding-block: 0.25rem; }
 .mantine-Button-label { white-space: normal; overflow: visible; overflow-wrap: anywhere; text-align: left; line-height: 1.3; height: auto; }
+[data-dock-tab] { padding-inline: 0.45em !important; }
 .mantine-Tabs-panel .mantine-Button-inner { justify-content: flex-start; }
 </style>"""
-"""Style of buttons that show their whole text. viser cuts off what doesn't fit in a line."""
+"""Style of buttons that show their whole text, because viser cuts off what doesn't fit in a line, and of tabs that
+fit in one line.
+"""
 
 
 def instant_html(stage: Stage, time: float, nearest: str | None) -> str:

@@ -9,9 +9,9 @@ import numpy as np
 
 from yarclang.cell.model import Parts
 from yarclang.coordinator.messages.replies import Surroundings
+from yarclang.report.clearance import touching
 from yarclang.robot.model import Array
 from yarclang.runtime.actions import Trouble
-from yarclang.view.clearance import touching
 from yarclang.view.live_panel import LivePanel
 from yarclang.view.live_parts import LiveParts
 from yarclang.view.of_live import Live, stage_of_live

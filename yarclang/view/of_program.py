@@ -38,6 +38,7 @@ from yarclang.lint.registry import everything
 from yarclang.motion.plan import MotionPlan, PlannedMotion
 from yarclang.progress import each
 from yarclang.report.carried import Carried, carried_in_plan
+from yarclang.report.clearance import near
 from yarclang.report.distances import distances_of
 from yarclang.report.nearest import nearest_places
 from yarclang.report.pictures.drawn_frame import drawn_frame
@@ -45,7 +46,7 @@ from yarclang.report.pictures.plot import time_facts
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot
 from yarclang.units import MM
-from yarclang.view.clearance import near
+from yarclang.view.dragging import draggables_of
 from yarclang.view.parts import facts_of_motion, facts_of_set, parts_of_plan, with_parts
 from yarclang.view.stage import Later, Mark, Piece, Scenes, Stage, Worst
 from yarclang.view.surroundings import surroundings_of
@@ -116,6 +117,9 @@ def stage_of_program(
         duration=plan.duration,
         cell=around.cell,
         worst=_worst(certificate, robot, around.cell, number_of),
+        draggable=draggables_of(
+            robot, program, tool_poses(robot.chain, program.start[None], frame.flange_from_frame)[0]
+        ),
     )
     return with_parts(stage, shown)
 

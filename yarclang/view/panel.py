@@ -9,9 +9,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from yarclang.view import figures
+from yarclang.view.curves import curves_html, curves_of, instant_html, key_html
+from yarclang.view.dragging import Draggable
 from yarclang.view.listing import Listing
 from yarclang.view.stage import Stage
 from yarclang.view.switches import Switches
@@ -37,7 +40,20 @@ class Order:
     """
 
     kind: Literal[
-        "play", "time", "factor", "piece", "mark", "worst", "ramp", "group", "ray", "find", "turn", "input"
+        "play",
+        "time",
+        "factor",
+        "piece",
+        "mark",
+        "worst",
+        "ramp",
+        "group",
+        "ray",
+        "find",
+        "turn",
+        "input",
+        "drag",
+        "dragged",
     ]
     value: Any = None
     more: Any = None
@@ -156,11 +172,43 @@ class Panel:
             with tabs.add_tab("Worst"):
                 gui.add_html(_NEAREST)
                 Rows(gui, [one.text for one in stage.worst], "worst", give)
+        curves = curves_of(stage)
+        self._instant: Any = None
+        if curves:
+            with tabs.add_tab("Curves"):
+                gui.add_html(key_html(curves))
+                gui.add_html(curves_html(curves))
+                self._instant = gui.add_html(instant_html(0.0))
+        self._line: Any = None
+        if stage.draggable:
+            with tabs.add_tab("Frames"):
+                self._offer_frames(give)
         with tabs.add_tab("Show"):
             gui.add_html(figures.key_html(stage))
             for name, text in switches.groups.items():
                 box: Any = gui.add_checkbox(text, switches.is_shown(name))
                 box.on_update(lambda _, name=name, box=box: give(Order("group", name, bool(box.value))))
+
+    def _offer_frames(self, give: Give) -> None:
+        """Add the choice of a frame to drag, and the text of its line."""
+        gui = self._gui
+        gui.add_html(_DRAG)
+        texts = [f"{{{one.name}}} in {{{one.parent}}}{_where(one)}" for one in self._stage.draggable]
+        chosen: Any = gui.add_dropdown("Frame", (_NOTHING, *texts), initial_value=_NOTHING)
+        chosen.on_update(
+            lambda _: give(Order("drag", texts.index(chosen.value) if chosen.value != _NOTHING else -1))
+        )
+        self._line = gui.add_text("Line", "", multiline=True)
+
+    def show_line(self, text: str) -> None:
+        """Show the line that declares the dragged frame; empty if none is dragged."""
+        if self._line is not None and self._line.value != text:
+            self._line.value = text
+
+    def _show_instant(self, time: float) -> None:
+        """Move the marker of the curves to a time [s]."""
+        if self._instant is not None:
+            self._instant.content = instant_html(min(time / self._stage.duration, 1.0))
 
     def _slid(self, give: Give, event: Any) -> None:
         if event.client_id is not None:  # otherwise the slider follows the time that is played
@@ -175,6 +223,7 @@ class Panel:
         """Move the slider to a time [s]."""
         if time != self._shown_time:
             self._shown_time = time
+            self._show_instant(time)
             self._slider.value = round(time, 3)
 
     def show_playing(self, plays: bool) -> None:
@@ -202,6 +251,16 @@ class Panel:
         self._mark.content = figures.mark_html(self._stage.marks[number])
 
 
+def _where(one: Draggable) -> str:
+    """Return the file and the line of a frame that a file declares."""
+    return f", {PurePath(one.source).name}:{one.line}" if one.source else ", a new frame"
+
+
+_NOTHING = "none"
+_DRAG = (
+    '<div style="font-size:12px;padding:2px 10px">Choose a frame, drag it by its arrows, rings and squares, and copy '
+    "its line. No file is changed. A frame on the robot moves with it.</div>"
+)
 _NEAREST = (
     '<div style="font-size:12px;padding:2px 10px">The places nearest to a limit, the nearest first.</div>'
 )

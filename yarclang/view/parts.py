@@ -12,9 +12,9 @@ from yarclang.cell.model import Item as Placed
 from yarclang.motion.plan import MotionPlan
 from yarclang.pipeline.executed import Executed
 from yarclang.report.carried import Carried, State, begins_in_text
+from yarclang.report.solids import Solid, solid_of
 from yarclang.robot.model import Array, Robot
 from yarclang.view import colours
-from yarclang.view.solids import Solid, solid_of
 from yarclang.view.stage import Item, Scenes, Stage
 
 SURE, UNSURE = 1.0, 0.45

@@ -4,7 +4,7 @@ joints.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     import viser
 
 _AXES_LENGTH = 0.12
+_HANDLES = 0.25
+"""Length of the handles of a frame that is dragged [m]."""
 _WIDTH, _THIN, _THICK = 5.0, 2.5, 10.0
 """Widths of lines [pixels]: path, planned path beside it, chosen command."""
 
@@ -54,6 +56,7 @@ class Picture:
         self._touching: frozenset[str] = frozenset()
         self._chosen: list[Any] = []
         self._written: Any = None
+        self._handles: Any = None
         self._lettering = Lettering(server.scene, stage.marks, self.switches)
         self._named: set[tuple[str, str]] = set()
         self._parts = Parts(self.switches)
@@ -207,6 +210,26 @@ class Picture:
             self._written = self._scene.add_label(
                 "/written", short(mark), position=mark.place, font_screen_scale=1.0, anchor="top-left"
             )
+
+    def drag(self, number: int, dragged: Callable[[Array, Array], object]) -> None:
+        """Draw the handles of a frame; none for -1.
+
+        Args:
+            number: of the frame among the stage's.
+            dragged: called with position (3,) [m] and quaternion w x y z, with all joints at zero.
+        """
+        if self._handles is not None:
+            self._handles.remove()
+            self._handles = None
+        if number < 0:
+            return
+        one = self._stage.draggable[number]
+        position, wxyz = position_and_turn(one.base_from_frame)
+        handles: Any = self._scene.add_transform_controls(
+            f"/joint_{one.joint}/handles", scale=_HANDLES, depth_test=False, position=position, wxyz=wxyz
+        )
+        handles.on_update(lambda _: dragged(np.array(handles.position), np.array(handles.wxyz)))
+        self._handles = handles
 
     def _draw_surroundings(self) -> None:
         self._scene.set_up_direction("+z")

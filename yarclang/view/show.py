@@ -10,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from yarclang.report.clearance import SEEN, near, touching
 from yarclang.robot.model import Array
 from yarclang.units import MM
 from yarclang.view import colours, figures
-from yarclang.view.clearance import SEEN, apart_over, near, touching
+from yarclang.view.clearance import apart_over
 from yarclang.view.door import Door, opened
 from yarclang.view.panel import Order, Panel
 from yarclang.view.picking import ANGLE, beside, picked_time
@@ -61,6 +62,7 @@ class _Showing:
         self._values: dict[str, Array] = {"speed": stage.way.speed / MM}
         self._ramps = ramps_of(stage)
         self._piece = -2
+        self._dragged = -1
         self._picture = Picture(server, stage)
         self._panel = Panel(server.gui, stage, self._picture.switches, self._ramps, self._orders.put)
         self._lists = {"piece": self._panel.pieces, "mark": self._panel.marks}
@@ -116,9 +118,25 @@ class _Showing:
             case "find":
                 self._lists[order.value].listing.choose(order.more)
                 self._lists[order.value].draw()
+            case "drag":
+                self._drag(order.value)
+            case "dragged":
+                self._tell_dragged(order.value, order.more)
             case "turn":
                 self._lists[order.value].listing.turn(order.more)
                 self._lists[order.value].draw()
+
+    def _drag(self, number: int) -> None:
+        """Let a frame be dragged; none for -1."""
+        self._dragged = number
+        self._picture.drag(number, lambda position, wxyz: self._orders.put(Order("dragged", position, wxyz)))
+        one = self._stage.draggable[number] if number >= 0 else None
+        self._panel.show_line("" if one is None else one.declaration(one.parent_from_frame))
+
+    def _tell_dragged(self, position: Array, wxyz: Array) -> None:
+        if self._dragged >= 0:
+            one = self._stage.draggable[self._dragged]
+            self._panel.show_line(one.declaration(one.moved_to(position, wxyz)))
 
     def _jump(self, to: float) -> None:
         self._player.plays = False

@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 from yarclang.cell.model import Cell
 from yarclang.collision.scene import Scene, scene_of
 from yarclang.findings import Severity
+from yarclang.report.solids import Solid
 from yarclang.robot.kinematics.fk import joint_transform
 from yarclang.robot.model import Array, Chain, Robot
-from yarclang.view.solids import Solid
+from yarclang.view.dragging import Draggable
 
 Colour = tuple[int, int, int]
 Kind = Literal["robot", "tool", "obstacle", "zone", "part", "shape"]
@@ -237,6 +238,7 @@ class Stage:
         cell: the robot's cell; None if none is known.
         scenes: bodies of the collision check over time; None if they stay those of `scene`.
         worst: places nearest to their limits, the nearest first; empty for a short program.
+        draggable: frames whose lines are shown when they are dragged.
     """
 
     title: str
@@ -258,6 +260,7 @@ class Stage:
     cell: Cell | None = None
     scenes: Scenes | None = None
     worst: tuple[Worst, ...] = ()
+    draggable: tuple[Draggable, ...] = ()
 
     def scene_at(self, time: float) -> Scene | None:
         """Return the bodies of the collision check at a time [s]."""

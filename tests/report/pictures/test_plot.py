@@ -204,10 +204,13 @@ def test_the_tool_path_starts_and_ends_where_the_commands_do(two: MotionPlan) ->
 
 
 def test_the_scale_of_space_is_equal(two: MotionPlan) -> None:
-    (axes,) = (one for one in plot._figure(two).axes if one.name == "3d")
-    sides = np.array([np.diff(axes.get_xlim()), np.diff(axes.get_ylim()), np.diff(axes.get_zlim())]).ravel()
-    shown = axes._box_aspect
-    assert sides / sides[0] == pytest.approx(shown / shown[0])
+    spaces = [one for one in plot._figure(two).axes if one.name == "3d"]
+    assert [one.get_label() for one in spaces] == ["cell", "path"]
+    for axes in spaces:
+        limits = (axes.get_xlim(), axes.get_ylim(), axes.get_zlim())
+        sides = np.array([np.diff(one) for one in limits]).ravel()
+        shown = axes._box_aspect
+        assert sides / sides[0] == pytest.approx(shown / shown[0])
 
 
 @pytest.mark.parametrize("peak", [0.004, 0.7, 12.0, 39.9, 60.0, 130.0])

@@ -155,7 +155,7 @@ def test_the_blend_of_another_tool_has_no_ball(rounded: MotionPlan) -> None:
 
 def test_balls_and_marks_are_in_the_picture(rounded: MotionPlan) -> None:
     figure = plot._figure(rounded)
-    (axes,) = (one for one in figure.axes if one.name == "3d")
+    (axes,) = (one for one in figure.axes if one.get_label() == "path")
     labels = axes.get_legend_handles_labels()[1]
     assert "corners passed in motion" in labels
     assert labels.count("BLEND: as far as it may be left") == 1
@@ -173,7 +173,11 @@ def test_balls_and_marks_are_in_the_picture(rounded: MotionPlan) -> None:
         assert np.linalg.norm(circle - place, axis=1) == pytest.approx(radius)
         assert (circle - place) @ view == pytest.approx(0.0, abs=1e-9)
     titles = [one.get_title(loc="left") for one in figure.axes]
-    assert titles[-3:-1] == ["speed of {NOZZLE} [mm/s]", "smallest singular value"]
+    assert titles[-5:-2] == [
+        "speed of {NOZZLE} [mm/s]",
+        "smallest singular value",
+        "clearance of bodies [mm]",
+    ]
 
 
 def many(plan: MotionPlan, count: int) -> MotionPlan:
@@ -197,7 +201,7 @@ def test_long_programs_stay_bounded_and_readable(rounded: MotionPlan, count: int
     one = tool_trace_of(many(rounded, 2), drawn_frame(plan))
     assert trace.speed.max() == pytest.approx(one.speed.max(), rel=0.05)
     figure = plot._figure(plan)
-    (axes,) = (axes for axes in figure.axes if axes.name == "3d")
+    (axes,) = (axes for axes in figure.axes if axes.get_label() == "path")
     assert len(axes.lines) < 400
     assert sum(len(one.patches) for one in figure.axes) < 2000
 

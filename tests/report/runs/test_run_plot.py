@@ -12,14 +12,13 @@ from click.testing import CliRunner
 from report.runs.made_up_runs import ANCHOR, made, progress, samples, whole, write
 
 from yarclang.cli.yarc import main
-from yarclang.report.pictures.plot import SIZE
 from yarclang.report.runs import panels as run_panels
 from yarclang.report.runs import plot as run_plot
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of
 from yarclang.report.runs.log import read_run
 from yarclang.report.runs.panels import Shown, off_path_text
 from yarclang.report.runs.planned import planned_motion
-from yarclang.report.runs.plot import draw_run
+from yarclang.report.runs.plot import SIZE, draw_run
 from yarclang.report.runs.signal_rows import signal_rows
 from yarclang.report.runs.tracking import tracking_of
 from yarclang.runtime.notices import Changed, Remark

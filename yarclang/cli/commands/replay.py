@@ -61,7 +61,7 @@ def command(file: str, speed: float) -> None:
 
 
 def _show(run: RecordedRun, speed: float) -> None:
-    from yarclang.report.pictures.plot import printable
+    from yarclang.report.pictures.style import printable
     from yarclang.report.runs.text import head_text, moments_of
 
     click.echo(head_text(run))

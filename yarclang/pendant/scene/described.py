@@ -11,11 +11,11 @@ import numpy as np
 from yarclang.collision.scene import Scene
 from yarclang.pendant.messages.scene import SceneAxes, SceneItem, SceneShown
 from yarclang.pendant.scene.meshes import Blob, blob_of
+from yarclang.report.solids import Solid
 from yarclang.robot.model import Array
 from yarclang.view import colours
 from yarclang.view.bodies import shapes_beside
 from yarclang.view.camera import first_view, shown_box
-from yarclang.view.solids import Solid
 from yarclang.view.stage import Item, Stage
 
 MOST_TRIANGLES = 600_000

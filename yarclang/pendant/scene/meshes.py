@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from yarclang.report.solids import Solid
 from yarclang.robot.model import Array
-from yarclang.view.solids import Solid
 from yarclang.view.stage import Rows
 
 _EDGE = np.cos(np.deg2rad(35.0))

@@ -21,9 +21,9 @@ from yarclang.pendant.scene.meshes import Blob
 from yarclang.pendant.scene.placements import moved_links, packed
 from yarclang.pendant.showing import Showing
 from yarclang.pipeline.kept import Stamp, meshes_of, stamp_of
+from yarclang.report.clearance import touching
 from yarclang.robot.model import Array, Robot
 from yarclang.runtime.actions import Trouble
-from yarclang.view.clearance import touching
 from yarclang.view.of_live import stage_of_live
 from yarclang.view.parts import standing_parts
 from yarclang.view.reaching import Place, read_place

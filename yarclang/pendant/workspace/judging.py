@@ -24,11 +24,11 @@ from yarclang.diagnostics import Diagnostic
 from yarclang.pipeline.cells import file_of
 from yarclang.pipeline.checking import Checked, check_file
 from yarclang.pipeline.inputs import Options, robot_for
+from yarclang.report.clearance import touching
 from yarclang.robot.model import Array, Robot
 from yarclang.semantics.declared.meanings import is_word
 from yarclang.source import SourceFile
 from yarclang.units import MM
-from yarclang.view.clearance import touching
 
 _NOTHING = "Y0104"
 """Finding: the file has no command. It is a module, which is checked with its callers."""

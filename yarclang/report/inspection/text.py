@@ -43,7 +43,7 @@ from yarclang.report.inspection.flow import flow_lines, when_set
 from yarclang.report.inspection.inspected import Inspected, WayPoint, chain_of, chain_pose
 from yarclang.report.inspection.limits import Limit, Pace
 from yarclang.report.inspection.outline import offset_words
-from yarclang.report.pictures.plot import printable
+from yarclang.report.pictures.style import printable
 from yarclang.report.pose_text import pose_text
 from yarclang.robot.kinematics.fk import tool_poses
 from yarclang.robot.model import Array, Robot

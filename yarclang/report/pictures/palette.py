@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Literal
 
 from yarclang.frozen import frozen
+from yarclang.hir import Motion
 from yarclang.motion.plan import MotionPlan
 
 Colour = tuple[float, float, float]
@@ -24,6 +25,12 @@ distinguished.
 """
 
 
+Sort = Literal["process", "led", "joints"]
+"""Sorts of motions: those that lead the tool at a speed that the program says, other paths of the tool, and
+motions of joints.
+"""
+
+
 @frozen
 class Bar:
     """Consecutive motions in one colour.
@@ -37,6 +44,7 @@ class Bar:
         name: of the first motion's command.
         colour: of the bar.
         text_colour: legible on `colour`.
+        sort: of the first motion.
     """
 
     first: int
@@ -47,6 +55,7 @@ class Bar:
     name: str
     colour: Colour
     text_colour: str
+    sort: Sort = "led"
 
 
 def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
@@ -55,17 +64,24 @@ def joint_style(joint: int) -> tuple[str, Literal["-", "--", ":"]]:
 
 
 def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
-    """Return the motions of a plan in at most `MOST_BARS` bars, coloured in the order of viridis."""
+    """Return the motions of a plan in at most `MOST_BARS` bars.
+
+    The lines of the program are coloured in the order of viridis: passes of a loop, and calls of a SUB, have
+    the colours of their lines.
+    """
     from matplotlib import colormaps
 
     count = len(plan.motions)
     number = min(count, MOST_BARS)
+    bounds = [bar * count // number for bar in range(number + 1)] if number else [0]
+    firsts = bounds[:-1]
+    origins = [plan.origin_of(first) for first in firsts]
+    lines = [(origin.source.name, origin.span.line) for origin in origins]
+    rank = {line: place for place, line in enumerate(dict.fromkeys(lines))}
     bars = []
-    for bar in range(number):
-        first, end = bar * count // number, (bar + 1) * count // number
-        origin = plan.origin_of(first)
+    for first, end, origin, line in zip(firsts, bounds[1:], origins, lines, strict=True):
         # from the dark end to a colour that is visible on white
-        red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (bar / max(number - 1, 1)))
+        red, green, blue, _ = colormaps["viridis"](0.10 + 0.72 * (rank[line] / max(len(rank) - 1, 1)))
         is_light = 0.299 * red + 0.587 * green + 0.114 * blue > 0.5
         bars.append(
             Bar(
@@ -77,6 +93,17 @@ def bars_of(plan: MotionPlan) -> tuple[Bar, ...]:
                 name=origin.name,
                 colour=(red, green, blue),
                 text_colour="0.1" if is_light else "white",
+                sort=sort_of(plan, first),
             )
         )
     return tuple(bars)
+
+
+def sort_of(plan: MotionPlan, number: int) -> Sort:
+    """Return the sort of a motion, counted from 0."""
+    step = plan.program.steps[plan.motions[number].step]
+    assert isinstance(step, Motion)
+    if not step.leads_frame:
+        return "joints"
+    speed = step.timing.speed
+    return "process" if speed is not None and speed.length is not None else "led"

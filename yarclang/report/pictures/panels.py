@@ -14,18 +14,24 @@ from yarclang.frozen import frozen
 from yarclang.hir import Array
 from yarclang.motion.plan import MotionPlan
 from yarclang.report.pictures import tool_panels
+from yarclang.report.pictures.actions import Action
+from yarclang.report.pictures.clearance import Clearance
 from yarclang.report.pictures.palette import CORNER_COLOUR, Bar, joint_style
 from yarclang.report.pictures.passed import Passed
+from yarclang.report.pictures.ribbon import draw_actions, draw_ribbon
+from yarclang.report.pictures.signal_rows import MOST_ROWS, SignalRow, draw_rows
+from yarclang.report.pictures.style import short_name
 from yarclang.report.pictures.tool_trace import ToolTrace
 from yarclang.report.pictures.trace import Peak, Trace, has_limits, peak_of
 from yarclang.robot.joint_names import joint_labels
+from yarclang.robot.model import Robot
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-_LEFT, _RIGHT, _TOP, _BOTTOM = 0.045, 0.625, 0.88, 0.055
+_LEFT, _RIGHT, _TOP, _BOTTOM = 0.052, 0.625, 0.895, 0.045
 """Borders of the panels, as shares of the figure."""
 
 _LIMIT_COLOUR = "#B2182B"
@@ -34,6 +40,9 @@ _ZOOMED_BELOW = 40.0
 """Largest value [%] of a quantity below which it gets most of its panel's height, and the range up to the
 limit the rest.
 """
+
+_LEAST_INNER = 1.0
+"""Least range [%] that is zoomed. Less would show rounding as motion."""
 
 _NOTHING = 1e-7
 """Values below this are rounding [%]."""
@@ -44,72 +53,156 @@ _ZOOMED_HEIGHT = 0.78
 _CORNER_SHADE = 0.16
 """Opacity of corners in a panel."""
 
+_APART = 14.0
+"""Least distance of two texts above a panel [pixels]."""
+
 _MOST_BOUNDARIES = 80
 """Most boundaries between commands that are drawn. More would cover the curves."""
 
 
-def draw_panels(
-    figure: Figure, plan: MotionPlan, trace: Trace, tool: ToolTrace, bars: tuple[Bar, ...], corners: Passed
-) -> None:
+def draw_panels(figure: Figure, plan: MotionPlan, shown: Shown) -> None:
     """Draw a ribbon of commands, and the panels below it, over one axis of time."""
-    robot = plan.robot
-    joints = joint_labels(robot.joint_names)
-    motors = tuple(f"motor {number}" for number in robot.controller.motors)
-    panels = [
-        _Panel("joint position", trace.position, joints, "−100 % is the lower limit, +100 % the upper"),
-        _Panel("joint velocity", trace.velocity, joints),
-        _Panel("joint acceleration", trace.acceleration, joints),
-        _Panel("joint jerk", trace.jerk, joints),
-    ]
-    if trace.motors_bind:
-        note = "colours as the joints', in the motors' order"
-        panels.append(_Panel("motor speed", trace.motors, motors, note, height=0.6))
-    if trace.torque is not None:
-        note = "of the joints' efforts, without friction"
-        panels.append(_Panel("joint torque", trace.torque, joints, note))
+    trace, tool, signals = shown.trace, shown.tool, shown.signals
     factor, unit = time_unit(float(trace.times[-1]))
+    drawn = _Drawn(factor, unit, 1.3 if len(shown.bars) <= _MOST_BOUNDARIES else 0.7)
+    quantities = _quantities(plan.robot, trace)
+    heights = [
+        0.16,
+        *(panel.height for panel in quantities),
+        *(2 * [tool_panels.HEIGHT]),
+        *([tool_panels.HEIGHT] if shown.clearance is not None else []),
+        *([0.16 + 0.13 * min(len(signals), MOST_ROWS)] if signals else []),
+    ]
     grid = figure.add_gridspec(
-        len(panels) + 3,
+        len(heights),
         1,
-        height_ratios=[0.16, *(panel.height for panel in panels), *(2 * [tool_panels.HEIGHT])],
+        height_ratios=heights,
         left=_LEFT,
         right=_RIGHT,
         top=_TOP,
         bottom=_BOTTOM,
-        hspace=0.38,
+        hspace=0.40 + 0.02 * (len(heights) - 6),
     )
-    times = trace.times / factor
     ribbon = figure.add_subplot(grid[0])
-    ribbon.set_xlim(float(times[0]), float(times[-1]))
-    draw_ribbon(ribbon, bars, factor)
-    width = 1.3 if len(bars) <= _MOST_BOUNDARIES else 0.7
-    for row, panel in enumerate(panels):
-        axes = figure.add_subplot(grid[row + 1], sharex=ribbon)
+    ribbon.set_xlim(float(trace.times[0]) / factor, float(trace.times[-1]) / factor)
+    draw_ribbon(ribbon, shown.bars, factor)
+    draw_actions(ribbon, shown.actions, factor)
+    rows = [figure.add_subplot(grid[row], sharex=ribbon) for row in range(1, len(heights))]
+    left = iter(rows)
+    for row, panel in enumerate(quantities):
+        axes = next(left)
         peak = peak_of(trace, panel.values)
-        _draw_quantity(axes, times, panel.values * 100.0, width)
+        _draw_quantity(axes, trace.times / factor, panel.values * 100.0, drawn.width)
         zoomed = _scale(axes, peak.share * 100.0, can_zoom=row > 0)
-        _mark(axes, bars, corners, factor)
         note = " · ".join(filter(None, (panel.note, zoomed)))
-        _head(axes, panel.title, note, _peak_text(peak, panel.names, factor, unit))
-    speed = figure.add_subplot(grid[-2], sharex=ribbon)
-    note, most = tool_panels.draw_speed(speed, tool, factor, unit, width)
-    _mark(speed, bars, corners, factor)
-    _head(speed, f"speed of {{{tool.frame}}} [mm/s]", note, most)
-    nearness = figure.add_subplot(grid[-1], sharex=ribbon)
-    least = tool_panels.draw_singularity(nearness, tool, factor, unit, width)
-    _mark(nearness, bars, corners, factor)
-    _head(nearness, "smallest singular value", "0 is a singularity, far from one it is 0.1 to 0.5", least)
-    nearness.tick_params(labelbottom=True)
-    nearness.set_xlabel(f"time [{unit}]", labelpad=2)
-    _draw_legend(figure, plan, corners)
+        _head(axes, panel.title, note, _peak_text(peak, panel, drawn))
+    axes = next(left)
+    note, most = tool_panels.draw_speed(axes, tool, factor, unit, drawn.width)
+    _head(axes, f"speed of {{{tool.frame}}} [mm/s]", note, most)
+    axes = next(left)
+    least = tool_panels.draw_singularity(axes, tool, factor, unit, drawn.width)
+    _head(axes, "smallest singular value", "0 is a singularity, far from one it is 0.1 to 0.5", least)
+    if shown.clearance is not None:
+        axes = next(left)
+        least = tool_panels.draw_clearance(axes, shown.clearance, factor, unit, drawn.width)
+        _head(axes, "clearance of bodies [mm]", "sampled; `yarcc` proves it", least)
+    if signals:
+        axes = next(left)
+        draw_rows(axes, signals, float(trace.times[-1]), factor)
+        more = f"{len(signals) - MOST_ROWS} more aren't drawn" if len(signals) > MOST_ROWS else ""
+        _head(axes, "inputs and outputs", more, "filled: output on; yellow: waits for the input")
+        axes.tick_params(axis="y", length=0, labelsize=8)
+    for axes in rows:
+        _mark(axes, shown.bars, shown.corners, factor)
+    rows[-1].tick_params(labelbottom=True)
+    rows[-1].set_xlabel(f"time [{unit}]", labelpad=2)
+    _draw_legend(figure, plan, shown.corners)
+
+
+def _quantities(robot: Robot, trace: Trace) -> list[_Panel]:
+    """Return the panels of shares. Their limits are in deg or mm, of joints."""
+    joints, units = joint_labels(robot.joint_names), robot.axis_unit_names
+    rates = tuple(
+        _Limits(getattr(robot.limits, name) / robot.axis_units, tuple(f"{unit}{per}" for unit in units))
+        for name, per in (("velocity", "/s"), ("acceleration", "/s²"), ("jerk", "/s³"))
+    )
+    panels = [
+        _Panel("joint position", trace.position, joints, "−100 % is the lower limit, +100 % the upper"),
+        _Panel("joint velocity", trace.velocity, joints, limits=rates[0]),
+        _Panel("joint acceleration", trace.acceleration, joints, limits=rates[1]),
+        _Panel("joint jerk", trace.jerk, joints, limits=rates[2]),
+    ]
+    if trace.motors_bind:
+        motors = tuple(f"motor {number}" for number in robot.controller.motors)
+        note = "colours as the joints', in the motors' order"
+        panels.append(_Panel("motor speed", trace.motors, motors, note, height=0.6))
+    if trace.torque is not None and robot.dynamics is not None:
+        note = "of the joints' efforts, without friction"
+        forces = tuple("N" if unit == "mm" else "N m" for unit in units)
+        limits = _Limits(robot.dynamics.effort, forces)
+        panels.append(_Panel("joint torque", trace.torque, joints, note, limits=limits))
+    return panels
 
 
 def _head(axes: Axes, title: str, note: str, found: str) -> None:
-    """Write the text above a panel: its title, a remark, and its extreme."""
-    axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
-    axes.set_title(note, fontsize=8.5, pad=4, color="0.4")
-    axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
+    """Write the text above a panel: its title, its extreme, and, if there is room between them, a remark."""
+    begins = axes.set_title(title, loc="left", fontsize=9.5, pad=4, color="0.1", fontweight="bold")
+    ends = axes.set_title(found, loc="right", fontsize=9, pad=4, color="0.2")
     axes.tick_params(labelbottom=False, length=2.5, labelsize=8.5)
+    canvas: Any = axes.figure.canvas
+    renderer = canvas.get_renderer()
+    # titles get their heights when the figure is drawn; widths are known before
+    box = axes.get_window_extent(renderer)
+    left = box.x0 + begins.get_window_extent(renderer).width + _APART
+    right = box.x1 - ends.get_window_extent(renderer).width - _APART
+    for text in (note, note.rpartition(" · ")[2]):
+        middle = axes.set_title(text, fontsize=8.5, pad=4, color="0.4")
+        half = middle.get_window_extent(renderer).width / 2.0
+        if 2.0 * half <= right - left:
+            centre = float(np.clip((box.x0 + box.x1) / 2.0, left + half, right - half))
+            middle.set_x((centre - box.x0) / box.width)
+            return
+    axes.set_title("")
+
+
+@frozen(eq=False)
+class Shown:
+    """Contents of the picture.
+
+    Attributes:
+        trace: of the joints.
+        tool: of the drawn frame.
+        bars: commands.
+        corners: that are passed in motion.
+        actions: waits and outputs.
+        signals: inputs and outputs over time.
+        clearance: sampled distances; None if there is nothing to collide with.
+    """
+
+    trace: Trace
+    tool: ToolTrace
+    bars: tuple[Bar, ...]
+    corners: Passed
+    actions: tuple[Action, ...]
+    signals: tuple[SignalRow, ...]
+    clearance: Clearance | None
+
+
+@frozen
+class _Drawn:
+    """Unit of the time axis, its name, and the width of lines."""
+
+    factor: float
+    unit: str
+    width: float
+
+
+@frozen(eq=False)
+class _Limits:
+    """Limits (n,) of a quantity, and the unit of each."""
+
+    values: Array
+    units: tuple[str, ...]
 
 
 @frozen(eq=False)
@@ -122,6 +215,7 @@ class _Panel:
         names: of the columns.
         note: a remark.
         height: relative to the other panels.
+        limits: by which the values are divided; None if they aren't worth telling.
     """
 
     title: str
@@ -129,6 +223,7 @@ class _Panel:
     names: tuple[str, ...]
     note: str = ""
     height: float = 1.0
+    limits: _Limits | None = None
 
 
 def time_unit(duration: float) -> tuple[float, str]:
@@ -138,10 +233,14 @@ def time_unit(duration: float) -> tuple[float, str]:
     return (60.0, "min") if duration < 7200.0 else (3600.0, "h")
 
 
-def _peak_text(peak: Peak, names: tuple[str, ...], factor: float, unit: str) -> str:
+def _peak_text(peak: Peak, panel: _Panel, drawn: _Drawn) -> str:
     if peak.share * 100.0 <= _NOTHING:
         return "none"
-    return f"most: {peak.share * 100.0:.3g} %, {names[peak.column]}, at {peak.time / factor:.4g} {unit}"
+    size = ""
+    if panel.limits is not None:
+        size = f" = {peak.share * panel.limits.values[peak.column]:.4g} {panel.limits.units[peak.column]}"
+    name, time = short_name(panel.names[peak.column]), f"{peak.time / drawn.factor:.4g} {drawn.unit}"
+    return f"most: {peak.share * 100.0:.3g} %{size}, {name}, at {time}"
 
 
 def _draw_quantity(axes: Axes, times: Array, percent: Array, width: float) -> None:
@@ -165,7 +264,7 @@ def _scale(axes: Axes, peak: float, *, can_zoom: bool) -> str:
     """
     zoomed = ""
     if can_zoom and _NOTHING < peak < _ZOOMED_BELOW:
-        inner = _round_up(peak * 1.05)
+        inner = max(_round_up(peak * 1.05), _LEAST_INNER)
         _zoom(axes, inner)
         zoomed = f"scale squeezed beyond ±{inner:g} %"
     else:
@@ -215,57 +314,6 @@ def _mark(axes: Axes, bars: tuple[Bar, ...], corners: Passed, factor: float) -> 
             axes.axvline(bar.start / factor, color=colour, linewidth=0.7, zorder=1)
 
 
-def draw_ribbon(axes: Axes, bars: tuple[Bar, ...], factor: float) -> None:
-    """Draw the commands as coloured bars, with their indices and names if there is room for them."""
-    axes.set_ylim(0.0, 1.0)
-    axes.set_axis_off()
-    spans = [(bar.start / factor, (bar.end - bar.start) / factor) for bar in bars]
-    axes.broken_barh(
-        spans,
-        (0.0, 1.0),
-        facecolors=[bar.colour for bar in bars],
-        edgecolors="white",
-        linewidth=1.0 if len(bars) <= _MOST_BOUNDARIES else 0.0,
-    )
-    width = _Widths(axes)
-    free = -math.inf
-    for bar in bars:
-        left, right = width.pixel(bar.start / factor), width.pixel(bar.end / factor)
-        whole = " ".join(part for part in (bar.index, bar.name) if part)
-        inside = next(
-            (text for text in (whole, bar.index) if text and width.of(text) < right - left - 6.0), None
-        )
-        if inside is not None:
-            middle = (bar.start + bar.end) / 2.0 / factor
-            axes.text(middle, 0.45, inside, ha="center", va="center", fontsize=8, color=bar.text_colour)
-            continue
-        # no room inside: put the label above the bar's start, unless the previous label reaches there
-        label = bar.index or bar.name
-        if left >= free and left + width.of(label) <= width.pixel(axes.get_xlim()[1]):
-            axes.text(bar.start / factor, 1.12, label, ha="left", va="bottom", fontsize=8, color="0.2")
-            free = left + width.of(label) + 10.0
-
-
-class _Widths:
-    """Conversion of times and texts to pixels of an axis."""
-
-    def __init__(self, axes: Axes) -> None:
-        from matplotlib.font_manager import FontProperties
-
-        canvas: Any = axes.figure.canvas
-        self._renderer = canvas.get_renderer()
-        self._font = FontProperties(size=8)
-        self._axes = axes
-
-    def of(self, text: str) -> float:
-        """Return the width of a text in the labels' size."""
-        return float(self._renderer.get_text_width_height_descent(text, self._font, ismath=False)[0])
-
-    def pixel(self, time: float) -> float:
-        """Return the position of a time, given in the axis's unit."""
-        return float(self._axes.transData.transform((time, 0.0))[0])
-
-
 def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
     """Draw the joints' colours, the limits' dashes and the corners' shade, in one row above the panels."""
     from matplotlib.lines import Line2D
@@ -277,7 +325,7 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
         zip(joint_labels(robot.joint_names), has_limits(robot), strict=True)
     ):
         colour, style = joint_style(joint)
-        label = name if limited else f"{name}*"
+        label = short_name(name) if limited else f"{short_name(name)}*"
         handles.append(Line2D([], [], color=colour, linestyle=style, linewidth=2.0, label=label))
     dashes = (0, (6, 2))
     handles.append(
@@ -288,22 +336,38 @@ def _draw_legend(figure: Figure, plan: MotionPlan, corners: Passed) -> None:
     if 0 < len(corners) <= _MOST_BOUNDARIES:
         label = "corner passed in motion"
         handles.append(Patch(color=CORNER_COLOUR, alpha=_CORNER_SHADE, linewidth=0.0, label=label))
-    legend_row(figure, handles, _LEFT, 0.917)
+    legend_row(figure, handles, _LEFT, 0.931)
 
 
-def legend_row(figure: Figure, handles: Sequence[Artist], left: float, height: float) -> None:
-    """Draw a legend in one row, with its left end at a place of the figure (shares of its width and
-    height).
+def legend_row(
+    figure: Figure, handles: Sequence[Artist], left: float, height: float, right: float = _RIGHT
+) -> None:
+    """Draw a legend in one row, or in two if it would be too long for one.
+
+    Args:
+        figure: to draw on.
+        handles: its entries.
+        left: left end, as a share of the figure's width.
+        height: of its middle, as a share of the figure's height.
+        right: the farthest right end, as a share of the figure's width.
     """
-    figure.legend(
-        handles=list(handles),
-        loc="center left",
-        bbox_to_anchor=(left, height),
-        ncols=len(handles),
-        borderpad=0.0,
-        borderaxespad=0.0,
-        frameon=False,
-        fontsize=9,
-        handlelength=1.6,
-        columnspacing=1.4,
-    )
+    canvas: Any = figure.canvas
+    room = (right - left) * figure.bbox.width
+    for rows, size in ((1, 9.0), (1, 8.0), (2, 8.0), (2, 7.0), (3, 6.5)):
+        legend = figure.legend(
+            handles=list(handles),
+            loc="center left",
+            bbox_to_anchor=(left, height),
+            ncols=-(-len(handles) // rows),
+            borderpad=0.0,
+            borderaxespad=0.0,
+            frameon=False,
+            fontsize=size,
+            handlelength=1.6,
+            columnspacing=1.4,
+            labelspacing=0.25,
+        )
+        if legend.get_window_extent(canvas.get_renderer()).width <= room:
+            return
+        legend.remove()
+    figure.add_artist(legend)  # too many names for any row

@@ -15,12 +15,17 @@ from typing import TYPE_CHECKING, Any, Literal
 from yarclang.lasting import Lasting
 from yarclang.motion.plan import MotionPlan
 from yarclang.progress import tell
+from yarclang.report.pictures.actions import actions_of, planned_signals
+from yarclang.report.pictures.bodies import surroundings_of
+from yarclang.report.pictures.cell_scene import draw_cell
+from yarclang.report.pictures.clearance import clearance_of
 from yarclang.report.pictures.drawn_frame import drawn_frame
 from yarclang.report.pictures.palette import bars_of
-from yarclang.report.pictures.panels import draw_panels
+from yarclang.report.pictures.panels import Shown, draw_panels
 from yarclang.report.pictures.passed import passed_corners
 from yarclang.report.pictures.scene import draw_scene
-from yarclang.report.pictures.style import picture_style
+from yarclang.report.pictures.space import LOWER, UPPER, WHOLE
+from yarclang.report.pictures.style import picture_style, printable
 from yarclang.report.pictures.tool_trace import tool_trace_of
 from yarclang.report.pictures.toolpath import tool_path_of
 from yarclang.report.pictures.trace import trace_of
@@ -30,7 +35,7 @@ if TYPE_CHECKING:
 
 Format = Literal["png", "svg", "pdf"]
 
-SIZE = (1600, 1000)
+SIZE = (1600, 1200)
 """Width and height of a PNG [pixels]."""
 
 _DPI = 100
@@ -68,10 +73,28 @@ def _figure(plan: MotionPlan) -> Figure:
     FigureCanvasAgg(figure)
     tell("drawing", 0)
     bars, frame = bars_of(plan), drawn_frame(plan)
-    corners = passed_corners(plan, frame)
+    corners, path = passed_corners(plan, frame), tool_path_of(plan, frame)
     _title(figure, plan)
-    draw_panels(figure, plan, trace_of(plan), tool_trace_of(plan, frame), bars, corners)
-    draw_scene(figure, tool_path_of(plan, frame), bars, corners)
+    draw_panels(
+        figure,
+        plan,
+        Shown(
+            trace_of(plan),
+            tool_trace_of(plan, frame),
+            bars,
+            corners,
+            actions_of(plan),
+            planned_signals(plan),
+            clearance_of(plan),
+        ),
+    )
+    surroundings = surroundings_of(plan)
+    if not surroundings.bodies:
+        draw_scene(figure, path, bars, corners, WHOLE)
+        return figure
+    draw_cell(figure, path, bars, surroundings, UPPER if plan.motions else WHOLE)
+    if plan.motions:
+        draw_scene(figure, path, bars, corners, LOWER)
     return figure
 
 
@@ -82,8 +105,8 @@ def _title(figure: Figure, plan: MotionPlan) -> None:
     count = len(plan.motions)
     motions = f"{count:,} motion{'s' * (count != 1)}" if count else "no motion: the robot stands still"
     facts = (plan.robot.name, *time_facts(plan.lasting, plan.duration), motions)
-    figure.text(0.045, 0.963, name, fontsize=17, fontweight="bold", color="0.1")
-    figure.text(0.045, 0.938, "   ·   ".join(facts), fontsize=11, color="0.3")
+    figure.text(0.052, 0.970, name, fontsize=17, fontweight="bold", color="0.1")
+    figure.text(0.052, 0.950, "   ·   ".join(facts), fontsize=11, color="0.3")
 
 
 def time_facts(lasting: Lasting, drawn: float) -> tuple[str, ...]:
@@ -106,11 +129,6 @@ def duration_text(seconds: float) -> str:
         return f"{tenths // 600} min {tenths % 600 / 10:04.1f} s"
     whole = round(seconds)
     return f"{whole // 3600} h {whole // 60 % 60:02} min {whole % 60:02} s"
-
-
-def printable(text: str) -> str:
-    """Return the text with a dot for each character that can't be drawn."""
-    return "".join(character if character.isprintable() else "·" for character in text)
 
 
 def saved(figure: Figure, format_: Format) -> bytes:

@@ -28,3 +28,19 @@ def picture_style() -> Iterator[None]:
         mpl.rcdefaults()
         mpl.rcParams.update(_STYLE)
         yield
+
+
+def printable(text: str) -> str:
+    """Return the text with a dot for each character that can't be drawn."""
+    return "".join(character if character.isprintable() else "·" for character in text)
+
+
+LONGEST_NAME = 20
+"""Most characters of a name among others in a picture."""
+
+
+def short_name(name: str) -> str:
+    """Return a name that can be drawn, of at most `LONGEST_NAME` characters, with its middle left out."""
+    name = printable(name)
+    kept = (LONGEST_NAME - 1) // 2
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 1 - kept]}…{name[-kept:]}"

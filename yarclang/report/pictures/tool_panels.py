@@ -1,4 +1,6 @@
-"""Two rows below the joints' shares: the tool's speed, and the arm's distance from a singularity."""
+"""Rows below the joints' shares: the tool's speed, the arm's distance from a singularity, and the
+distances of bodies.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from yarclang.hir import Array
+from yarclang.report.clearance import SEEN
+from yarclang.report.pictures.clearance import Clearance
+from yarclang.report.pictures.style import short_name
 from yarclang.report.pictures.tool_trace import ToolTrace
+from yarclang.units import MM
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +34,15 @@ _ZOOMED_HEIGHT = 0.75
 
 _TOGETHER = 1e-6
 """Difference below which times count as equal [s]."""
+
+_LEAST_SPEED = 1.0
+"""Least top of the speed's scale [mm/s]. Less would show rounding as motion."""
+
+_LEAST_CLEARANCE = 20.0
+"""Least top of the clearance's scale [mm]."""
+
+_HIGHEST_TICK = 0.92
+"""Highest number at a scale, as a share of its height."""
 
 _STILL = 1e-6
 """Speeds below this are rounding [mm/s]."""
@@ -75,7 +90,7 @@ def _scale(axes: Axes, wanted: float, top: float) -> str:
     Returns:
         A remark on the scale.
     """
-    axes.set_ylim(0.0, max(1.12 * top, _STILL))
+    _scale_to(axes, max(1.12 * top, _LEAST_SPEED))
     if not wanted:
         return ""
     inner = 1.25 * wanted
@@ -110,14 +125,37 @@ def draw_singularity(axes: Axes, trace: ToolTrace, factor: float, unit: str, wid
     """
     _curve(axes, trace.times / factor, trace.singular, width)
     axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
-    axes.set_ylim(0.0, max(1.15 * float(trace.singular.max()), _LEAST_TOP))
+    _scale_to(axes, max(1.15 * float(trace.singular.max()), _LEAST_TOP))
     row = int(np.argmin(trace.singular))
     return f"least: {trace.singular[row]:.2g}, at {trace.times[row] / factor:.4g} {unit}"
+
+
+def draw_clearance(axes: Axes, trace: Clearance, factor: float, unit: str, width: float) -> str:
+    """Draw the smallest distance of two bodies; times in units of `factor` [s].
+
+    Returns:
+        The least value in words, with the pair of bodies.
+    """
+    _curve(axes, trace.times / factor, trace.apart / MM, width)
+    axes.axhline(0.0, color=_WANTED_COLOUR, linewidth=2.4, linestyle=(0, (6, 2)), zorder=2)
+    _scale_to(axes, max(1.12 * float(trace.apart.max()) / MM, _LEAST_CLEARANCE))
+    row = int(np.argmin(trace.apart))
+    if not trace.pair:
+        return f"nowhere below {SEEN / MM:g} mm"
+    first, second = map(short_name, trace.pair)
+    return f"least: {trace.apart[row] / MM:.3g} mm, {first} and {second}, at {trace.times[row] / factor:.4g} {unit}"
 
 
 def _curve(axes: Axes, times: Array, values: Array, width: float) -> None:
     axes.plot(times, values, color=_TOOL_COLOUR, linewidth=width, zorder=3)
     axes.fill_between(times, values, 0.0, color=_TOOL_COLOUR, alpha=0.10, linewidth=0.0, zorder=1)
-    axes.locator_params(axis="y", nbins=4)
     axes.grid(axis="y", color="0.88", linewidth=0.6)
     axes.margins(x=0)
+
+
+def _scale_to(axes: Axes, top: float) -> None:
+    """Set the scale from 0 to `top`, without a number so near the top that it would touch the panel above."""
+    axes.set_ylim(0.0, top)
+    axes.locator_params(axis="y", nbins=4)
+    axes.set_yticks([tick for tick in axes.get_yticks() if tick <= _HIGHEST_TICK * top])
+    axes.set_ylim(0.0, top)

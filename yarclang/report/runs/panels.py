@@ -13,7 +13,8 @@ import numpy as np
 
 from yarclang.frozen import frozen
 from yarclang.report.pictures.palette import MOST_BARS, Bar, joint_style
-from yarclang.report.pictures.panels import draw_ribbon, time_unit
+from yarclang.report.pictures.panels import time_unit
+from yarclang.report.pictures.ribbon import draw_ribbon
 from yarclang.report.runs.course import Mark, Span
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.planned import Planned
@@ -41,6 +42,15 @@ _COLUMNS = 4_000
 
 _FEWEST = 50
 """Fewest intervals of one pass among many."""
+
+_LEAST_SPAN = 5.0
+"""Least span of a joint's axis [deg or mm]. Less would show the noise of a joint that stands as motion."""
+
+_LEAST_ERROR = {"counts": 2.0}
+"""Least half height of a panel of errors, by the unit of its values."""
+
+_LEAST_OTHER = 0.005
+"""Least half height for other units [deg or mm]."""
 
 _NARROWEST = 0.003
 """Least width of a shade, as a share of the axis, because a hold takes no time of the program."""
@@ -108,8 +118,9 @@ def draw_joint(axes: Axes, shown: Shown, joint: int) -> None:
         axes.plot(when / factor, what[:, 0], color=colour, linewidth=1.1, zorder=3)
     everything = np.concatenate((values, actual[:, 0]))
     low, high = float(everything.min()), float(everything.max())
-    room = max(high - low, 1.0)
-    view = [low - 0.15 * room, high + 0.15 * room]
+    room = max(high - low, _LEAST_SPAN)
+    spare = (room - (high - low)) / 2.0 + 0.15 * room
+    view = [low - spare, high + spare]
     limits = np.array([run.robot.lower[joint], run.robot.upper[joint]]) / unit
     for side, limit in enumerate(limits):
         if abs(limit - view[side]) < 0.35 * room or (limit - view[side]) * (1 - 2 * side) > 0.0:
@@ -135,6 +146,9 @@ def draw_lines(
         for when, what in passes_of(shown, values[:, column : column + 1]):
             axes.plot(when / factor, what[:, 0], color=colour, linestyle=style, linewidth=0.9, zorder=3)
     axes.axhline(0.0, color="0.6", linewidth=0.7, zorder=1)
+    least = min((_LEAST_ERROR.get(unit, _LEAST_OTHER) for unit in units), default=_LEAST_OTHER)
+    if float(np.abs(values).max(initial=0.0)) < least:
+        axes.set_ylim(-least, least)
     shade_program(axes, shown)
     if not_run(shown) and len(values):
         axes.set_xlim(0.0, max(shown.reached, 1e-3) / factor)

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 from yarclang.report.pictures.palette import joint_style
 from yarclang.report.pictures.panels import legend_row, time_unit
-from yarclang.report.pictures.plot import SIZE, Format, printable, saved, time_facts
-from yarclang.report.pictures.style import picture_style
+from yarclang.report.pictures.plot import Format, saved, time_facts
+from yarclang.report.pictures.signal_rows import MOST_ROWS
+from yarclang.report.pictures.style import picture_style, printable
 from yarclang.report.runs.course import marks_of, outcome_text, spans_of
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.panels import (
@@ -27,11 +28,14 @@ from yarclang.report.runs.panels import (
     off_path_text,
 )
 from yarclang.report.runs.planned import Planned
-from yarclang.report.runs.signal_rows import MOST_ROWS, draw_signals, signal_rows
+from yarclang.report.runs.signal_rows import draw_signals, signal_rows
 from yarclang.report.runs.tracking import tracking_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+SIZE = (1600, 1000)
+"""Width and height of a PNG [pixels]."""
 
 _DPI = 100
 
@@ -194,7 +198,7 @@ def _draw_legend(figure: Figure, shown: Shown) -> None:
         handles.append(Patch(color=colour, alpha=min(1.0, 1.5 * alpha), lw=0, label=state.value))
     if not_run(shown):
         handles.append(Patch(color=NOT_RUN, lw=0, label="not run"))
-    legend_row(figure, handles, _LEFT, 0.909)
+    legend_row(figure, handles, _LEFT, 0.909, _RIGHT)
 
 
 def _cut(text: str, most: int) -> str:

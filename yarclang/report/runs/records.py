@@ -13,6 +13,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 from yarclang.frozen import frozen
 from yarclang.report.runs.kind import MAGIC
+from yarclang.runtime.log_scene import SCENE_TOPICS
 
 _LARGEST_CHUNK = 1 << 26
 """Largest unpacked chunk [bytes]. Those of `yarc run` have 1 MiB and a message."""
@@ -29,7 +30,8 @@ class Records:
     Attributes:
         metadata: by name.
         attachments: by name.
-        messages: topic and content, in the order of writing. Messages that aren't JSON objects are left out.
+        messages: topic and content, in the order of writing. Messages that aren't JSON objects are left out, and
+            those for viewers of scenes.
         unread: number of messages that were left out.
         trouble: why the file may have contained more; empty for a complete file.
     """
@@ -63,6 +65,8 @@ def read_records(content: bytes) -> Records | None:
                 attachments[name] = data
             case Channel(id=number, topic=topic):
                 topics[number] = topic.removeprefix("/")
+            case Message(channel_id=number) if topics.get(number) in SCENE_TOPICS:
+                pass  # repeats what other channels say
             case Message(channel_id=number, data=data) if number in topics:
                 value = _object(data)
                 if value is None:

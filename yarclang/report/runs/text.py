@@ -12,7 +12,7 @@ from typing import Protocol
 
 from yarclang.frozen import frozen
 from yarclang.lasting import Lasting, known
-from yarclang.report.pictures.plot import printable
+from yarclang.report.pictures.style import printable
 from yarclang.report.runs.course import outcome_text
 from yarclang.report.runs.log import RecordedRun
 from yarclang.report.runs.messages import Outcome, Pass, Told

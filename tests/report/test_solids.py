@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from yarclang.report.solids import solid_of
 from yarclang.shapes import Box, Capsule, Cylinder, Mesh, Sphere
-from yarclang.view.solids import solid_of
 
 SIZES = st.floats(0.01, 2.0)
 

@@ -1,0 +1,254 @@
+"""Robot, tools, parts and cell as triangles for a picture: few of them, in the pose at the program's start."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from yarclang.cell.model import Cell, HalfSpace, ShapeRegion
+from yarclang.frozen import frozen
+from yarclang.handling.parts import first_parts
+from yarclang.hir import Array
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.solids import Solid, solid_of
+from yarclang.robot.kinematics.fk import flange_poses
+from yarclang.robot.model import Robot
+from yarclang.robot.placements import placements
+from yarclang.robot.visuals import visual_shapes
+from yarclang.shapes import Shape
+from yarclang.units import MM
+
+Kind = Literal["robot", "tool", "part", "obstacle", "zone"]
+
+_MOST_TRIANGLES = 300
+"""Most triangles of a body. A body with more is drawn as the hull of its extreme corners."""
+
+_DIRECTIONS = 160
+"""Directions in which the extreme corners of such a body are searched."""
+
+_PLANE = 2400.0
+"""Edge length of the drawn piece of a half space's border [mm]."""
+
+_MOST_PIECES = 2_500
+"""Most triangles into which a body is divided for sorting by depth."""
+
+
+@frozen(eq=False)
+class Body:
+    """A drawn body.
+
+    Attributes:
+        name: of the link, tool, part, obstacle or zone.
+        kind: of body.
+        rule: of a zone; empty for other bodies.
+        triangles: (F, 3, 3) corners in {B} [mm], counterclockwise seen from outside.
+    """
+
+    name: str
+    kind: Kind
+    rule: str
+    triangles: Array
+
+
+@frozen(eq=False)
+class Surroundings:
+    """The bodies around a path.
+
+    Attributes:
+        bodies: that can be drawn.
+        left_out: names of the bodies whose shapes can't be read.
+    """
+
+    bodies: tuple[Body, ...]
+    left_out: tuple[str, ...]
+
+
+def surroundings_of(plan: MotionPlan) -> Surroundings:
+    """Return the bodies at the start of a plan's program."""
+    robot, program = plan.robot, plan.program
+    base_from_flange = flange_poses(robot.chain, program.start[None])[0]
+    found = [*_links(robot, program.start), *_tools(robot, base_from_flange)]
+    if program.cell is not None:
+        found += _of_cell(program.cell, base_from_flange)
+    bodies, left_out = [], []
+    for name, kind, pose, shape in found:
+        solid = solid_of(shape)
+        if solid is None:
+            left_out.append(name)
+        else:
+            bodies.append(Body(name, kind, "", _triangles(solid, pose)))
+    zones = tuple(_zones(program.cell)) if program.cell is not None else ()
+    return Surroundings((*bodies, *zones), tuple(dict.fromkeys(left_out)))
+
+
+_Placed = tuple[str, Kind, Array, Shape]
+
+
+def _links(robot: Robot, q: Array) -> Iterator[_Placed]:
+    """Yield the links: their visual shapes, or, if one has none that can be read, its collision shapes."""
+    moved = _moved(robot, q)
+    visuals = [(one, solid_of(one.shape)) for one in visual_shapes(robot)]
+    spoilt = {one.link for one, solid in visuals if solid is None}
+    seen = {one.link for one, _ in visuals} - spoilt
+    for one, _ in visuals:
+        if one.link in seen:
+            yield one.link, "robot", moved[one.joint] @ one.base_from_shape, one.shape
+    for link in robot.shapes:
+        if link.link not in seen:
+            yield link.link, "robot", moved[link.joint] @ link.base_from_shape, link.shape
+
+
+def _moved(robot: Robot, q: Array) -> Array:
+    """Return the transforms (n + 1, 4, 4) that the first k joints apply to a body at joint positions `q`."""
+    chain, own = robot.chain, robot.chain.kinematics
+    pose = placements(chain.screws, q[None]) if own is None else own.placements(chain, q[None])
+    moved = np.tile(np.eye(4), (len(pose), 1, 1))
+    moved[:, :3, :3] = pose[:, :, :3, 0]
+    moved[:, :3, 3] = pose[:, :, 3, 0]
+    return moved
+
+
+def _tools(robot: Robot, base_from_flange: Array) -> Iterator[_Placed]:
+    for tool in robot.tools:
+        for part in tool.shapes if tool.mounted else ():
+            yield tool.name, "tool", base_from_flange @ part.flange_from_shape, part.shape
+
+
+def _of_cell(cell: Cell, base_from_flange: Array) -> Iterator[_Placed]:
+    for one in cell.obstacles:
+        carried = one.mount.on_flange
+        pose = base_from_flange @ one.mount.transform if carried else one.mount.transform
+        yield one.name, "tool" if carried else "obstacle", pose, one.shape
+    for item in first_parts(cell).items:
+        for pose, shape in item.solids:
+            yield item.name, "part", base_from_flange @ pose if item.gripper is not None else pose, shape
+
+
+def _zones(cell: Cell) -> Iterator[Body]:
+    for zone in cell.zones:
+        match zone.region:
+            case ShapeRegion(base_from_shape=pose, shape=shape):
+                if (solid := solid_of(shape)) is not None:
+                    yield Body(zone.name, "zone", zone.rule, _triangles(solid, pose))
+            case HalfSpace(base_from_plane=pose):
+                half = _PLANE * MM / 2.0
+                corners = np.array([[-half, -half, 0], [half, -half, 0], [half, half, 0], [-half, half, 0]])
+                plane = Solid(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+                yield Body(zone.name, "zone", zone.rule, _triangles(plane, pose))
+            case _:  # a window of the joints has no place
+                pass
+
+
+def _triangles(solid: Solid, pose: Array) -> Array:
+    vertices, faces = solid.vertices, solid.faces
+    if len(faces) > _MOST_TRIANGLES:
+        vertices, faces = _outline(vertices)
+    placed = (vertices @ pose[:3, :3].T + pose[:3, 3]) / MM
+    triangles: Array = placed[faces]
+    return triangles
+
+
+def _outline(vertices: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Return corners and faces of the hull of the extreme corners in `_DIRECTIONS` directions; of the box
+    around the corners if they are in a plane.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    turns = np.pi * (1.0 + 5.0**0.5) * np.arange(_DIRECTIONS)
+    height = 1.0 - 2.0 * (np.arange(_DIRECTIONS) + 0.5) / _DIRECTIONS
+    out = np.sqrt(1.0 - height**2)
+    directions = np.column_stack((out * np.cos(turns), out * np.sin(turns), height))
+    corners = vertices[np.unique(np.argmax(vertices @ directions.T, axis=0))]
+    try:
+        hull = ConvexHull(corners)
+    except (QhullError, ValueError):
+        low, high = vertices.min(axis=0), vertices.max(axis=0)
+        corners = np.stack(np.meshgrid(*zip(low, high, strict=True), indexing="ij"), axis=-1).reshape(-1, 3)
+        quads = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))
+        return corners, np.array([[q[0], *pair] for q in quads for pair in (q[1:3], q[2:4])])
+    faces: NDArray[np.int64] = hull.simplices.astype(np.int64)
+    a, b, c = corners[faces].transpose(1, 0, 2)
+    inward = np.einsum("ij,ij->i", np.cross(b - a, c - a), hull.equations[:, :3]) < 0.0
+    faces[inward] = faces[inward][:, ::-1]
+    return corners, faces
+
+
+def within(triangles: Array, low: Array, high: Array, longest: float) -> Array:
+    """Return the part of a body in a box, in triangles small enough to be sorted by depth.
+
+    Args:
+        triangles: (F, 3, 3) [mm].
+        low: (3,) least corner of the box [mm].
+        high: (3,) largest corner of the box [mm].
+        longest: longest edge of a triangle, if they don't become too many [mm].
+    """
+    done: list[Array] = []
+    left = triangles
+    while len(left):
+        inside = (left.max(axis=1) >= low).all(axis=1) & (left.min(axis=1) <= high).all(axis=1)
+        left = left[inside]
+        edges = np.linalg.norm(left - np.roll(left, 1, axis=1), axis=2)
+        is_small = edges.max(axis=1, initial=0.0) <= longest
+        if 4 * int((~is_small).sum()) + sum(map(len, done)) > _MOST_PIECES:
+            done.append(left)
+            break
+        done.append(left[is_small])
+        left = _split(left[~is_small])
+    found: Array = np.concatenate(done) if done else triangles[:0]
+    for axis in range(3):
+        found = _cut(_cut(found, axis, -1.0, low[axis]), axis, 1.0, high[axis])
+    return found
+
+
+def _cut(triangles: Array, axis: int, sign: float, bound: float) -> Array:
+    """Return the part of triangles (F, 3, 3) on one side of a plane: `sign` times the coordinate is no larger than
+    `sign` times `bound`.
+    """
+    beyond = sign * (triangles[:, :, axis] - bound)
+    outside = beyond > 0.0
+    count = outside.sum(axis=1)
+    # turn each triangle that the plane cuts so that its single corner on a side comes first
+    single = np.where(count == 1, outside.argmax(axis=1), (~outside).argmax(axis=1))
+    order = (np.arange(3) + single[:, None]) % 3
+    rows = np.arange(len(triangles))[:, None]
+    a, b, c = triangles[rows, order].transpose(1, 0, 2)
+    at_a, at_b, at_c = beyond[rows, order].T
+    kept = [triangles[count == 0]]
+    for number in (1, 2):
+        here = count == number
+        to_b = (at_a[here] / (at_a[here] - at_b[here]))[:, None]
+        to_c = (at_a[here] / (at_a[here] - at_c[here]))[:, None]
+        on_b = a[here] + to_b * (b[here] - a[here])
+        on_c = a[here] + to_c * (c[here] - a[here])
+        if number == 2:  # the single corner is kept
+            kept.append(np.stack((a[here], on_b, on_c), axis=1))
+        else:
+            kept += [
+                np.stack((on_b, b[here], c[here]), axis=1),
+                np.stack((on_b, c[here], on_c), axis=1),
+            ]
+    found: Array = np.concatenate(kept)
+    return found
+
+
+def _split(triangles: Array) -> Array:
+    """Divide each triangle at the middle of its longest edge."""
+    a, b, c = triangles.transpose(1, 0, 2)
+    size = np.linalg.norm(np.stack((b - a, c - b, a - c)), axis=2).argmax(axis=0)
+    turned = triangles[np.arange(len(triangles))[:, None], (np.arange(3) + size[:, None]) % 3]
+    a, b, c = turned.transpose(1, 0, 2)
+    middle = (a + b) / 2.0
+    parts: Array = np.concatenate((np.stack((a, middle, c), axis=1), np.stack((middle, b, c), axis=1)))
+    return parts
+
+
+def box_of(bodies: Iterable[Body]) -> tuple[Array, Array]:
+    """Return the least and largest corners (3,) of the box around bodies [mm]; infinite if there are none."""
+    low, high = np.full(3, np.inf), np.full(3, -np.inf)
+    for body in bodies:
+        low = np.minimum(low, body.triangles.min(axis=(0, 1)))
+        high = np.maximum(high, body.triangles.max(axis=(0, 1)))
+    return low, high

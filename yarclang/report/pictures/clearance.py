@@ -1,0 +1,77 @@
+"""Distances of bodies over the time of a plan, at samples: for display, no proof."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from yarclang.cell.model import Cell
+from yarclang.collision.bodies import Rows
+from yarclang.collision.scene import scene_of
+from yarclang.frozen import frozen
+from yarclang.hir import Array
+from yarclang.motion.plan import MotionPlan
+from yarclang.report.carried import carried_in_plan
+from yarclang.report.clearance import SEEN, near
+from yarclang.report.pictures.trace import STANDING
+
+_SAMPLES = 400
+"""Samples over the whole plan."""
+
+_MOST_STATES = 60
+"""Most states of the parts that are followed. In a program with more, only some of them are sampled."""
+
+
+@frozen(eq=False)
+class Clearance:
+    """The smallest distance of two bodies over time.
+
+    Attributes:
+        times: (N,) [s].
+        apart: (N,) distances, at most `SEEN`; 0 for bodies that touch [m].
+        pair: names of the two bodies at the least distance; empty if it is nowhere below `SEEN`.
+    """
+
+    times: Array
+    apart: Array
+    pair: tuple[str, ...]
+
+
+def clearance_of(plan: MotionPlan) -> Clearance | None:
+    """Sample the distances of bodies, with the parts where the program has moved them; None if there is
+    nothing to collide with.
+    """
+    times = np.linspace(0.0, plan.duration or STANDING, _SAMPLES)
+    cells, owner = _cells(plan, times)
+    apart = np.full(len(times), SEEN)
+    pair: tuple[str, ...] = ()
+    seen = False
+    known = np.zeros(len(times), dtype=bool)
+    kept = np.unique(owner)
+    for number in kept[:: -(-len(kept) // _MOST_STATES)].tolist():
+        scene = scene_of(plan.robot, cells[number]).value
+        rows = np.flatnonzero(owner == number)
+        known[rows] = True
+        if scene is None or not len(scene.pairs.first):
+            continue
+        seen = True
+        found = near(scene, plan.sample(times[rows])[0])
+        row = int(np.argmin(found.apart))
+        if found.apart[row] < apart.min():
+            pair = scene.names(int(found.pair[row]))
+        apart[rows] = np.maximum(found.apart, 0.0)
+    return Clearance(times[known], apart[known], pair) if seen else None
+
+
+def _cells(plan: MotionPlan, times: Array) -> tuple[tuple[Cell | None, ...], Rows]:
+    """Return the cells of a plan's states, and the number of the one that applies at each time (N,) [s]."""
+    carried = carried_in_plan(plan)
+    if carried is None:
+        return (plan.program.cell,), np.zeros(len(times), dtype=np.int64)
+    places = plan.schedule.places
+    begins = np.array([-np.inf, *(places[one.step] for one in carried.states[1:])])
+    owner = np.maximum(np.searchsorted(begins, times, side="right") - 1, 0)
+    used = set(owner.tolist())
+    cells = tuple(
+        carried.cell_of(one) if number in used else None for number, one in enumerate(carried.states)
+    )
+    return cells, owner

@@ -1,0 +1,140 @@
+"""Frames that can be dragged in the picture, and the lines that declare them where they were put."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from yarclang.hir import FrameLink, Gap, Program
+from yarclang.report.pose_text import pose_values
+from yarclang.robot.model import Array, Robot
+from yarclang.source import SourceFile
+from yarclang.transforms import quaternion_rotation
+
+NEW = "NEW"
+"""Name of a frame that no file declares; another one if a file does."""
+
+_DIGITS = (4, 5)
+"""Decimals of lengths [mm] and angles [deg]."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Draggable:
+    """A frame that a file declares, or a new one.
+
+    Attributes:
+        name: name without braces.
+        parent: name of the frame in which the line gives it.
+        joint: number of joints that move it.
+        base_from_parent: (4, 4) of the parent with all joints at zero.
+        parent_from_frame: (4, 4) as declared.
+        source: file that declares it; empty for a new frame.
+        line: its line in this file; 0 for a new frame.
+    """
+
+    name: str
+    parent: str
+    joint: int
+    base_from_parent: Array
+    parent_from_frame: Array
+    source: str = ""
+    line: int = 0
+
+    @property
+    def base_from_frame(self) -> Array:
+        """Return its place as declared (4, 4), with all joints at zero."""
+        placed: Array = self.base_from_parent @ self.parent_from_frame
+        return placed
+
+    @property
+    def in_cell(self) -> bool:
+        """Return True if a cell.toml declares the frame, in a table."""
+        return self.source.endswith(".toml")
+
+    def moved_to(self, position: Array, wxyz: Array) -> Array:
+        """Return parent_from_frame (4, 4) at a place with all joints at zero.
+
+        Args:
+            position: (3,) [m].
+            wxyz: rotation as a quaternion w x y z.
+        """
+        base_from_frame = np.eye(4)
+        base_from_frame[:3, :3] = quaternion_rotation(np.roll(wxyz, -1))
+        base_from_frame[:3, 3] = position
+        moved: Array = np.linalg.inv(self.base_from_parent) @ base_from_frame
+        return moved
+
+    def declaration(self, parent_from_frame: Array) -> str:
+        """Return the line that declares the frame at a pose in its parent, or its table in a cell.toml."""
+        values = pose_values(parent_from_frame)
+        numbers = [_number(value, _DIGITS[place >= 3]) for place, value in enumerate(values.tolist())]
+        if not self.in_cell:
+            return f"FRAME {{{self.name}}} {' '.join(numbers)} (mm,deg) {{{self.parent}}}"
+        place, turn = ", ".join(numbers[:3]), ", ".join(numbers[3:])
+        return f'[frames.{self.name}]\nparent = "{self.parent}"\nunits = "mm,deg"\nxyz = [{place}]\nrpy = [{turn}]'
+
+
+def draggables_of(robot: Robot, program: Program, base_from_new: Array) -> tuple[Draggable, ...]:
+    """Return the frames that the commands of a program use and a file declares, and a new one in {B}.
+
+    A frame whose line has several results, as in a loop, is left out: no single line says where it was put.
+
+    Args:
+        robot: the robot.
+        program: the program.
+        base_from_new: (4, 4) place of the new frame.
+    """
+    found: dict[tuple[str, str, int], Draggable | None] = {}
+    for link, parent, source, line in _declared(program):
+        key = (link.name, source.name, line)
+        one = _draggable(robot, link, parent, source, line)
+        before = found.get(key, one)
+        same = before is not None and np.allclose(before.base_from_frame, one.base_from_frame, atol=1e-9)
+        found[key] = one if same else None
+    kept = tuple(one for one in found.values() if one is not None)
+    taken = {one.name for one in kept} | set(program.cell.frames if program.cell is not None else ())
+    taken |= {name for name, _, _ in found} | set(robot.flange_from_frame)
+    taken |= set(re.findall(r"\w+", program.source.text)) & {
+        f"{NEW}{number}" for number in ("", *range(2, 100))
+    }
+    name = next(name for number in ("", *range(2, 1000)) if (name := f"{NEW}{number}") not in taken)
+    return (*kept, Draggable(name, "B", 0, np.eye(4), base_from_new))
+
+
+def _declared(program: Program) -> Iterable[tuple[FrameLink, FrameLink, SourceFile, int]]:
+    """Yield the frames of all commands that a file declares, each with its parent, file and line."""
+    done: set[int] = set()
+    for step in program.steps:
+        if isinstance(step, Gap):
+            continue
+        for link in (step.origin.moving, step.origin.base, step.origin.tool):
+            here = link
+            while here is not None and here.parent is not None and id(here) not in done:
+                done.add(id(here))
+                if here.source is not None and here.span is not None:
+                    yield here, here.parent, here.source, here.span.line
+                here = here.parent
+
+
+def _draggable(robot: Robot, link: FrameLink, parent: FrameLink, source: SourceFile, line: int) -> Draggable:
+    pose, here = np.eye(4), parent
+    while here.parent is not None:
+        pose, here = here.parent_from_frame @ pose, here.parent
+    on_flange = here.name == "FLANGE"
+    return Draggable(
+        link.name,
+        parent.name,
+        robot.size if on_flange else 0,
+        robot.chain.base_from_flange @ pose if on_flange else pose,
+        link.parent_from_frame,
+        source.name,
+        line,
+    )
+
+
+def _number(value: float, digits: int) -> str:
+    text = f"{round(value, digits) + 0.0:.{digits}f}".rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text

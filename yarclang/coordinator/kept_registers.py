@@ -152,7 +152,7 @@ def unreadable(place: Path, error: Exception) -> Trouble:
     what = f"{place}, where registers are kept, can't be used: {error}"
     return Trouble(
         what,
-        "see to the file's rights and disk, or move it away: then all KEPT registers begin anew",
+        "check the file's permissions and the disk, or move the file away: then all KEPT registers begin again",
         "Y1636",
     )
 

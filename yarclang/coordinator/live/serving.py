@@ -268,7 +268,7 @@ class MasterServer:
         if isinstance(asked, Denied):
             return asked
         if not isinstance(asked, wants.Want):
-            return Denied(error="a master says what it wants: joints, pose, velocity, twist or finish")
+            return Denied(error="a master sends a target: joints, pose, velocity, twist or finish")
         try:
             return await self._attached.ask(asked)
         except Trouble as trouble:

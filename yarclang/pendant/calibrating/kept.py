@@ -187,7 +187,7 @@ class Calibrations:
             return
         for number, other in enumerate(touching.joints):
             if number != at and np.abs(other - joints).max() < _SAME:
-                what = f"the robot stands where it stood at touch {number + 1}: this says nothing new"
+                what = f"the robot stands where it stood at touch {number + 1}: this touch adds nothing"
                 raise Trouble(what, "move it, then touch again", "same")
 
     def _marks(self, asked: said.OffsetCalibration) -> dict[str, float]:

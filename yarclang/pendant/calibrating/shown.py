@@ -129,7 +129,7 @@ def _of_tip(rotations: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]
         return rows, ""
     known = "isn't known at all" if np.isinf(worst) else f"is known only to {_length(worst)}"
     if error > LARGEST_TIP:
-        return rows, f"the touches are off by {_length(error)} each: take the worst ones anew"
+        return rows, f"the touches are off by {_length(error)} each: take the worst ones again"
     tilt = helpful_tilt(rotations, error)
     then = "" if np.isinf(tilt.longest) else f": then it is known to {_length(tilt.longest)}"
     alike = (
@@ -181,7 +181,7 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
     if len(visits) < 2:
         return (
             (),
-            "one visit says nothing of how well the mark repeats: leave it, approach it anew from the same side, and touch again",
+            "one visit doesn't show how well the mark repeats: leave it, approach it again from the same side, and touch again",
         )
     from scipy.special import stdtrit
 

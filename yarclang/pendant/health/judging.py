@@ -136,7 +136,7 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
             "own", "Memory", "This process", value, own,
             f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
             "A process that grows all the time is ended by the system one day, and the robot then holds.",
-            "Restart the pendant when the robot rests (System > Controller), and tell who maintains it.",
+            "Restart the pendant when the robot rests (System > Controller), and report it to its maintainer.",
         ),
         Judgement(
             "memory", "Memory", "This computer", free, whole,

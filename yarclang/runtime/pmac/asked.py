@@ -106,5 +106,5 @@ def value_of(barrier: Barrier, value: Value, held: Held) -> float:
     try:
         return evaluated(value, held.registers, held.inputs)
     except DecisionError as error:
-        remedy = "look at the inputs and at what the program counts, then start it anew"
+        remedy = "check the inputs and the program's counts, then start the program again"
         raise Trouble(f"{title(barrier)}: {error}", remedy, "Y1630") from None

@@ -104,7 +104,7 @@ class Holding:
         controller = turbo_pmac(self._job.robot)
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         operation.remark(
-            "somebody else uses this controller: the robot moves, though it is held; it is held again",
+            "somebody else uses this controller: the robot moves during a hold; it is held again",
             warning=True,
         )
 
@@ -139,7 +139,7 @@ class Holding:
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
-                f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
+                f"the controller has received nothing from this computer for {operation.silence:.2g} s, and holds"
             )
             operation.go(Event.HOLD, silence, remedy=_PAUSED)
             operation.remark(_PAUSED, warning=True)

@@ -208,7 +208,7 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
             raise Trouble(f"motor {motor} was stopped in its search: it isn't homed", "home it again", "")
         (flag,) = yield from operation.numbers(f"{wound} {HOMING}", 1)
         if flag != 1.0:
-            what = f"the controller has stopped motor {motor} in its search: it had heard nothing for {operation.silence:.2g} s"
+            what = f"the controller has stopped motor {motor} in its search: it had received nothing for {operation.silence:.2g} s"
             raise Trouble(what, "find out what slows the link or this computer, then home it again", "Y1606")
         status = (yield from motor_statuses(operation, robot))[row]
         if told := status.trouble:

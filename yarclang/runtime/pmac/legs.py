@@ -188,7 +188,7 @@ def _pass(
             operation.remark(f"{title(barrier)}: {filled(barrier.name, held.registers)}")
         case "abort":
             what = f"{title(barrier)} ends the program: {barrier.name}"
-            raise Trouble(what, "see to its reason, then start the program anew", "Y1635")
+            raise Trouble(what, "remove the reason, then start the program again", "Y1635")
         case "else":
             return _behind(job.legs, place, "when", "end")
         case "next":

@@ -110,7 +110,7 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
     except Lost as lost:
         raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
     if operation.state is State.FAULT and not found.errors:
-        operation.go(Event.CLEAR, "the controller was looked at: all is as it must be")
+        operation.go(Event.CLEAR, "the controller was checked: all checks passed")
     return found
 
 
@@ -313,7 +313,7 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
                 operation.go(Event.FAULT, what, LOST, remedy)
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
-            silence = f"when it has heard nothing of this computer for {operation.silence:.2g} s"
+            silence = f"when it has received nothing from this computer for {operation.silence:.2g} s"
             remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
             operation.go(Event.FAULT, what, LOST, remedy)
             return _ended(

@@ -1,14 +1,19 @@
-"""What becomes of a run when something goes wrong: `python benchmarks/faults.py [WORDS ..] [--instants N] [--json FILE]`.
+"""What becomes of a run when something goes wrong:
+`python benchmarks/faults.py [WORDS ..] [--instants N] [--json FILE]`.
 
-Each fault meets a `yarc run` of its own, on a `yarc sim` in a process of its own, through a proxy that can delay, pause, cut and change packets.
-A second connection watches where the motors are commanded to stand, each 5 ms, and is the other client whose lines do harm. Of each fault:
+Each fault meets a `yarc run` of its own, on a `yarc sim` in a process of its own, through a proxy that can
+delay, pause, cut and change packets. A second connection watches where the motors are commanded to stand,
+each 5 ms, and is the other client whose lines do harm. Of each fault:
 
-- when it was noticed: from the fault to the run's hold on the wire, to the run's message, or to the hold of the guard PLC, whichever is first;
-- when the robot was at rest, and how far it was from the programmed path until then, in counts of the worst motor;
+- when it was noticed: from the fault to the run's hold on the wire, to the run's message, or to the hold of
+  the guard PLC, whichever is first;
+- when the robot was at rest, and how far it was from the programmed path until then, in counts of the worst
+  motor;
 - what the run said, and its exit status (with * where a SIGTERM has ended it after the fault was watched).
 
-With WORDS, only faults whose names have one of them. With `--instants N`, only the death of the host: kill -9 and SIGSTOP at N instants each, at TM 5 and TM 50.
-Both processes are forked from one that has imported yarclang, which saves the second that Python takes to start.
+With WORDS, only faults whose names have one of them. With `--instants N`, only the death of the host: kill -9
+and SIGSTOP at N instants each, at TM 5 and TM 50. Both processes are forked from one that has imported
+yarclang, which saves the second that Python takes to start.
 """
 
 from __future__ import annotations

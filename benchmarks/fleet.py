@@ -1,9 +1,12 @@
-"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet machine; the load is printed beside the figures.
+"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet
+machine; the load is printed beside the figures.
 
-Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of one thread), `overhead` (what a task costs that does
-nothing), `cache` (1,000 unchanged programs, checked again), `length` (what a command costs in short and long programs). Matrix products use one thread.
+Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of
+one thread), `overhead` (what a task costs that does nothing), `cache` (1,000 unchanged programs, checked
+again), `length` (what a command costs in short and long programs). Matrix products use one thread.
 
-Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's cost flat.
+Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's
+cost flat.
 """
 
 from __future__ import annotations

@@ -1,9 +1,12 @@
 """Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
 
-Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of six joints, in batches and alone; how many there are beside what all
-eliminations together and EAIK find), `spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
-without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in an
-environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left out.
+Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of
+six joints, in batches and alone; how many there are beside what all eliminations together and EAIK find),
+`spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
+without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in
+an
+environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left
+out.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
-"""The language's figures in RESULTS.md: `python benchmarks/language.py`, in an environment with yarclang[dev].
+"""The language's figures in RESULTS.md: `python benchmarks/language.py`, in an environment with
+yarclang[dev].
 
-Loops and calls that are carried out and checked, an edit of one line of a long file, and imports of long files. Each is
-measured in a process of its own; the memory is the most that this process had.
+Loops and calls that are carried out and checked, an edit of one line of a long file, and imports of long
+files. Each is measured in a process of its own; the memory is the most that this process had.
 """
 
 from __future__ import annotations

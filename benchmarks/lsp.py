@@ -1,7 +1,8 @@
-"""The figures of the language server in RESULTS.md: `python benchmarks/lsp.py`, in an environment with yarclang[dev].
+"""The figures of the language server in RESULTS.md: `python benchmarks/lsp.py`, in an environment with
+yarclang[dev].
 
-A client of a few lines talks to `yarc lsp` over its standard input and output, as an editor does that is sent findings: from the start of
-the process, or from an edit, up to the findings.
+A client of a few lines talks to `yarc lsp` over its standard input and output, as an editor does that is sent
+findings: from the start of the process, or from an edit, up to the findings.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """The planner's figures in RESULTS.md: `python benchmarks/motion.py`, in an environment with yarclang[dev].
 
-Time-optimal laws against toppra's own law on 1,000 places, S-curves against ruckig (left out where it isn't installed: `pip install
-ruckig`, or --peers FOLDER that has it), what planning costs, and how far an edit of 0.1 mm reaches.
+Time-optimal laws against toppra's own law on 1,000 places, S-curves against ruckig (left out where it isn't
+installed: `pip install ruckig`, or --peers FOLDER that has it), what planning costs, and how far an edit of
+0.1 mm reaches.
 """
 
 from __future__ import annotations

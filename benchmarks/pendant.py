@@ -1,9 +1,11 @@
-"""The pendant in a real browser (headless Chromium, software GL, loopback): how soon a press moves the robot, how soon letting go holds it, what watchers cost.
+"""The pendant in a real browser (headless Chromium, software GL, loopback): how soon a press moves the robot,
+how soon letting go holds it, what watchers cost.
 
     python benchmarks/pendant.py            # some 4 minutes
     python benchmarks/pendant.py --minutes 10   # and memory with twenty watchers for so long
 
-Times are taken in the page: from the pointer's event to the message that tells of it, so that they have the way back as well.
+Times are taken in the page: from the pointer's event to the message that tells of it, so that they have the
+way back as well.
 """
 
 from __future__ import annotations

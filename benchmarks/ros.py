@@ -2,12 +2,14 @@
 
 `yarc ros` and `yarc sim` run as processes of their own, the first with a log. Three figures:
 
-- from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R: the pause of 50 ms, the plan, its proof, the look at the controller, the first lines;
-- from a stop to the hold on the controller's wire, while a program is streamed and the state link tells, with so many `--busy` processes beside that do nothing but compute;
+- from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R: the pause
+  of 50 ms, the plan, its proof, the look at the controller, the first lines;
+- from a stop to the hold on the controller's wire, while a program is streamed and the state link tells, with
+  so many `--busy` processes beside that do nothing but compute;
 - the share of a core that the state link takes at 40 Hz: the process with and without clients there.
 
-The clock begins before a message is written, and ends when the bytes are on the controller's wire; both are read from the system's monotonic clock.
-Goals: 250 ms, 10 ms (p99 with nothing beside), 8 %.
+The clock begins before a message is written, and ends when the bytes are on the controller's wire; both are
+read from the system's monotonic clock. Goals: 250 ms, 10 ms (p99 with nothing beside), 8 %.
 """
 
 from __future__ import annotations

@@ -1,8 +1,11 @@
-"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
+"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an
+OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
 
-`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the input, as a PLC would. The clock begins when that client is about to
-write, and ends when the bytes of the hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as well.
-Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up from there.
+`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the
+input, as a PLC would. The clock begins when that client is about to write, and ends when the bytes of the
+hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as
+well. Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up
+from there.
 
 Goals: edge to hold 10 ms (p99, idle); planned and certified in 150 ms (median).
 """

@@ -1,6 +1,7 @@
 """Splines through thousands of points: how long the compiler takes, and how much memory.
 
-python benchmarks/splines.py [COUNT ...] [--robot NAME] [--path weld|bead|pocket|spiral] [--joints] [--turning] [--time TEXT]
+python benchmarks/splines.py [COUNT ...] [--robot NAME] [--path weld|bead|pocket|spiral] [--joints]
+[--turning] [--time TEXT]
 """
 
 from __future__ import annotations

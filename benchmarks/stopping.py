@@ -1,9 +1,13 @@
-"""How long a stop takes from the order to the wire, under load: `python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
+"""How long a stop takes from the order to the wire, under load:
+`python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
 
-`yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control socket, by turns from a client that is
-connected, and on a new connection as those of `yarc hold`. The clock begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are read from the
-system's monotonic clock. Who orders, and the simulator, stand for a person and a controller: they go before other processes, if this user may do that. The serving process is an ordinary one without `--priority`.
-There are four phases of work, each with so many `--busy` processes beside that do nothing but compute:
+`yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control
+socket, by turns from a client that is connected, and on a new connection as those of `yarc hold`. The clock
+begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are
+read from the system's monotonic clock. Who orders, and the simulator, stand for a person and a controller:
+they go before other processes, if this user may do that. The serving process is an ordinary one without
+`--priority`. There are four phases of work, each with so many `--busy` processes beside that do nothing but
+compute:
 
 - a program is streamed;
 - it is streamed while another client has long programs planned, in the same process;

@@ -1,9 +1,12 @@
-"""Tool paths of thousands of short pieces: how long the compiler takes, how much memory, and how fast the tool goes.
+"""Tool paths of thousands of short pieces: how long the compiler takes, how much memory, and how fast the
+tool goes.
 
-python benchmarks/toolpaths.py [COUNT] [--robot NAME] [--path weld|bead|pocket|spiral] [--turning] [--rounds N] [--run]
+python benchmarks/toolpaths.py [COUNT] [--robot NAME] [--path weld|bead|pocket|spiral] [--turning] [--rounds
+N] [--run]
 
-The ideal law is TOPP-RA's on the path that our text executes, at ten points a piece, within the same limits of velocity, acceleration and motors and the same speed of the
-tool; it knows no limit of the jerk. Both are measured on the first `IDEAL` pieces.
+The ideal law is TOPP-RA's on the path that our text executes, at ten points a piece, within the same limits
+of velocity, acceleration and motors and the same speed of the tool; it knows no limit of the jerk. Both are
+measured on the first `IDEAL` pieces.
 """
 
 from __future__ import annotations

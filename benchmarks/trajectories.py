@@ -2,7 +2,8 @@
 
 python benchmarks/trajectories.py [COUNT ...] [--rates] [--rounds N]
 
-Times are of a process that has everything imported, the best of some rounds; goals are 150 ms for 100 way-points and 3 s for 10,000.
+Times are of a process that has everything imported, the best of some rounds; goals are 150 ms for 100
+way-points and 3 s for 10,000.
 """
 
 from __future__ import annotations

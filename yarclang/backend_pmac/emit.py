@@ -41,8 +41,8 @@ class Emitted:
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets and
-        bodies that may touch as comments, then the lines that the controller reads.
+        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets
+        and bodies that may touch as comments, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.

@@ -43,8 +43,8 @@ class Mimic:
         )
 
     def remedy(self, chain: Sequence[Joint]) -> str:
-        """Return a sentence that says how robot.toml expresses the coupling, or that it can't because the
-        leader isn't in the chain.
+        """Return a sentence that describes how robot.toml expresses the coupling, or that it can't because
+        the leader isn't in the chain.
         """
         name = self.joint.name
         if self.leader not in (joint.name for joint in chain) or self.leader == name:

@@ -1,5 +1,5 @@
-"""Access for another process that steers the robot (`messages/wants.py`): master and slave of the paper, and
-velocities from elsewhere.
+"""Access for another process that steers the robot (`messages/wants.py`): the paper's master and slave, and
+velocities from another program.
 
 The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
 the caller's user, or, over TCP, by a token. A process without it occupies, for a few seconds, one of a few

@@ -1,4 +1,6 @@
-"""Check if motions are compared with the motors' efforts, and compute what the arm needs to hold itself."""
+"""Check if motions are compared with the motors' efforts, and compute the efforts that the arm needs to hold
+itself.
+"""
 
 from __future__ import annotations
 

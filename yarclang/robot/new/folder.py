@@ -1,4 +1,4 @@
-"""Make a robot folder from a URDF: ask for what is unknown, then write the files."""
+"""Make a robot folder from a URDF: ask for unknown values, then write the files."""
 
 from __future__ import annotations
 

@@ -23,7 +23,7 @@ from yarclang.robot.new.packages import PACKAGE, Packages, package_of
 from yarclang.toml.bodies import MESHES
 
 _ORDINARY = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
-"""How an ordinary file is opened; some systems lack the two flags."""
+"""Flags for opening an ordinary file; some systems lack two of them."""
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
 

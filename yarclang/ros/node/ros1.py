@@ -12,7 +12,7 @@ Private parameters, as `_robot:=industrial6` on the command line or in a launch 
     ~override         override at the start [%]
     ~set_description  replace a different robot_description (default: false)
 
-docs/ros.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+docs/ros.md of yarclang describes the topics, services and rules. Written for Python 3.8 and later; it needs
 rospy, actionlib and ROS's usual messages, and nothing else.
 """
 

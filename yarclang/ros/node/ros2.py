@@ -12,7 +12,7 @@ Parameters:
     hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
     override         override at the start [%]; 0 to leave it
 
-docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+docs/ros2.md of yarclang describes the topics, services and rules. Written for Python 3.8 and later; it needs
 rclpy, control_msgs and ROS's usual messages, and nothing else.
 """
 

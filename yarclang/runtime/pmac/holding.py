@@ -109,7 +109,8 @@ class Holding:
         )
 
     def for_others(self, told: str) -> Script[None]:
-        """Hold because another client has changed what was proved, until the change is undone and a person resumes.
+        """Hold because another client has changed what was proved, until the change is undone and a person
+        resumes.
 
         Raises:
             Trouble: nobody is there who could say so.
@@ -150,11 +151,12 @@ class Holding:
         self.refilling = True
 
     def for_input(self, told: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
-        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person resumes.
+        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person
+        resumes.
 
         Args:
-            told: the input and its state, in words.
-            way_out: the way on which the robot leaves then instead of going on; empty: none.
+            told: the input and its state, in words. way_out: the way on which the robot leaves instead of
+                going on; empty: none.
             moves: True if the program has begun.
 
         Raises:
@@ -201,7 +203,8 @@ class Holding:
             Left: an input has held the motion, and the robot leaves instead.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
-        # An order that came while an input holds the motion stays refused, even if the input changes meanwhile.
+        # An order that came while an input holds the motion stays refused, even if the input changes
+        # meanwhile.
         if self._job.watches and self._stays_held((yield from self._rotary.ask())):
             return
         motors = yield from come_to_rest(operation, self._job.robot)

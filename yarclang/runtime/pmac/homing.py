@@ -1,8 +1,8 @@
 """The controller's own home search (HM) of one motor, watched from this computer and from inside the
 controller. No I/O.
 
-Nothing of a search is proved. It continues in the controller even if this computer fails, and no hold stops
-it. So a PLC stops the search when it has heard nothing for the watchdog time of a run. The PLC is tested
+A search isn't proved. It continues in the controller even if this computer fails, and no hold stops
+it. So a PLC stops the search when it has received nothing for the watchdog time of a run. The PLC is tested
 before each search.
 """
 
@@ -51,7 +51,7 @@ def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...
 
 
 def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
-    """Return what a search would do.
+    """Return speed, direction and longest duration of a search.
 
     Args:
         robot: the robot.

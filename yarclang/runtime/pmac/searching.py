@@ -94,6 +94,6 @@ def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
 
 
 def deeds(job: Job) -> object:
-    """Return what a job sets, how long it stands still, and what it moves by."""
+    """Return the outputs that a job sets, the time for which it stands still, and its displacement."""
     sets = [(variable, value) for _, variable, value in job.sets]
     return sets, [seconds for _, seconds in job.dwells], [(one.index, one.name) for one in job.commands]

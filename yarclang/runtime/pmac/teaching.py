@@ -11,7 +11,7 @@ from yarclang.runtime.pmac.held import title
 from yarclang.runtime.pmac.operation import Operation
 
 TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
-"""What a command keeps, by its word."""
+"""Description of the place that a command keeps, by its word."""
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:

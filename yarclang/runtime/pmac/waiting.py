@@ -105,7 +105,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
 
 
 def awaited(barrier: Barrier, condition: Value) -> str:
-    """Return what is waited for, with the program's own names if the text has them."""
+    """Return the condition of a wait, with the program's own names if the text has them."""
     compared = simple(condition)
     if barrier.kind == "when" and compared is not None and barrier.name:
         return f"{barrier.name} is {state_text(compared[1])}"

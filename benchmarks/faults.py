@@ -1021,10 +1021,16 @@ def row_of(found: Found) -> str:
     rest += " (its end)" if found.to_its_end else ""
     wrong = f" **{'; '.join(found.wrong)}**" if found.wrong else ""
     said = found.said.replace("|", "/")[:150]
-    return f"| {found.name} | {found.tm:g} | {noticed} | {rest} | {found.off:.2f} | {said}{wrong} | {found.status} |"
+    return (
+        f"| {found.name} | {found.tm:g} | {noticed} | {rest} | {found.off:.2f} | {said}{wrong} | "
+        f"{found.status} |"
+    )
 
 
-HEAD = "| what is done | TM | noticed after s, by | at rest after s | off its path, counts | what the run says | status |\n|---|---|---|---|---|---|---|"
+HEAD = (
+    "| what is done | TM | noticed after s, by | at rest after s | off its path, counts | what the run "
+    "says | status |\n|---|---|---|---|---|---|---|"
+)
 
 
 def _spread(row: int, fault: Fault) -> Fault:
@@ -1050,7 +1056,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
             Path(file).write_text(json.dumps([vars(one) for one in results], indent=1))
     spent = time.monotonic() - begun
     print(
-        f"\n{len(results)} faults in {spent:.0f} s; load {load:.1f} at the beginning, {os.getloadavg()[0]:.1f} at the end"
+        f"\n{len(results)} faults in {spent:.0f} s; load {load:.1f} at the beginning, "
+        f"{os.getloadavg()[0]:.1f} at the end"
     )
     for tm in (5.0, 50.0):
         rests = [
@@ -1060,7 +1067,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
         ]
         if rests:
             print(
-                f"worst time to rest of a host's death, sleep or end at TM {tm:g}: {max(rests):.2f} s of {len(rests)}"
+                f"worst time to rest of a host's death, sleep or end at TM {tm:g}: {max(rests):.2f} s "
+                f"of {len(rests)}"
             )
     lost = [one.name for one in results if any(word.startswith(("LOST", "OFF")) for word in one.wrong)]
     print(f"robots lost, or off their path where they shouldn't be: {', '.join(lost) or 'none'}")
@@ -1070,7 +1078,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
 def instants(folder: Path, count: int) -> None:
     """Try the death of the host at many times, and print the times to rest."""
     print(
-        "| death of the host | TM | instants | median s | worst s | off its path, counts | load |\n|---|---|---|---|---|---|---|"
+        "| death of the host | TM | instants | median s | worst s | off its path, counts | load "
+        "|\n|---|---|---|---|---|---|---|"
     )
     for tm in (5.0, 50.0):
         for name, number in (("kill -9", KILL), ("SIGSTOP", STOP)):
@@ -1083,7 +1092,8 @@ def instants(folder: Path, count: int) -> None:
             rests = [one.rest if one.rest is not None else np.inf for one in found]
             off = max(one.off for one in found)
             print(
-                f"| {name} | {tm:g} | {count} | {np.median(rests):.2f} | {max(rests):.2f} | {off:.2f} | {os.getloadavg()[0]:.1f} |",
+                f"| {name} | {tm:g} | {count} | {np.median(rests):.2f} | {max(rests):.2f} | {off:.2f} | "
+                f"{os.getloadavg()[0]:.1f} |",
                 flush=True,
             )
 

@@ -166,7 +166,10 @@ def measure_length(folder: Path, count: int) -> Iterator[str]:
         )
         taken = seconds("yarcc", str(made), "--out-dir", str(folder / "out"), "--no-cache", "-j", "1") - base
         costs.append(taken / motions)
-        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of 50 |"
+        yield (
+            f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} "
+            f"times that of 50 |"
+        )
 
 
 PARTS = {

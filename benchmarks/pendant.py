@@ -61,7 +61,10 @@ def first_after(browser, kind: str, wanted: str) -> float | None:
 def shares(values: list[float]) -> str:
     ordered = sorted(values)
     last = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
-    return f"median {statistics.median(ordered):.0f} ms, 99 % {last:.0f} ms, worst {ordered[-1]:.0f} ms ({len(ordered)})"
+    return (
+        f"median {statistics.median(ordered):.0f} ms, 99 % {last:.0f} ms, worst {ordered[-1]:.0f} ms "
+        f"({len(ordered)})"
+    )
 
 
 def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
@@ -72,7 +75,10 @@ def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
         browser.execute_script("window.told = []; window.before = null")
         touch(browser, "touchStart", PLUS if turn % 2 else MINUS)
         time.sleep(0.45)
-        moved = "it.event === 'display' && (window.before ??= it.joints[0], Math.abs(it.joints[0] - window.before) > 1e-3)"
+        moved = (
+            "it.event === 'display' && (window.before ??= it.joints[0], Math.abs(it.joints[0] - "
+            "window.before) > 1e-3)"
+        )
         begins.append(first_after(browser, "pointerdown", moved))
         touch(browser, "touchEnd")
         time.sleep(0.45)
@@ -190,7 +196,8 @@ def main() -> None:
             watchers = Watchers(place.api, 20)
             many = load_over(place, 10.0)
             print(
-                f"while a program runs: {alone:.1f} % of a core without pages, {one:.1f} % with one, {many:.1f} % with 20 watchers more"
+                f"while a program runs: {alone:.1f} % of a core without pages, {one:.1f} % with one, "
+                f"{many:.1f} % with 20 watchers more"
             )
             if minutes:
                 sizes = []

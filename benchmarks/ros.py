@@ -202,7 +202,10 @@ def shown(times: list[float]) -> str:
     """Format times in ms as a line."""
     ordered = sorted(times)
     last = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
-    return f"median {statistics.median(ordered) * 1e3:.1f} ms, p99 {last * 1e3:.1f} ms, worst {ordered[-1] * 1e3:.1f} ms ({len(ordered)})"
+    return (
+        f"median {statistics.median(ordered) * 1e3:.1f} ms, p99 {last * 1e3:.1f} ms, worst "
+        f"{ordered[-1] * 1e3:.1f} ms ({len(ordered)})"
+    )
 
 
 def main() -> None:
@@ -230,7 +233,8 @@ def main() -> None:
             f"(+{shares[1] - shares[0]:.1%}, goal 8 %), {shares[2]:.1%} with four"
         )
         print(
-            f"last of {POINTS} points to R (goal 250 ms): {shown(first_motions(ports, pipe, given.goals, random))}"
+            f"last of {POINTS} points to R (goal 250 ms): "
+            f"{shown(first_motions(ports, pipe, given.goals, random))}"
         )
     for count in given.busy:
         with tempfile.TemporaryDirectory() as folder, door(Path(folder)) as (_, ports, pipe), busy(count):

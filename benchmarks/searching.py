@@ -62,7 +62,8 @@ tcp.Wire.send = send
 main(["run", sys.argv[1], "--to", sys.argv[2], "--no-log", "--yes"])
 """
 SEARCHES = {
-    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n",
+    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 "
+    "MOVEL 0 1174.4 1000 0 0 0 [2]\n",
 }
 
 
@@ -211,17 +212,20 @@ def main() -> None:
     for name, text in SEARCHES.items():
         times = planned(name, text)
         print(
-            f"{name}: what follows a search {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst)"
+            f"{name}: what follows a search {statistics.median(times):.0f} ms (median), "
+            f"{max(times):.0f} ms (worst)"
         )
     for name in PICKS:
         times = picked(name, rounds)
         print(
-            f"{name}: a pick and place with an OFFSET {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst) of CPU time"
+            f"{name}: a pick and place with an OFFSET {statistics.median(times):.0f} ms (median), "
+            f"{max(times):.0f} ms (worst) of CPU time"
         )
     with tempfile.TemporaryDirectory() as folder:
         found = sorted(edges(rounds, Path(folder)))
     print(
-        f"edge to hold: {statistics.median(found):.1f} ms (median), {found[-1]:.1f} ms (worst of {len(found)})"
+        f"edge to hold: {statistics.median(found):.1f} ms (median), {found[-1]:.1f} ms (worst of "
+        f"{len(found)})"
     )
 
 

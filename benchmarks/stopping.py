@@ -156,7 +156,8 @@ def served(folder: Path, *, ordinary: bool) -> Iterator[tuple[str, Pipe]]:
 def company(role: str, path: str) -> Iterator[None]:
     """Run another process that is a client in a role."""
     with process(
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import stopping; stopping.{role}({path!r})"
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import stopping; "
+        f"stopping.{role}({path!r})"
     ):
         time.sleep(1.0)
         yield
@@ -338,7 +339,8 @@ def main() -> None:
     kept: dict[str, Any] = {}
     if not options.json:
         print(
-            "| a stop while there is | busy processes | stops | median | p99 | most | of it once read, median | p99 | goal |\n|---|---|---|---|---|---|---|---|---|"
+            "| a stop while there is | busy processes | stops | median | p99 | most | of it once read, "
+            "median | p99 | goal |\n|---|---|---|---|---|---|---|---|---|"
         )
     for load in options.busy:
         found: dict[str, list[Stop]] = {}

@@ -54,7 +54,8 @@ def main() -> None:
             done = measure.process("yarcc", str(file), "--robot", asked.robot, "--out-dir", folder)
             told = next(line for line in reversed(done.output.splitlines()) if "certified" in line)
             print(
-                f"{asked.count} pieces: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, {done.peak:.0f} MB; {told[told.index(':') + 2 :]}"
+                f"{asked.count} pieces: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, "
+                f"{done.peak:.0f} MB; {told[told.index(':') + 2 :]}"
             )
         if asked.run:
             pmc = str(file.with_suffix(".pmc"))

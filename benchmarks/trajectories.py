@@ -43,7 +43,8 @@ def main() -> None:
         goal = f", goal {GOALS[count]:g} s" if count in GOALS else ""
         command = made.value.certificate.commands[-1]
         print(
-            f"{count:,} way-points: {min(times):.3f} s{goal}; {command.segments:,} segments of {command.segment_time * 1e3:.4g} ms, within "
+            f"{count:,} way-points: {min(times):.3f} s{goal}; {command.segments:,} segments of "
+            f"{command.segment_time * 1e3:.4g} ms, within "
             f"{command.deviation.angle:.2g} rad"
         )
 

@@ -72,7 +72,8 @@ def test_what_is_wrong_stands_last(workshop, own):
     assert "ERROR    motor 2: it is open-loop\n" in text
     wrong = text.count("ERROR ")
     assert (
-        f"\n{wrong} of {len([*filter(re.compile('ok |ERROR').match, lines)])} checks failed: no program" in text
+        f"\n{wrong} of {len([*filter(re.compile('ok |ERROR').match, lines)])} checks failed: no program"
+        in text
     )
     assert "INDUSTRIAL6 is commanded to" not in text
     refused = workshop.here(*run_on(own), status=1)

@@ -56,7 +56,10 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
         from rosbags.typesys import Stores, get_typestore
     except ModuleNotFoundError as error:
         message = f"bags need the package rosbags, which isn't installed ({error})"
-        help_ = "pip install 'yarclang[bags]'; or print the trajectory: ros2 topic echo --full-length TOPIC > path.yaml"
+        help_ = (
+            "pip install 'yarclang[bags]'; or print the trajectory: ros2 topic echo --full-length TOPIC "
+            "> path.yaml"
+        )
         findings.add("Y1515", message, None, help_)
         return None
     place = path.parent if path.suffix.lower() in {".db3", ".mcap"} and _is_part(path) else path

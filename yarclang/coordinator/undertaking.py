@@ -192,8 +192,7 @@ class Undertaking:
         session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str:
-        """Return the rest after a search, planned from where the search has ended, or the lines of an OFFSET.
-        """
+        """Return the rest after a search, planned from where the search has ended, or lines of an OFFSET."""
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
         if loaded.behind is None or not begins or min(begins) > _SAME_TIME:

@@ -122,7 +122,11 @@ def wait(line: Line) -> Guess | None:
         at = line.behind + found.start("all")
         help_ = "declare the input, as INPUT DOOR M11, and write WAIT DOOR ON"
         return line.guess(
-            at, at + len(found["all"]), "WAIT takes an input by its name, and the value to wait for", None, help_
+            at,
+            at + len(found["all"]),
+            "WAIT takes an input by its name, and the value to wait for",
+            None,
+            help_,
         )
     return None
 

@@ -1,5 +1,4 @@
-"""The boxes of OFFSETs, tried before a program runs: their corners, the middles of their edges, and a grid.
-"""
+"""The boxes of OFFSETs, tried before a program runs: corners, middles of edges, and a grid."""
 
 from __future__ import annotations
 

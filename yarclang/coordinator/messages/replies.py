@@ -594,8 +594,7 @@ class MotorSearch(Message):
 
 
 class HomeSearches(Reply):
-    """The home searches of all motors. None of them is proved, and no zone or obstacle is watched meanwhile.
-    """
+    """The home searches of all motors. None is proved, and no zone or obstacle is watched meanwhile."""
 
     searches: tuple[MotorSearch, ...]
 

@@ -200,7 +200,10 @@ class Calibrations:
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
-                what = f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
+                what = (
+                    f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to "
+                    f"{upper:g} {unit}"
+                )
                 raise Trouble(what, "give the joint position at the mark", "joints")
             marks[name.upper()] = value * factor
         return {name: marks[name] for name in robot.joint_names if name in marks}

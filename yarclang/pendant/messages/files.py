@@ -89,8 +89,7 @@ class Restore(Message):
 
 
 class DeletedShown(Message):
-    """A deleted file or folder, who deleted it and when (UTC): its number, its former path, its size [bytes].
-    """
+    """A deleted file or folder, who deleted it and when (UTC): its number, former path and size [bytes]."""
 
     number: str
     file: str

@@ -116,8 +116,7 @@ class RunWay(Message):
 
 
 class RunShown(Message):
-    """Content of a log. Lines are thinned: of each of a thousand intervals, the least and the largest value.
-    """
+    """Content of a log. Lines are thinned: least and largest value of each of a thousand intervals."""
 
     program: str
     robot: str

@@ -131,7 +131,10 @@ def what_is_missing(error: ImportError, distribution: str | None) -> str:
     if distribution is None:
         to_do = "source /opt/ros/DISTRIBUTION/setup.bash first, and use the Python that it is for"
     else:
-        to_do = f"apt install ros-{distribution}-{package.replace('_', '-')}, and source /opt/ros/{distribution}/setup.bash"
+        to_do = (
+            f"apt install ros-{distribution}-{package.replace('_', '-')}, and source "
+            f"/opt/ros/{distribution}/setup.bash"
+        )
     return f"yarc_ros2: {package} can't be imported ({error}): {to_do}\n"
 
 

@@ -34,7 +34,8 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
     value = value_of(barrier, barrier.decided, held)
     if not value.is_integer() or not register.low <= value <= register.high:
         raise Trouble(
-            f"{title(barrier)} would make {register.name} {value:.15g}, and it is an integer from {register.low} to {register.high}",
+            f"{title(barrier)} would make {register.name} {value:.15g}, and it is an integer from "
+            f"{register.low} to {register.high}",
             "check the inputs and the program's counts, then start the program again",
             "Y1630",
         )
@@ -69,7 +70,8 @@ def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held
     name = barrier.name.partition(" = ")[0]
     if len(bits) > 1 and not (number.is_integer() and 0 <= number <= largest_of(barrier.output)):
         raise Trouble(
-            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers from 0 to {largest_of(barrier.output)}",
+            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers "
+            f"from 0 to {largest_of(barrier.output)}",
             "check the inputs and the program's counts, then start the program again",
             "Y1630",
         )

@@ -96,7 +96,8 @@ class Holding:
         if self._again:
             yield from operation.abort()
             raise Trouble(
-                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all motors are stopped",
+                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all "
+                "motors are stopped",
                 "find out who uses this controller",
                 "Y1605",
             )
@@ -113,7 +114,7 @@ class Holding:
         resumes.
 
         Raises:
-            Trouble: nobody is there who could say so.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if told in self._told:
             return
@@ -129,7 +130,8 @@ class Holding:
         self._told.add(told)
         self._check_attended(f"somebody else uses this controller: {told}")
         self.operation.remark(
-            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
+            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or "
+            f"`yarc resume` goes on",
             warning=True,
         )
 
@@ -140,7 +142,8 @@ class Holding:
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
-                f"the controller has received nothing from this computer for {operation.silence:.2g} s, and holds"
+                f"the controller has received nothing from this computer for {operation.silence:.2g} s, "
+                f"and holds"
             )
             operation.go(Event.HOLD, silence, remedy=_PAUSED)
             operation.remark(_PAUSED, warning=True)
@@ -155,12 +158,12 @@ class Holding:
         resumes.
 
         Args:
-            told: the input and its state, in words. way_out: the way on which the robot leaves instead of
-                going on; empty: none.
+            told: the input and its state, in words.
+            way_out: the way on which the robot leaves instead of going on; empty: none.
             moves: True if the program has begun.
 
         Raises:
-            Trouble: nobody is there who could say so.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if moves:
             yield from self.hold(f"{told}: held on the path")

@@ -172,7 +172,8 @@ def _pass(
                 met = yield from wait_until(operation, barrier, barrier.decided, held)
                 if not met:
                     raise Trouble(
-                        f"{title(barrier)} has waited {barrier.timeout:g} s until {awaited(barrier, barrier.decided)}: {known_of(barrier.decided, held)}",
+                        f"{title(barrier)} has waited {barrier.timeout:g} s until "
+                        f"{awaited(barrier, barrier.decided)}: {known_of(barrier.decided, held)}",
                         "look at the inputs, then go on with --from",
                         "Y1604",
                     )

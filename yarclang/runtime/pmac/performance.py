@@ -314,7 +314,10 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
             silence = f"when it has received nothing from this computer for {operation.silence:.2g} s"
-            remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
+            remedy = (
+                f"its guard PLC holds the motion on the path {silence}; look at the robot, then run "
+                f"`yarc doctor`"
+            )
             operation.go(Event.FAULT, what, LOST, remedy)
             return _ended(
                 stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None

@@ -56,7 +56,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
         register = next(one for one in job.registers if one.name == search.depth)
         if not register.low <= depth <= register.high:
             raise Trouble(
-                f"{title(barrier)} would make {register.name} {depth}, and it is an integer from {register.low} to {register.high}",
+                f"{title(barrier)} would make {register.name} {depth}, and it is an integer from "
+                f"{register.low} to {register.high}",
                 f"declare a larger range: REGISTER {register.name} 0..{depth}",
                 "Y1630",
             )

@@ -479,7 +479,8 @@ class Stream:
         if operation.now - self._stands[0] > self._patience:
             raise Trouble(
                 f"the program has ended {off.max():.0f} counts (motor "
-                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
+                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at "
+                f"{described(job.robot, joints)}",
                 "run `yarc doctor`: somebody else may use this controller",
                 code="Y1605",
             )

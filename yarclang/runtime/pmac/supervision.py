@@ -348,7 +348,10 @@ class Supervision:
         if least - _SAME_PACE <= percent <= most + _SAME_PACE:
             return ""
         if percent < least:
-            return f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or slowed down, and not by this run"
+            return (
+                f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or "
+                f"slowed down, and not by this run"
+            )
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:

@@ -83,7 +83,7 @@ class TeachMotion(Message):
     name: Name = ""
     """Name under which the place is declared; empty: the place stands in the line."""
     axes: Literal["base", "tool"] = "base"
-    """Of DMOVE: along the base frame's axes, or the tool's."""
+    """For DMOVE: along the base frame's axes, or the tool's."""
     time: Annotated[str, Limited(max_length=40)] = ""
     """Content of the square brackets; empty: that of DEFAULT, else 50%."""
 
@@ -218,7 +218,7 @@ class ProgramTemplates(Message):
 
 
 class NewProgram(Message):
-    """A template to be filled in for this robot; `file` is where it is to stand."""
+    """A template to be filled in for this robot; `file` is the path of the new program."""
 
     template: Name
     file: FileName

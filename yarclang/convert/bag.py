@@ -110,7 +110,7 @@ def _documents(reader: AnyReader, topic: str | None, findings: Collector) -> lis
         if len(messages) == _MOST_MESSAGES:
             message = f"the topic has more than {_MOST_MESSAGES:,} messages"
             findings.add(
-                "Y1515", message, None, "cut the bag to what is wanted: ros2 bag convert, rosbag filter"
+                "Y1515", message, None, "cut the bag to the needed topics: ros2 bag convert, rosbag filter"
             )
             return None
         messages.append((stamp, reader.deserialize(raw, connection.msgtype)))

@@ -45,7 +45,7 @@ def look(calibration: Calibration, asked: LookCalibration) -> LookText:
         return _frame(touching, calibration.tool, asked)
     if touching.result_text():
         raise Trouble(
-            "offsets can't be looked at before they are written and loaded",
+            "offsets can't be tried before they are written and loaded",
             "bring the joints to their marks afterwards",
             "look",
         )

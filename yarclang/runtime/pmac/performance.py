@@ -235,7 +235,7 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
             and (told := (yield from stream.supervision.compare(all_=True)))
         ):
             what, remedy = (
-                f"{what}; and since it was looked at, {told}",
+                f"{what}; and since it was checked, {told}",
                 "find out who else uses this controller",
             )
         yield from Outputs(stream.job).secure(operation)

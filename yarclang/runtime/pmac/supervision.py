@@ -411,7 +411,7 @@ class Supervision:
         """
         if told := (yield from self.compare(all_=True)):
             raise Trouble(
-                f"somebody else uses this controller: since it was looked at, {told}",
+                f"somebody else uses this controller: since it was checked, {told}",
                 "find out who, and put it back; `yarc doctor` looks again",
                 "Y1605",
             )

@@ -35,7 +35,9 @@ async def _scene(service: Service, request: Request) -> Response:
 
 def _number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= _DIGITS):
-        raise Malformed("program isn't the number of a program", "give the number that `load` has returned", "")
+        raise Malformed(
+            "program isn't the number of a program", "give the number that `load` has returned", ""
+        )
     return int(text)
 
 

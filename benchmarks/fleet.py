@@ -1,12 +1,9 @@
-"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet
-machine; the load is printed beside the figures.
+"""What sharing and reusing work is worth: `python benchmarks/fleet.py [--programs N] [PART ...]`, on a quiet machine; the load is printed beside the figures.
 
-Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of
-one thread), `overhead` (what a task costs that does nothing), `cache` (1,000 unchanged programs, checked
-again), `length` (what a command costs in short and long programs). Matrix products use one thread.
+Parts: `processes` (yarcc of N programs of 50 motions in one process and in two, and with two dask workers of one thread), `overhead` (what a task costs that does
+nothing), `cache` (1,000 unchanged programs, checked again), `length` (what a command costs in short and long programs). Matrix products use one thread.
 
-Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's
-cost flat.
+Goals: two processes 1.8 times one, two workers 1.6; 2 ms a task; 1,000 unchanged programs in 3 s; a command's cost flat.
 """
 
 from __future__ import annotations
@@ -166,10 +163,7 @@ def measure_length(folder: Path, count: int) -> Iterator[str]:
         )
         taken = seconds("yarcc", str(made), "--out-dir", str(folder / "out"), "--no-cache", "-j", "1") - base
         costs.append(taken / motions)
-        yield (
-            f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} "
-            f"times that of 50 |"
-        )
+        yield f"| a command of {motions:,} | {taken / motions * 1e3:.2f} ms | {costs[-1] / costs[0]:.2f} times that of 50 |"
 
 
 PARTS = {

@@ -108,7 +108,7 @@ def destinations_of(paths: Sequence[str], output: str | None, folder: Path | Non
         inside = path not in ("", STANDARD) and os.path.isdir(path)  # noqa: PTH112 (Path.is_dir raises where a folder can't be searched)
         if inside and folder is None:
             raise click.UsageError(
-                f"{path} is a folder: give the folder for the texts of its programs with --out-dir"
+                f"{path} is a folder: say with --out-dir where the texts of its programs go"
             )
         for file in programs([path]) if inside else [path]:
             where = folder / os.path.relpath(Path(file).parent, path) if inside and folder else folder

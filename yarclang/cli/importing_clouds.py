@@ -32,7 +32,7 @@ def import_cloud(
     from yarclang.units import MM
 
     if voxel is None:
-        raise click.UsageError("a point cloud becomes cubes: --voxel MM gives their edge")
+        raise click.UsageError("a point cloud becomes cubes: --voxel MM says of which edge")
     if units is None or set(units) != {"length"}:
         raise click.UsageError("a point cloud doesn't say its unit: give --units m, or --units mm")
     destination = beside(file, ".stl") if output is None else output

@@ -111,8 +111,7 @@ class Undertaking:
         return ended
 
     async def _leave(self, held: Ended) -> Ended:
-        """Carry out the way back and out after an input has held a motion. All of it is proved before any of
-        it moves.
+        """Carry out the way back and out after an input has held a motion. All of it is proved before any of it moves.
 
         Args:
             held: the outcome of the part whose motion was held.
@@ -192,7 +191,7 @@ class Undertaking:
         session.teacher = partial(teach, coordinator.robot, kept.controller, kept.program)
 
     def _replan(self, wanted: Replan) -> Replanned | str:
-        """Return the rest after a search, planned from where the search has ended, or lines of an OFFSET."""
+        """Return the rest after a search, planned from where the search has ended, or the lines of an OFFSET."""
         loaded = self.loaded
         begins = [abs(one.begins - wanted.begins) for one in loaded.program.commands]
         if loaded.behind is None or not begins or min(begins) > _SAME_TIME:

@@ -187,7 +187,7 @@ class Calibrations:
             return
         for number, other in enumerate(touching.joints):
             if number != at and np.abs(other - joints).max() < _SAME:
-                what = f"the robot stands where it stood at touch {number + 1}: this touch adds nothing"
+                what = f"the robot stands where it stood at touch {number + 1}: this says nothing new"
                 raise Trouble(what, "move it, then touch again", "same")
 
     def _marks(self, asked: said.OffsetCalibration) -> dict[str, float]:
@@ -200,10 +200,7 @@ class Calibrations:
             unit, factor = robot.axis_unit_names[at], float(robot.axis_units[at])
             lower, upper = float(robot.limits.lower[at]) / factor, float(robot.limits.upper[at]) / factor
             if not lower <= value <= upper:
-                what = (
-                    f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to "
-                    f"{upper:g} {unit}"
-                )
+                what = f"the mark of {name.upper()} at {value:g} {unit} is beyond its limits, {lower:g} to {upper:g} {unit}"
                 raise Trouble(what, "give the joint position at the mark", "joints")
             marks[name.upper()] = value * factor
         return {name: marks[name] for name in robot.joint_names if name in marks}

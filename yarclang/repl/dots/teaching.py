@@ -55,7 +55,6 @@ COMMANDS = (
         "name where the robot stands: its joints, or the tool's pose as a frame",
         "teaching",
         _teach,
-        doc="A name that is declared already is touched up: the person sees both lines and is asked, "
-        "and the loaded file's line is changed as well.",
+        doc="A name that is declared already is touched up: the person sees both lines and is asked, and the loaded file's line is changed as well.",
     ),
 )

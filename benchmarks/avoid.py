@@ -64,7 +64,8 @@ def main() -> None:
     print("| INDUSTRIAL6 | figure | goal |\n|---|---|---|")
     times = [took for took, _ in past]
     print(
-        f"| a way past a box, {len(past)} starts and targets: median | {statistics.median(times):.0f} ms | under 60 ms |"
+        f"| a way past a box, {len(past)} starts and targets: median | {statistics.median(times):.0f} "
+        f"ms | under 60 ms |"
     )
     print(f"| the slowest of them | {max(times):.0f} ms | |")
     solved = [_timed(robot, one, 1) for one in solvable(robot)]
@@ -95,13 +96,15 @@ def in_tight_places(*, with_peer: bool) -> None:
             )
             rows.setdefault(f"{one.kind}, {one.wider} mm", []).append((took, cpu, found, is_peers))
     print(
-        "| opening | solved | of | slowest | of that, computing | RRT-Connect, 5 s |\n|---|---|---|---|---|---|"
+        "| opening | solved | of | slowest | of that, computing | RRT-Connect, 5 s "
+        "|\n|---|---|---|---|---|---|"
     )
     for what, tried in rows.items():
         peer = sum(by for *_, by in tried) if with_peer else ""
         took, cpu, *_ = max(tried)
         print(
-            f"| {what} | {sum(good for *_, good, _ in tried)} | {len(tried)} | {took:.2f} s | {cpu:.2f} s | {peer} |"
+            f"| {what} | {sum(good for *_, good, _ in tried)} | {len(tried)} | {took:.2f} s | {cpu:.2f} "
+            f"s | {peer} |"
         )
     tried = [one for row in rows.values() for one in row]
     for said, is_found in (("solved", True), ("without a way", False)):
@@ -109,7 +112,8 @@ def in_tight_places(*, with_peer: bool) -> None:
         if times:
             took, cpu = (list(one) for one in zip(*times, strict=True))
             print(
-                f"\n{len(times)} {said}: median {statistics.median(took):.2f} s (computing: {statistics.median(cpu):.2f} s), "
+                f"\n{len(times)} {said}: median {statistics.median(took):.2f} s (computing: "
+                f"{statistics.median(cpu):.2f} s), "
                 f"slowest {max(took):.2f} s ({max(cpu):.2f} s)"
             )
 

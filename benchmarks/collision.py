@@ -119,12 +119,14 @@ def main() -> None:
     print(f"| {POSITIONS:,} joint positions by chance, {touch:.0%} touch, one by one | {asked:.1f} ms | |")
     proofs = two_seconds(robot, cell)
     print(
-        f"| proof of a motion of 2 s, 40 by chance: median | {statistics.median(proofs):.1f} ms | under 30 ms |"
+        f"| proof of a motion of 2 s, 40 by chance: median | {statistics.median(proofs):.1f} ms | under "
+        f"30 ms |"
     )
     print(f"| the slowest of them | {max(proofs):.1f} ms | |")
     for gap in (1.2e-5, 1e-4, 1e-3):
         print(
-            f"| 2 s along a plate, {gap / MM:g} mm outside of its margin | {grazing(robot, gap):.1f} ms | under 30 ms |"
+            f"| 2 s along a plate, {gap / MM:g} mm outside of its margin | {grazing(robot, gap):.1f} ms "
+            f"| under 30 ms |"
         )
     without, within, check = palletising(cell)
     print(f"| compiling 06_palletising.yarc without the check | {without:.0f} ms | |")

@@ -1,8 +1,11 @@
-"""The coordinator's speed: `python benchmarks/coordinator.py [--rounds N]`, on `yarc sim` in a process of its own.
+"""The coordinator's speed: `python benchmarks/coordinator.py [--rounds N]`, on `yarc sim` in a process of its
+own.
 
-- From a line that is given (Enter) to the first motion of a motor: planned, certified, loaded, begun. Goal: 150 ms, median, for MOVEJ and MOVEL.
+- From a line that is given (Enter) to the first motion of a motor: planned, certified, loaded, begun. Goal:
+  150 ms, median, for MOVEJ and MOVEL.
 - From a key to the first motion of a jog at TM 10. Goal: 120 ms.
-- From the wish to go the other way to turning back: what the rotary buffer adds, and braking from 3 deg/s; and from a stop to rest.
+- From the wish to go the other way to turning back: what the rotary buffer adds, and braking from 3 deg/s;
+  and from a stop to rest.
 - From connecting to a served robot to its first event, by `yarclang/client.py`. Goal: 100 ms.
 - What an event stream at 50 Hz takes of a core, at rest and in motion. Goal: 10 %.
 """

@@ -1,14 +1,19 @@
-"""What becomes of a run when something goes wrong: `python benchmarks/faults.py [WORDS ..] [--instants N] [--json FILE]`.
+"""What becomes of a run when something goes wrong:
+`python benchmarks/faults.py [WORDS ..] [--instants N] [--json FILE]`.
 
-Each fault meets a `yarc run` of its own, on a `yarc sim` in a process of its own, through a proxy that can delay, pause, cut and change packets.
-A second connection watches where the motors are commanded to stand, each 5 ms, and is the other client whose lines do harm. Of each fault:
+Each fault meets a `yarc run` of its own, on a `yarc sim` in a process of its own, through a proxy that can
+delay, pause, cut and change packets. A second connection watches where the motors are commanded to stand,
+each 5 ms, and is the other client whose lines do harm. Of each fault:
 
-- when it was noticed: from the fault to the run's hold on the wire, to the run's message, or to the hold of the guard PLC, whichever is first;
-- when the robot was at rest, and how far it was from the programmed path until then, in counts of the worst motor;
+- when it was noticed: from the fault to the run's hold on the wire, to the run's message, or to the hold of
+  the guard PLC, whichever is first;
+- when the robot was at rest, and how far it was from the programmed path until then, in counts of the worst
+  motor;
 - what the run said, and its exit status (with * where a SIGTERM has ended it after the fault was watched).
 
-With WORDS, only faults whose names have one of them. With `--instants N`, only the death of the host: kill -9 and SIGSTOP at N instants each, at TM 5 and TM 50.
-Both processes are forked from one that has imported yarclang, which saves the second that Python takes to start.
+With WORDS, only faults whose names have one of them. With `--instants N`, only the death of the host: kill -9
+and SIGSTOP at N instants each, at TM 5 and TM 50. Both processes are forked from one that has imported
+yarclang, which saves the second that Python takes to start.
 """
 
 from __future__ import annotations
@@ -1016,10 +1021,16 @@ def row_of(found: Found) -> str:
     rest += " (its end)" if found.to_its_end else ""
     wrong = f" **{'; '.join(found.wrong)}**" if found.wrong else ""
     said = found.said.replace("|", "/")[:150]
-    return f"| {found.name} | {found.tm:g} | {noticed} | {rest} | {found.off:.2f} | {said}{wrong} | {found.status} |"
+    return (
+        f"| {found.name} | {found.tm:g} | {noticed} | {rest} | {found.off:.2f} | {said}{wrong} | "
+        f"{found.status} |"
+    )
 
 
-HEAD = "| what is done | TM | noticed after s, by | at rest after s | off its path, counts | what the run says | status |\n|---|---|---|---|---|---|---|"
+HEAD = (
+    "| what is done | TM | noticed after s, by | at rest after s | off its path, counts | what the run "
+    "says | status |\n|---|---|---|---|---|---|---|"
+)
 
 
 def _spread(row: int, fault: Fault) -> Fault:
@@ -1045,7 +1056,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
             Path(file).write_text(json.dumps([vars(one) for one in results], indent=1))
     spent = time.monotonic() - begun
     print(
-        f"\n{len(results)} faults in {spent:.0f} s; load {load:.1f} at the beginning, {os.getloadavg()[0]:.1f} at the end"
+        f"\n{len(results)} faults in {spent:.0f} s; load {load:.1f} at the beginning, "
+        f"{os.getloadavg()[0]:.1f} at the end"
     )
     for tm in (5.0, 50.0):
         rests = [
@@ -1055,7 +1067,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
         ]
         if rests:
             print(
-                f"worst time to rest of a host's death, sleep or end at TM {tm:g}: {max(rests):.2f} s of {len(rests)}"
+                f"worst time to rest of a host's death, sleep or end at TM {tm:g}: {max(rests):.2f} s "
+                f"of {len(rests)}"
             )
     lost = [one.name for one in results if any(word.startswith(("LOST", "OFF")) for word in one.wrong)]
     print(f"robots lost, or off their path where they shouldn't be: {', '.join(lost) or 'none'}")
@@ -1065,7 +1078,8 @@ def all_faults(folder: Path, words: Sequence[str], file: str) -> None:
 def instants(folder: Path, count: int) -> None:
     """Try the death of the host at many times, and print the times to rest."""
     print(
-        "| death of the host | TM | instants | median s | worst s | off its path, counts | load |\n|---|---|---|---|---|---|---|"
+        "| death of the host | TM | instants | median s | worst s | off its path, counts | load "
+        "|\n|---|---|---|---|---|---|---|"
     )
     for tm in (5.0, 50.0):
         for name, number in (("kill -9", KILL), ("SIGSTOP", STOP)):
@@ -1078,7 +1092,8 @@ def instants(folder: Path, count: int) -> None:
             rests = [one.rest if one.rest is not None else np.inf for one in found]
             off = max(one.off for one in found)
             print(
-                f"| {name} | {tm:g} | {count} | {np.median(rests):.2f} | {max(rests):.2f} | {off:.2f} | {os.getloadavg()[0]:.1f} |",
+                f"| {name} | {tm:g} | {count} | {np.median(rests):.2f} | {max(rests):.2f} | {off:.2f} | "
+                f"{os.getloadavg()[0]:.1f} |",
                 flush=True,
             )
 

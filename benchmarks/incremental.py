@@ -1,7 +1,8 @@
-"""The figures of editing in RESULTS.md: `python benchmarks/incremental.py`, in an environment with yarclang[dev].
+"""The figures of editing in RESULTS.md: `python benchmarks/incremental.py`, in an environment with
+yarclang[dev].
 
-A program of straight lines is looked at again and again by one analyst, as the language server does it (which looks for garbage seldom, too): one number of one
-line is changed each time.
+A program of straight lines is looked at again and again by one analyst, as the language server does it (which
+looks for garbage seldom, too): one number of one line is changed each time.
 """
 
 from __future__ import annotations

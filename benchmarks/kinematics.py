@@ -1,9 +1,12 @@
 """Figures of the inverse kinematics: `python benchmarks/kinematics.py`, in an environment with yarclang[dev].
 
-Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of six joints, in batches and alone; how many there are beside what all
-eliminations together and EAIK find), `spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
-without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in an
-environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left out.
+Parts: `branches` (all solutions of the closed form, in batches), `solutions` (all solutions of other arms of
+six joints, in batches and alone; how many there are beside what all eliminations together and EAIK find),
+`spare` (the nearest solution of arms of seven joints), `search` (random reachable poses within limits,
+without a seed, beside other solvers), `line` (planning a MOVEL). roboticstoolbox-python and EAIK may live in
+an
+environment of their own: `--peer-python` or PEER_PYTHON says where its interpreter is; without, they are left
+out.
 """
 
 from __future__ import annotations
@@ -93,7 +96,10 @@ def measure_branches(_: argparse.Namespace) -> Iterator[str]:
 def measure_solutions(options: argparse.Namespace) -> Iterator[str]:
     """Measure all solutions of arms without a spherical wrist."""
     ours = {name: made.COBOTS[name] for name in made.COBOTS} | {"offset6": made.offset6()[0]}
-    yield "| all solutions (CPU time) | a pose in a batch | alone, with limits | most | goal |\n|---|---|---|---|---|"
+    yield (
+        "| all solutions (CPU time) | a pose in a batch | alone, with limits | most | goal "
+        "|\n|---|---|---|---|---|"
+    )
     high = np.full(6, math.pi)
     limits = made.limits_of(-high, high)
     for name, chain in ours.items():
@@ -124,7 +130,10 @@ def measure_spare(_: argparse.Namespace) -> Iterator[str]:
     ours["UR5 on a rail"] = made.on_rail(made.COBOTS["ur5"], np.full(6, 2.0 * math.pi))
     ours |= {"YuMi": made.yumi7(), "Baxter": _baxter(), "Sawyer": made.sawyer7()}
     ours |= {"Panda on a rail": _on_rail(made.seven("panda")), "Panda on a base": made.on_base(1.0)}
-    yield "| nearest solution (CPU time) | median | 95 % | from nearby, median | solved | goal |\n|---|---|---|---|---|---|"
+    yield (
+        "| nearest solution (CPU time) | median | 95 % | from nearby, median | solved | goal "
+        "|\n|---|---|---|---|---|---|"
+    )
     for name, (chain, limits) in ours.items():
         count = COUNT if name == "panda" else PEER_COUNT if name in made.SEVEN else SPARE_COUNT
         q = _draw(chain, limits, count)
@@ -208,7 +217,8 @@ def _beside_eaik(python: str) -> str:
         others.append(int(elimination.distinct(chain, pose[None], zeros, q[good])[1].sum()))
     fewer = int((own < others).sum())
     return (
-        f"UR5, {len(poses):,} poses: {own.sum():,} solutions, EAIK {sum(others):,} in {found['cpu'] / len(poses) * 1e6:.0f} µs a pose; "
+        f"UR5, {len(poses):,} poses: {own.sum():,} solutions, EAIK {sum(others):,} in "
+        f"{found['cpu'] / len(poses) * 1e6:.0f} µs a pose; "
         f"fewer than EAIK at {fewer}, more at {int((own > others).sum())}"
     )
 
@@ -254,7 +264,10 @@ def _peer(name: str, peer: str, python: str, task: Any, chain: Chain, limits: Li
     low, high = span(chain, limits)
     q = nearest_turn(chain, limits, q, 0.5 * (low + high))  # full turns don't count as errors
     share = _solved(chain, limits, poses, q)
-    return f"| {name}: {peer} | {share * 100:.2f} % of {len(poses):,} | {found['seconds'] / len(poses) * 1e6:.0f} µs | |"
+    return (
+        f"| {name}: {peer} | {share * 100:.2f} % of {len(poses):,} | "
+        f"{found['seconds'] / len(poses) * 1e6:.0f} µs | |"
+    )
 
 
 def measure_line(_: argparse.Namespace) -> Iterator[str]:

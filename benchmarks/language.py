@@ -1,7 +1,8 @@
-"""The language's figures in RESULTS.md: `python benchmarks/language.py`, in an environment with yarclang[dev].
+"""The language's figures in RESULTS.md: `python benchmarks/language.py`, in an environment with
+yarclang[dev].
 
-Loops and calls that are carried out and checked, an edit of one line of a long file, and imports of long files. Each is
-measured in a process of its own; the memory is the most that this process had.
+Loops and calls that are carried out and checked, an edit of one line of a long file, and imports of long
+files. Each is measured in a process of its own; the memory is the most that this process had.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ def unrolled(rounds: int) -> None:
     """Measure time and memory of checks, which grow with the commands."""
     for name, what in (("loops", "joint motions in loops"), ("calls", "CALLs of a SUB of 5, with frames")):
         print(
-            f"\n| {what} | parsed and checked | µs a command | memory | more than 1,000, bytes a command | goal |"
+            f"\n| {what} | parsed and checked | µs a command | memory | more than 1,000, bytes a "
+            f"command | goal |"
         )
         print("|---|---|---|---|---|---|")
         found = by_turns({str(count): _child(name, count) for count in COUNTS}, rounds, warm=False)
@@ -58,7 +60,8 @@ def unrolled(rounds: int) -> None:
             each = f"{(peak - least) * 2**20 / (count - COUNTS[0]):,.0f}" if count > COUNTS[0] else ""
             goal = f"under {GOAL:g} s" if count == COUNTS[-1] else ""
             print(
-                f"| {count:,} | {seconds:.2f} s | {seconds / count * 1e6:.0f} | {peak:.0f} MB | {each} | {goal} |"
+                f"| {count:,} | {seconds:.2f} s | {seconds / count * 1e6:.0f} | {peak:.0f} MB | {each} "
+                f"| {goal} |"
             )
 
 

@@ -1,7 +1,8 @@
-"""The figures of the language server in RESULTS.md: `python benchmarks/lsp.py`, in an environment with yarclang[dev].
+"""The figures of the language server in RESULTS.md: `python benchmarks/lsp.py`, in an environment with
+yarclang[dev].
 
-A client of a few lines talks to `yarc lsp` over its standard input and output, as an editor does that is sent findings: from the start of
-the process, or from an edit, up to the findings.
+A client of a few lines talks to `yarc lsp` over its standard input and output, as an editor does that is sent
+findings: from the start of the process, or from an edit, up to the findings.
 """
 
 from __future__ import annotations
@@ -146,7 +147,8 @@ def memory(pid: int) -> float:
 def row(what: str, seconds: list[float], goal: str) -> None:
     ordered = sorted(seconds)
     print(
-        f"| {what} | {statistics.median(seconds) * 1e3:.0f} ms | {ordered[int(0.9 * (len(ordered) - 1))] * 1e3:.0f} ms | {goal} |",
+        f"| {what} | {statistics.median(seconds) * 1e3:.0f} ms | "
+        f"{ordered[int(0.9 * (len(ordered) - 1))] * 1e3:.0f} ms | {goal} |",
         flush=True,
     )
 
@@ -199,7 +201,8 @@ def main() -> None:
     held.append(memory(client.pid))
     client.close()
     print(
-        f"\nmemory after {options.edits // 10:,} edits {held[0]:.0f} MB, after {options.edits:,} edits {held[1]:.0f} MB"
+        f"\nmemory after {options.edits // 10:,} edits {held[0]:.0f} MB, after {options.edits:,} edits "
+        f"{held[1]:.0f} MB"
     )
 
 

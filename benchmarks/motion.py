@@ -1,7 +1,8 @@
 """The planner's figures in RESULTS.md: `python benchmarks/motion.py`, in an environment with yarclang[dev].
 
-Time-optimal laws against toppra's own law on 1,000 places, S-curves against ruckig (left out where it isn't installed: `pip install
-ruckig`, or --peers FOLDER that has it), what planning costs, and how far an edit of 0.1 mm reaches.
+Time-optimal laws against toppra's own law on 1,000 places, S-curves against ruckig (left out where it isn't
+installed: `pip install ruckig`, or --peers FOLDER that has it), what planning costs, and how far an edit of
+0.1 mm reaches.
 """
 
 from __future__ import annotations
@@ -58,7 +59,8 @@ def main() -> None:
 def optimal(robot: Robot) -> None:
     """Compare _TOPP [MIN] with toppra's own law."""
     print(
-        "\n| _TOPP [MIN], 100 paths by chance | longer than toppra's law, mean | most | beyond 2 TM, most | of them above 0.2 % | "
+        "\n| _TOPP [MIN], 100 paths by chance | longer than toppra's law, mean | most | beyond 2 TM, "
+        "most | of them above 0.2 % | "
         "largest share of a limit | time, median |"
     )
     print("|---|---|---|---|---|---|---|")
@@ -78,7 +80,8 @@ def optimal(robot: Robot) -> None:
             if len(longer) == LINES:
                 break
         print(
-            f"| {what} | {np.mean(longer):.2%} | {max(longer):.2%} | {max(beyond):.2%} | {np.sum(np.array(beyond) > 0.002)} | {max(used):.2%} | "
+            f"| {what} | {np.mean(longer):.2%} | {max(longer):.2%} | {max(beyond):.2%} | "
+            f"{np.sum(np.array(beyond) > 0.002)} | {max(used):.2%} | "
             f"{statistics.median(seconds) * 1e3:.1f} ms |"
         )
 
@@ -110,7 +113,8 @@ def jerk_limited(robot: Robot) -> None:
         ruckig.Ruckig(1).calculate(problem, best)
         losses.append(curve.duration / best.duration - 1.0)
     print(
-        "\n| _SCURVE [MIN], 300 joint lines by chance | longer than ruckig's, mean | most | least | time, median |"
+        "\n| _SCURVE [MIN], 300 joint lines by chance | longer than ruckig's, mean | most | least | "
+        "time, median |"
     )
     print("|---|---|---|---|---|")
     print(
@@ -167,7 +171,8 @@ def edits(robot: Robot) -> None:
         other += bool((np.delete(apart, at) > 5.0).any())
     done = TRIALS - refused
     print(
-        "\n| an edit of 0.1 mm in programs of 4 MOVEJ_RPY | programs | another command changes its configuration | goal |"
+        "\n| an edit of 0.1 mm in programs of 4 MOVEJ_RPY | programs | another command changes its "
+        "configuration | goal |"
     )
     print("|---|---|---|---|")
     print(f"| both can be planned | {done:,} | {other} ({other / done:.2%}) | at most 1 % |")

@@ -1,9 +1,12 @@
-"""Errors put into the code, one at a time: `python benchmarks/mutants.py [--count 200] [--seed 0]`, in an environment with yarclang and its tests.
+"""Errors put into the code, one at a time: `python benchmarks/mutants.py [--count 200] [--seed 0]`, in an
+environment with yarclang and its tests.
 
-Each mutant is one change of one expression: a sign, an off by one, a dropped term, exchanged limits, another axis, another unit. A forked process imports the package anew, with
-the changed module in the place of its file, and compiles the programs of `mutant_corpus.py`: some must be written, and some, a step beyond these, must not be.
-Each text that it certifies and that isn't, to the byte, the one that is written without the change is judged by the code without the change, with the claims made anew.
-Then the tests that import the changed module are run, or those of its room if there are none. The result says of each mutant who saw it:
+Each mutant is one change of one expression: a sign, an off by one, a dropped term, exchanged limits, another
+axis, another unit. A forked process imports the package anew, with the changed module in the place of its
+file, and compiles the programs of `mutant_corpus.py`: some must be written, and some, a step beyond these,
+must not be. Each text that it certifies and that isn't, to the byte, the one that is written without the
+change is judged by the code without the change, with the claims made anew. Then the tests that import the
+changed module are run, or those of its room if there are none. The result says of each mutant who saw it:
 
 - `certificate`: nothing wrong was written: one of the programs wasn't written, or the compiler stopped;
 - `wrong`: a text that the mutant certified is refused without the change: it is written and wrong;
@@ -12,8 +15,9 @@ Then the tests that import the changed module are run, or those of its room if t
 - `survives`: other texts are certified, hold before the judge without the change too, and no test fails;
 - `open`: the tests weren't asked, or took too long.
 
-Results are added to a file, line by line, and what is in it isn't done again: a run may be stopped, and another one may ask the tests of what is `open`. REASONS of `mutant_knowledge.py` says of `wrong`,
-`same` and `survives` why they stand.
+Results are added to a file, line by line, and what is in it isn't done again: a run may be stopped, and
+another one may ask the tests of what is `open`. REASONS of `mutant_knowledge.py` says of `wrong`, `same` and
+`survives` why they stand.
 """
 
 from __future__ import annotations

@@ -1,9 +1,11 @@
-"""The pendant in a real browser (headless Chromium, software GL, loopback): how soon a press moves the robot, how soon letting go holds it, what watchers cost.
+"""The pendant in a real browser (headless Chromium, software GL, loopback): how soon a press moves the robot,
+how soon letting go holds it, what watchers cost.
 
     python benchmarks/pendant.py            # some 4 minutes
     python benchmarks/pendant.py --minutes 10   # and memory with twenty watchers for so long
 
-Times are taken in the page: from the pointer's event to the message that tells of it, so that they have the way back as well.
+Times are taken in the page: from the pointer's event to the message that tells of it, so that they have the
+way back as well.
 """
 
 from __future__ import annotations
@@ -59,7 +61,10 @@ def first_after(browser, kind: str, wanted: str) -> float | None:
 def shares(values: list[float]) -> str:
     ordered = sorted(values)
     last = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
-    return f"median {statistics.median(ordered):.0f} ms, 99 % {last:.0f} ms, worst {ordered[-1]:.0f} ms ({len(ordered)})"
+    return (
+        f"median {statistics.median(ordered):.0f} ms, 99 % {last:.0f} ms, worst {ordered[-1]:.0f} ms "
+        f"({len(ordered)})"
+    )
 
 
 def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
@@ -70,7 +75,10 @@ def presses(place: Place, turns: int) -> tuple[list[float], list[float]]:
         browser.execute_script("window.told = []; window.before = null")
         touch(browser, "touchStart", PLUS if turn % 2 else MINUS)
         time.sleep(0.45)
-        moved = "it.event === 'display' && (window.before ??= it.joints[0], Math.abs(it.joints[0] - window.before) > 1e-3)"
+        moved = (
+            "it.event === 'display' && (window.before ??= it.joints[0], Math.abs(it.joints[0] - "
+            "window.before) > 1e-3)"
+        )
         begins.append(first_after(browser, "pointerdown", moved))
         touch(browser, "touchEnd")
         time.sleep(0.45)
@@ -188,7 +196,8 @@ def main() -> None:
             watchers = Watchers(place.api, 20)
             many = load_over(place, 10.0)
             print(
-                f"while a program runs: {alone:.1f} % of a core without pages, {one:.1f} % with one, {many:.1f} % with 20 watchers more"
+                f"while a program runs: {alone:.1f} % of a core without pages, {one:.1f} % with one, "
+                f"{many:.1f} % with 20 watchers more"
             )
             if minutes:
                 sizes = []

@@ -1,8 +1,10 @@
 """The main ratios: `python benchmarks/ratios.py`, in an environment with yarclang.
 
-Each ratio has two sides that are measured by turns in one run, so that it means the same on a fast machine and on a slow one: whole processes by the clock, work inside one on a core; the shortest times count. The table has each ratio beside its goal
-and beside the one that was recorded last, in `ratios.toml`. A ratio that misses its goal, or is worse than recorded, is a warning and no failure: the exit status is 0
-unless something could not be measured. `--record` writes what was measured to `ratios.toml` and to the table in RESULTS.md.
+Each ratio has two sides that are measured by turns in one run, so that it means the same on a fast machine
+and on a slow one: whole processes by the clock, work inside one on a core; the shortest times count. The
+table has each ratio beside its goal and beside the one that was recorded last, in `ratios.toml`. A ratio that
+misses its goal, or is worse than recorded, is a warning and no failure: the exit status is 0 unless something
+could not be measured. `--record` writes what was measured to `ratios.toml` and to the table in RESULTS.md.
 """
 
 from __future__ import annotations

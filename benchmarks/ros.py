@@ -2,12 +2,14 @@
 
 `yarc ros` and `yarc sim` run as processes of their own, the first with a log. Three figures:
 
-- from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R: the pause of 50 ms, the plan, its proof, the look at the controller, the first lines;
-- from a stop to the hold on the controller's wire, while a program is streamed and the state link tells, with so many `--busy` processes beside that do nothing but compute;
+- from the last of 100 points of a goal (sent one at a time, each answered) to the controller's R: the pause
+  of 50 ms, the plan, its proof, the look at the controller, the first lines;
+- from a stop to the hold on the controller's wire, while a program is streamed and the state link tells, with
+  so many `--busy` processes beside that do nothing but compute;
 - the share of a core that the state link takes at 40 Hz: the process with and without clients there.
 
-The clock begins before a message is written, and ends when the bytes are on the controller's wire; both are read from the system's monotonic clock.
-Goals: 250 ms, 10 ms (p99 with nothing beside), 8 %.
+The clock begins before a message is written, and ends when the bytes are on the controller's wire; both are
+read from the system's monotonic clock. Goals: 250 ms, 10 ms (p99 with nothing beside), 8 %.
 """
 
 from __future__ import annotations
@@ -200,7 +202,10 @@ def shown(times: list[float]) -> str:
     """Format times in ms as a line."""
     ordered = sorted(times)
     last = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
-    return f"median {statistics.median(ordered) * 1e3:.1f} ms, p99 {last * 1e3:.1f} ms, worst {ordered[-1] * 1e3:.1f} ms ({len(ordered)})"
+    return (
+        f"median {statistics.median(ordered) * 1e3:.1f} ms, p99 {last * 1e3:.1f} ms, worst "
+        f"{ordered[-1] * 1e3:.1f} ms ({len(ordered)})"
+    )
 
 
 def main() -> None:
@@ -228,7 +233,8 @@ def main() -> None:
             f"(+{shares[1] - shares[0]:.1%}, goal 8 %), {shares[2]:.1%} with four"
         )
         print(
-            f"last of {POINTS} points to R (goal 250 ms): {shown(first_motions(ports, pipe, given.goals, random))}"
+            f"last of {POINTS} points to R (goal 250 ms): "
+            f"{shown(first_motions(ports, pipe, given.goals, random))}"
         )
     for count in given.busy:
         with tempfile.TemporaryDirectory() as folder, door(Path(folder)) as (_, ports, pipe), busy(count):

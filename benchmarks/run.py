@@ -1,8 +1,8 @@
 """The figures of RESULTS.md: `python benchmarks/run.py`, in an environment with yarclang[dev].
 
-Each comparison runs its sides by turns, round by round; the table has medians, and the medians of the ratios in
-each round. roboticstoolbox-python may live in an environment of its own: `--rtb-python` or RTB_PYTHON says where its
-interpreter is (default: this one).
+Each comparison runs its sides by turns, round by round; the table has medians, and the medians of the ratios
+in each round. roboticstoolbox-python may live in an environment of its own: `--rtb-python` or RTB_PYTHON says
+where its interpreter is (default: this one).
 """
 
 from __future__ import annotations

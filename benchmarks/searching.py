@@ -1,8 +1,11 @@
-"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
+"""How soon a watched input holds the robot, and how long what follows a search, or a pick and place with an
+OFFSET, takes to plan and prove: `python benchmarks/searching.py [--rounds N]`.
 
-`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the input, as a PLC would. The clock begins when that client is about to
-write, and ends when the bytes of the hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as well.
-Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up from there.
+`yarc sim` and `yarc run` run as processes of their own, and a third client of the controller changes the
+input, as a PLC would. The clock begins when that client is about to write, and ends when the bytes of the
+hold are on the wire; both are read from the system's monotonic clock. So one way to the controller counts as
+well. Planning is measured by itself: a line down is ended at ten places, and what is asked for is a line up
+from there.
 
 Goals: edge to hold 10 ms (p99, idle); planned and certified in 150 ms (median).
 """
@@ -59,7 +62,8 @@ tcp.Wire.send = send
 main(["run", sys.argv[1], "--to", sys.argv[2], "--no-log", "--yes"])
 """
 SEARCHES = {
-    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 MOVEL 0 1174.4 1000 0 0 0 [2]\n",
+    "INDUSTRIAL6": "P0010 MOVEL 0 1174.4 1000 0 0 0 [2]\nP0020 MOVEL 0 1174.4 800 0 0 0 [V 50] UNTIL TOUCH\nP0030 "
+    "MOVEL 0 1174.4 1000 0 0 0 [2]\n",
 }
 
 
@@ -208,17 +212,20 @@ def main() -> None:
     for name, text in SEARCHES.items():
         times = planned(name, text)
         print(
-            f"{name}: what follows a search {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst)"
+            f"{name}: what follows a search {statistics.median(times):.0f} ms (median), "
+            f"{max(times):.0f} ms (worst)"
         )
     for name in PICKS:
         times = picked(name, rounds)
         print(
-            f"{name}: a pick and place with an OFFSET {statistics.median(times):.0f} ms (median), {max(times):.0f} ms (worst) of CPU time"
+            f"{name}: a pick and place with an OFFSET {statistics.median(times):.0f} ms (median), "
+            f"{max(times):.0f} ms (worst) of CPU time"
         )
     with tempfile.TemporaryDirectory() as folder:
         found = sorted(edges(rounds, Path(folder)))
     print(
-        f"edge to hold: {statistics.median(found):.1f} ms (median), {found[-1]:.1f} ms (worst of {len(found)})"
+        f"edge to hold: {statistics.median(found):.1f} ms (median), {found[-1]:.1f} ms (worst of "
+        f"{len(found)})"
     )
 
 

@@ -38,14 +38,16 @@ def compare() -> None:
     """Print a row for each number of searches."""
     rows = list(_rows())
     print(
-        "| --avoid-effort | of the best of 20: mean | worst | time of the motion, of that with 1 | computing, mean |\n|---|---|---|---|---|"
+        "| --avoid-effort | of the best of 20: mean | worst | time of the motion, of that with 1 | "
+        "computing, mean |\n|---|---|---|---|---|"
     )
     ratio = np.array([[length / best for length, _, _ in ours] for best, ours in rows])
     takes = np.array([[lasts for _, lasts, _ in ours] for _, ours in rows])
     cpu = np.array([[spent for *_, spent in ours] for _, ours in rows])
     for at, number in enumerate(SEARCHES):
         print(
-            f"| {number} | {ratio[:, at].mean():.2f} | {ratio[:, at].max():.2f} | {(takes[:, at] / takes[:, 0]).mean():.2f} | {cpu[:, at].mean():.2f} s |"
+            f"| {number} | {ratio[:, at].mean():.2f} | {ratio[:, at].max():.2f} | "
+            f"{(takes[:, at] / takes[:, 0]).mean():.2f} | {cpu[:, at].mean():.2f} s |"
         )
     print(f"\n{len(rows)} problems")
 

@@ -1,12 +1,13 @@
 """The simulator's speed: `python benchmarks/simulator.py [--seconds S] [--rounds N]`.
 
-First its time: Listing 4 for INDUSTRIAL6 at TM 5, 8,000 segments, in a commissioned machine whose guard PLC runs: from `R`
-to the end, as a program and as a rotary that is refilled line by line. Goal: 100 times real time. Then round trips
-through its socket.
+First its time: Listing 4 for INDUSTRIAL6 at TM 5, 8,000 segments, in a commissioned machine whose guard PLC
+runs: from `R`
+to the end, as a program and as a rotary that is refilled line by line. Goal: 100 times real time. Then round
+trips through its socket.
 
-A `yarc sim` in a process of its own, a client with a blocking socket in this one, loopback between them; by turns with
-a bare asyncio server that answers any bytes at once, which is what this computer can do at best. Goal: 20,000
-questions a second. Medians of the rounds.
+A `yarc sim` in a process of its own, a client with a blocking socket in this one, loopback between them; by
+turns with a bare asyncio server that answers any bytes at once, which is what this computer can do at best.
+Goal: 20,000 questions a second. Medians of the rounds.
 """
 
 from __future__ import annotations

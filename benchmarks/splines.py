@@ -1,6 +1,7 @@
 """Splines through thousands of points: how long the compiler takes, and how much memory.
 
-python benchmarks/splines.py [COUNT ...] [--robot NAME] [--path weld|bead|pocket|spiral] [--joints] [--turning] [--time TEXT]
+python benchmarks/splines.py [COUNT ...] [--robot NAME] [--path weld|bead|pocket|spiral] [--joints]
+[--turning] [--time TEXT]
 """
 
 from __future__ import annotations
@@ -35,7 +36,8 @@ def main() -> None:
             done = measure.process("yarcc", str(file), "--robot", asked.robot, "--out-dir", folder)
         told = next((line for line in reversed(done.output.splitlines()) if "certified" in line), done.output)
         print(
-            f"{command} {count} points [{time}]: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, {done.peak:.0f} MB; "
+            f"{command} {count} points [{time}]: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, "
+            f"{done.peak:.0f} MB; "
             f"{told[told.index(':') + 2 :]}"
         )
 

@@ -1,9 +1,13 @@
-"""How long a stop takes from the order to the wire, under load: `python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
+"""How long a stop takes from the order to the wire, under load:
+`python benchmarks/stopping.py [--rounds N] [--busy N ...]`.
 
-`yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control socket, by turns from a client that is
-connected, and on a new connection as those of `yarc hold`. The clock begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are read from the
-system's monotonic clock. Who orders, and the simulator, stand for a person and a controller: they go before other processes, if this user may do that. The serving process is an ordinary one without `--priority`.
-There are four phases of work, each with so many `--busy` processes beside that do nothing but compute:
+`yarc serve` and `yarc sim` run as processes of their own, the first with a log. Orders come over the control
+socket, by turns from a client that is connected, and on a new connection as those of `yarc hold`. The clock
+begins before the order is written, and ends when the bytes of the hold are on the controller's wire; both are
+read from the system's monotonic clock. Who orders, and the simulator, stand for a person and a controller:
+they go before other processes, if this user may do that. The serving process is an ordinary one without
+`--priority`. There are four phases of work, each with so many `--busy` processes beside that do nothing but
+compute:
 
 - a program is streamed;
 - it is streamed while another client has long programs planned, in the same process;
@@ -152,7 +156,8 @@ def served(folder: Path, *, ordinary: bool) -> Iterator[tuple[str, Pipe]]:
 def company(role: str, path: str) -> Iterator[None]:
     """Run another process that is a client in a role."""
     with process(
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import stopping; stopping.{role}({path!r})"
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r}); import stopping; "
+        f"stopping.{role}({path!r})"
     ):
         time.sleep(1.0)
         yield
@@ -334,7 +339,8 @@ def main() -> None:
     kept: dict[str, Any] = {}
     if not options.json:
         print(
-            "| a stop while there is | busy processes | stops | median | p99 | most | of it once read, median | p99 | goal |\n|---|---|---|---|---|---|---|---|---|"
+            "| a stop while there is | busy processes | stops | median | p99 | most | of it once read, "
+            "median | p99 | goal |\n|---|---|---|---|---|---|---|---|---|"
         )
     for load in options.busy:
         found: dict[str, list[Stop]] = {}

@@ -1,10 +1,11 @@
 """The runtime's speed: `python benchmarks/streaming.py [--rounds N]`.
 
-- Program lines a second, by WRITEBUFFER, against dls-pmaclib, one command at a time, into the same program buffer of the same
-  `yarc sim` in a process of its own; with no delay, and with 1 ms on each reply as a controller takes. Goal: 20 times.
+- Program lines a second, by WRITEBUFFER, against dls-pmaclib, one command at a time, into the same program
+  buffer of the same `yarc sim` in a process of its own; with no delay, and with 1 ms on each reply as a
+  controller takes. Goal: 20 times.
 - How long a stop takes to the wire: while nothing is awaited, and while a reply is. Goal: 5 ms (p99).
-- Ten minutes of motion at TM 5 with up to 20 ms of random delay on each reply, in virtual time: neither low water nor underrun; and the
-  smallest TM that holds.
+- Ten minutes of motion at TM 5 with up to 20 ms of random delay on each reply, in virtual time: neither low
+  water nor underrun; and the smallest TM that holds.
 - An hour of motion, run again and again: memory at ten minutes and at sixty.
 """
 

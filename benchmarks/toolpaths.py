@@ -1,9 +1,12 @@
-"""Tool paths of thousands of short pieces: how long the compiler takes, how much memory, and how fast the tool goes.
+"""Tool paths of thousands of short pieces: how long the compiler takes, how much memory, and how fast the
+tool goes.
 
-python benchmarks/toolpaths.py [COUNT] [--robot NAME] [--path weld|bead|pocket|spiral] [--turning] [--rounds N] [--run]
+python benchmarks/toolpaths.py [COUNT] [--robot NAME] [--path weld|bead|pocket|spiral] [--turning] [--rounds
+N] [--run]
 
-The ideal law is TOPP-RA's on the path that our text executes, at ten points a piece, within the same limits of velocity, acceleration and motors and the same speed of the
-tool; it knows no limit of the jerk. Both are measured on the first `IDEAL` pieces.
+The ideal law is TOPP-RA's on the path that our text executes, at ten points a piece, within the same limits
+of velocity, acceleration and motors and the same speed of the tool; it knows no limit of the jerk. Both are
+measured on the first `IDEAL` pieces.
 """
 
 from __future__ import annotations
@@ -51,7 +54,8 @@ def main() -> None:
             done = measure.process("yarcc", str(file), "--robot", asked.robot, "--out-dir", folder)
             told = next(line for line in reversed(done.output.splitlines()) if "certified" in line)
             print(
-                f"{asked.count} pieces: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, {done.peak:.0f} MB; {told[told.index(':') + 2 :]}"
+                f"{asked.count} pieces: {done.seconds:.1f} s, {done.cpu:.1f} s on a core, "
+                f"{done.peak:.0f} MB; {told[told.index(':') + 2 :]}"
             )
         if asked.run:
             pmc = str(file.with_suffix(".pmc"))

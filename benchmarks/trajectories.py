@@ -2,7 +2,8 @@
 
 python benchmarks/trajectories.py [COUNT ...] [--rates] [--rounds N]
 
-Times are of a process that has everything imported, the best of some rounds; goals are 150 ms for 100 way-points and 3 s for 10,000.
+Times are of a process that has everything imported, the best of some rounds; goals are 150 ms for 100
+way-points and 3 s for 10,000.
 """
 
 from __future__ import annotations
@@ -42,7 +43,8 @@ def main() -> None:
         goal = f", goal {GOALS[count]:g} s" if count in GOALS else ""
         command = made.value.certificate.commands[-1]
         print(
-            f"{count:,} way-points: {min(times):.3f} s{goal}; {command.segments:,} segments of {command.segment_time * 1e3:.4g} ms, within "
+            f"{count:,} way-points: {min(times):.3f} s{goal}; {command.segments:,} segments of "
+            f"{command.segment_time * 1e3:.4g} ms, within "
             f"{command.deviation.angle:.2g} rad"
         )
 

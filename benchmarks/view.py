@@ -1,6 +1,8 @@
-"""The figures of `yarc view` in RESULTS.md: `python benchmarks/view.py`, in an environment with yarclang[dev].
+"""The figures of `yarc view` in RESULTS.md: `python benchmarks/view.py`, in an environment with
+yarclang[dev].
 
-A client of a few lines stands for the browser: a picture is there when it has been sent all that is drawn. What a browser takes to draw it isn't counted.
+A client of a few lines stands for the browser: a picture is there when it has been sent all that is drawn.
+What a browser takes to draw it isn't counted.
 """
 
 from __future__ import annotations

@@ -203,10 +203,10 @@ def prove(
     start: Sequence[float] | None = None,
     cell: str | PathLike[str] | None = None,
 ) -> Result[Certificate]:
-    """Prove what a controller text does, and that this is what the program says.
+    """Prove the effects of a controller text, and that they are those of the program.
 
-    The text is read anew, whoever wrote or changed it. The certificate holds for this text and for the
-    robot's present description.
+    The text is read from scratch, whether or not yarclang wrote it. The certificate holds for this text and
+    for the robot's present description.
 
         >>> import yarclang
         >>> program = "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)"

@@ -40,7 +40,7 @@ CONTENT = "content"
 """The content of a file. Answered by its digest, or by the reason for which it can't be read."""
 
 _FILE, _FOLDER = "file", "folder"
-"""Is there a file, or a folder? Answered by `yes` or `no`."""
+"""Question whether a file or folder exists, answered by `yes` or `no`."""
 
 _NEAREST = "nearest "
 """Which of a folder and the folders above is the nearest with a file of the name that follows? Answered by

@@ -141,12 +141,14 @@ class Watch:
 
     @property
     def reaction(self) -> str:
-        """What the robot does, in words."""
+        """The chosen action of the robot, in words."""
         return f"hold, then leave by {self.then}" if self.then else "hold"
 
 
 def only_holding(watches: Iterable[Watch]) -> tuple[Watch, ...]:
-    """Return watched inputs that hold the motion, and lead nowhere afterwards: those of ways beside a program."""
+    """Return watched inputs that hold the motion, and lead nowhere afterwards: those of ways beside a
+    program.
+    """
     return tuple(Watch(one.variable, one.value, one.name) for one in watches)
 
 

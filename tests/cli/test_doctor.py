@@ -36,7 +36,7 @@ def test_all_is_well(workshop, simulator, industrial6):
         len(items_of(industrial6)) + 2 + 6 + 1 + 3
     )  # the controller, what runs, motors, guard, watchdog and PLCs
     assert sum(line.startswith("ok ") for line in lines) == count
-    assert lines[-1] == f"all {count} things are as a program needs them"
+    assert lines[-1] == f"all {count} checks passed"
     assert "INDUSTRIAL6 is commanded to J1 0.000 deg, J2 0.000 deg, " in text
     assert re.search(
         r"^link: a question takes \d+\.\d+ ms \(median\), .* \d+ program lines/s, ", text, re.MULTILINE
@@ -47,7 +47,7 @@ def test_all_is_well(workshop, simulator, industrial6):
 def test_without_a_controller(workshop):
     text = examine(workshop)
     assert "INDUSTRIAL6 is simulated" in text
-    assert "things are as a program needs them" in text
+    assert "checks passed" in text
 
 
 def test_as_json(workshop, simulator):
@@ -72,7 +72,8 @@ def test_what_is_wrong_stands_last(workshop, own):
     assert "ERROR    motor 2: it is open-loop\n" in text
     wrong = text.count("ERROR ")
     assert (
-        f"\n{wrong} of {len([*filter(re.compile('ok |ERROR').match, lines)])} things keep a program" in text
+        f"\n{wrong} of {len([*filter(re.compile('ok |ERROR').match, lines)])} checks failed: no program"
+        in text
     )
     assert "INDUSTRIAL6 is commanded to" not in text
     refused = workshop.here(*run_on(own), status=1)
@@ -89,7 +90,7 @@ def test_a_guard_that_does_nothing(workshop, own):
         in text
     )
     assert "without it nothing stops the robot when this computer fails" in text
-    assert "1 of 104 things keeps a program from being run" in text
+    assert "1 of 104 checks failed: no program can be run" in text
 
 
 @pytest.mark.parametrize(

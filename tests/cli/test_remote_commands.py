@@ -358,7 +358,7 @@ def test_a_run_of_this_computer_is_told_first(job, simulator, running, abort, mo
     monkeypatch.setattr(stop, "_TELL", 10.0)  # on a computer with much to do
     monkeypatch.setattr(stop, "_LET_END", 20.0)
     done = call("stop", *to(simulator), *abort)
-    assert f"industrial6-{os.getpid()} drives this controller: it is told to end" in done.stderr
+    assert f"industrial6-{os.getpid()} drives this controller and is asked to end" in done.stderr
     ended = running.wait()
     assert ended.what == ("aborted: off its path" if abort else "stopped on its path")
     assert places(done.stdout) == pytest.approx(list(ended.joints / job.robot.axis_units), abs=1e-3)

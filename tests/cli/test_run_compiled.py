@@ -74,7 +74,7 @@ def test_another_robot(workshop, text):
 def test_a_robot_of_nobody(workshop, text):
     shown = refused(workshop, text.replace("; robot INDUSTRIAL6 ", "; robot MINE "))
     assert "p.pmc: error Y1301: " in shown
-    assert "help: if it is one of your own, say where it is: --robot PATH" in shown
+    assert "help: if it is your own robot, give its place: --robot PATH" in shown
     shown = refused(workshop, re.sub(r"^; robot .*\n", "", text, flags=re.MULTILINE))
     assert "error Y1151: line 3 is '; program " in shown
     assert "where the header has the robot" in shown

@@ -36,7 +36,7 @@ def test_a_link_that_is_lost(workshop):
         assert_told(
             text,
             "the connection was lost: no reply to .* in time; the controller can't be reached again: ",
-            "its guard PLC holds the motion on the path when it has heard nothing of this computer for 0.4 s",
+            "its guard PLC holds the motion on the path when it has received nothing from this computer for 0.4 s",
             "where it stands isn't known: look at the robot",
             EXECUTED,
         )
@@ -63,7 +63,7 @@ def test_a_link_that_comes_back(workshop):
 def test_what_a_link_may_do(workshop):
     """Late replies are no news, but a pace at which the program can't be fed; a controller may be busy for a moment."""
     (slow, slowly), (busy, busily) = runs(workshop, "slow:0.012", f"busy@line{LINE}:0.8", status=0)
-    assert "the controller has heard nothing of this computer for 0.4 s, and holds" in busily
+    assert "the controller has received nothing from this computer for 0.4 s, and holds" in busily
     for simulator, text in ((slow, slowly), (busy, busily)):
         assert "p.yarc: done; INDUSTRIAL6 stands where it ends, to a count" in text
         assert simulator.stands() == pytest.approx(np.zeros(6), abs=1e-4)

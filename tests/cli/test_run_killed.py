@@ -40,7 +40,7 @@ def test_kill_9(workshop):
     assert "error: 1 of 103 things isn't as it must be; nothing moved" in refused
     examined = workshop.here("doctor", "--robot", "INDUSTRIAL6", "--to", address, status=1)
     assert f"`{end_it}`" in examined
-    assert "1 of 103 things keeps a program from being run" in examined
+    assert "1 of 103 checks failed: no program can be run" in examined
     assert "lines/s" not in examined  # the link isn't loaded beside a program
 
     ended = workshop.here(*end_it.split()[1:])
@@ -90,5 +90,5 @@ def test_a_process_that_sleeps(workshop, simulator):
     assert_on_path(simulator.comes_to_rest())
     process.signal(signal.SIGCONT)
     text = process.end(0)
-    assert "the controller has heard nothing of this computer for 0.4 s, and holds" in text
+    assert "the controller has received nothing from this computer for 0.4 s, and holds" in text
     assert simulator.stands() == pytest.approx([0.0] * 6, abs=1e-4)

@@ -39,7 +39,7 @@ def type_text(annotation):
 
 
 def fields_of(kind, without):
-    """Its fields: name, what it may be, what it is if it isn't said."""
+    """Return the fields of an order: name, type and default."""
     found = []
     for name, field in kind.model_fields.items():
         if name in without:
@@ -77,7 +77,7 @@ def tables():
             ],
         ),
         "orders": table(
-            ("order", "what", "fields (if it isn't said)", "answer"),
+            ("order", "what", "fields (default)", "answer"),
             [
                 (
                     f"`{kind.model_fields['order'].default}`",
@@ -89,7 +89,7 @@ def tables():
             ],
         ),
         "wants": table(
-            ("key", "what", "fields (if it isn't said)", "answer"),
+            ("key", "what", "fields (default)", "answer"),
             [
                 (f"`{kind.key}`", said(kind), fields_of(kind, ()), kind.answer.__name__)
                 for kind in wants.KINDS

@@ -309,7 +309,7 @@ def test_offsets_and_which_motors_have_to_be_referenced(monkeypatch, tmp_path):
         assert (await begin(anna, "home", marks={"J2": 0.0})).status == 200
         told = (await touch(anna)).told
         assert "J2 reads +0.5000 deg wrong" in told["result"][0]
-        assert "approach it anew" in told["advice"]
+        assert "approach it again" in told["advice"]
         await touch(anna)
         stand(place.world.machine, robot, np.radians([0, 0.502, 0, 0, 0, 0]))
         told = (await touch(anna)).told

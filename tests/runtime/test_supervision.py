@@ -119,7 +119,7 @@ def test_nothing_moves_if_it_was_changed_since_the_look():
     world.say("I115=0.01")
     ended = world.perform(perform(world.operation, job))
     assert not ended.well
-    assert "since it was looked at, I115" in ended.what
+    assert "since it was checked, I115" in ended.what
     assert "was 6.1279, and is 0.01" in ended.what
     assert "R" not in world.asked
     assert world.operation.state is State.FAULT

@@ -1,4 +1,4 @@
-"""FUNC: a name for an expression of what it is given."""
+"""FUNC: a name for an expression of its parameters."""
 
 import math
 import tracemalloc

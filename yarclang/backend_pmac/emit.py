@@ -41,8 +41,8 @@ class Emitted:
     def text(self, header: tuple[str, ...]) -> str:
         """Return the whole text.
 
-        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets and
-        bodies that may touch as comments, then the lines that the controller reads.
+        The header lines come first, then the map of commands, barriers, registers, watches, searches, offsets
+        and bodies that may touch as comments, then the lines that the controller reads.
         """
         maps = len(self.commands) + len(self.barriers) + len(self.registers) + len(self.watches)
         # A searched motion of length zero has no lines, so no input can end it.
@@ -57,24 +57,29 @@ class Emitted:
             flows = "" if command.overlap is None else f" blend {command.overlap}"
             jerk = " any-jerk" if command.any_jerk and place else ""
             head.append(
-                f"; command {command.step} {command.index} {command.name} {command.source_line} {lines}{flows}{jerk}"
+                f"; command {command.step} {command.index} {command.name} {command.source_line} "
+                f"{lines}{flows}{jerk}"
             )
         for line, barrier in self.barriers:
             head.append(f"; barrier {before + line} {_told(barrier)}")
         head += [
-            f"; register {one.name} {one.low} {one.high} {one.first}{' kept' * one.kept}{' outside' * one.outside}"
+            f"; register {one.name} {one.low} {one.high} "
+            f"{one.first}{' kept' * one.kept}{' outside' * one.outside}"
             for one in self.registers
         ]
         head += [
-            f"; watch {one.variable}={_number(one.value)} {one.name}{f' then {one.then} {one.way}' if one.then else ''}"
+            f"; watch {one.variable}={_number(one.value)} "
+            f"{one.name}{f' then {one.then} {one.way}' if one.then else ''}"
             for one in self.watches
         ]
         head += [
-            f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} {one.depth or '-'}"
+            f"; search {one.step} {one.variable}={_number(one.value)} {one.name} {one.flag} "
+            f"{one.depth or '-'}"
             for one in searches
         ]
         head += [
-            f"; offset {one.step} {one.flag} {' '.join(name or '-' for name in one.registers)} {printable(one.frame)}"
+            f"; offset {one.step} {one.flag} {' '.join(name or '-' for name in one.registers)} "
+            f"{printable(one.frame)}"
             for one in self.offsets
         ]
         head += map(allow_line, allows)

@@ -42,7 +42,8 @@ def segment_grid(robot: Robot, tm: float | None) -> Result[Grid]:
         )
     if asked < smallest:
         message = (
-            f"TM {tm:g} ms: the controller can't calculate segments shorter than {np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time "
+            f"TM {tm:g} ms: the controller can't calculate segments shorter than "
+            f"{np.ceil(smallest / MS * 1e4) / 1e4:.6g} ms in time "
             f"(three real-time interrupts at I8 = {turbo_pmac(robot).i8})"
         )
         least = _neat_above(smallest / MS)

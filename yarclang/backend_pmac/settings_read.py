@@ -1,5 +1,5 @@
-"""Reading the settings text of a Turbo PMAC back: what was proved, how the text differs from the robot, and
-what to ask a controller.
+"""Reading the settings text of a Turbo PMAC back: the proved facts, differences from the robot, and questions
+for a controller.
 """
 
 from __future__ import annotations

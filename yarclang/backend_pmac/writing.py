@@ -37,7 +37,10 @@ def streamed_only(program: Program) -> Diagnostic | None:
         message = f"{one.name} is watched by the runtime, and a program buffer runs without it"
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for shifted in offsets_of(program):
-        message = f"what is given in {{{shifted.frame}}} is planned by the runtime, and a program buffer runs without it"
+        message = (
+            f"what is given in {{{shifted.frame}}} is planned by the runtime, and a program buffer runs "
+            f"without it"
+        )
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for found in searches_of(program):
         message = (
@@ -46,7 +49,10 @@ def streamed_only(program: Program) -> Diagnostic | None:
         return Diagnostic("Y1106", message, program.source, help="leave --target prog out")
     for step in program.steps:
         if isinstance(step, Loop):
-            message = f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs without it"
+            message = (
+                f"{step.origin.name} is begun anew or left by the runtime, and a program buffer runs "
+                f"without it"
+            )
             help_ = "leave --target prog out, or repeat a number of times: REPEAT 4"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         is_plain = (
@@ -57,7 +63,11 @@ def streamed_only(program: Program) -> Diagnostic | None:
         )
         if isinstance(step, Assign | When | WaitUntil) and not is_plain:
             message = f"{step.origin.name} is decided by the runtime, and a program buffer runs without it"
-            help_ = f"leave --target prog out, or decide by one input: {'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} DOOR ON"
+            help_ = (
+                f"leave --target prog out, or decide by one input: "
+                f"{'WAIT' if isinstance(step, WaitUntil) or step.origin.name == 'WAIT' else 'WHEN'} "
+                f"DOOR ON"
+            )
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Hold) and step.register:
             message = "the answer to a HOLD is taken by the runtime, and a program buffer runs without it"
@@ -68,7 +78,10 @@ def streamed_only(program: Program) -> Diagnostic | None:
             help_ = "leave --target prog out, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
         if isinstance(step, Finish):
-            message = f"{step.origin.name} ends the program in one of its ways, and in a program buffer an R would go on there"
+            message = (
+                f"{step.origin.name} ends the program in one of its ways, and in a program buffer an R "
+                f"would go on there"
+            )
             help_ = "leave --target prog out, or write HOLD"
             return Diagnostic("Y1106", message, step.origin.source, step.origin.span, help_)
     return None

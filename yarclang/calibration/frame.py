@@ -63,7 +63,8 @@ def find_frame(origin: Array, on_x: Array, on_plane: Sequence[Array]) -> Result[
         return _refused(
             "Y1903",
             message,
-            "touch points as far apart as the workpiece allows: an error of 0.1 mm turns the frame by 0.1 mm through their distance",
+            "touch points as far apart as the workpiece allows: an error of 0.1 mm turns the frame by "
+            "0.1 mm through their distance",
         )
     sines = np.linalg.norm(np.cross(along[0], along[1:]), axis=1) / (lengths[0] * lengths[1:])
     angles = np.arcsin(np.clip(sines, 0.0, 1.0))

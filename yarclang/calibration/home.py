@@ -75,7 +75,10 @@ def find_offsets(
     if share[worst] <= 1.0:
         return Result(found)
     unit = robot.axis_unit_names[worst]
-    message = f"the visits of the mark of {robot.joint_names[worst]} differ by {spread[worst] / robot.axis_units[worst]:.3f} {unit} from their mean"
+    message = (
+        f"the visits of the mark of {robot.joint_names[worst]} differ by "
+        f"{spread[worst] / robot.axis_units[worst]:.3f} {unit} from their mean"
+    )
     return Result(
         found,
         (Diagnostic("Y1904", message, help="approach the mark from the same side each time, and slowly"),),

@@ -67,7 +67,10 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
     lean, axis = _least_tilt(rotation)
     if lean < LEAST_TILT:
         along = " ".join(f"{value:.2f}" for value in axis)
-        message = f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} deg in all touches: the place of the tip along it can't be computed"
+        message = (
+            f"the tool's direction {along} (in {{FLANGE}}) pointed the same way within {lean / DEG:.1f} "
+            f"deg in all touches: the place of the tip along it can't be computed"
+        )
         return _refused(
             "Y1902",
             message,
@@ -83,7 +86,10 @@ def find_tip(base_from_flange: Sequence[Array] | Array) -> Result[TipCalibration
     found = TipCalibration(constant(tip), constant(fixed), constant(misses), constant(spread), error)
     if misses.max() <= LARGEST_MISS:
         return Result(found)
-    message = f"the touches miss each other: touch {found.worst + 1} by {misses.max() / MM:.2f} mm, all of them by {np.sqrt(np.mean(misses**2)) / MM:.2f} mm in the mean"
+    message = (
+        f"the touches miss each other: touch {found.worst + 1} by {misses.max() / MM:.2f} mm, all of "
+        f"them by {np.sqrt(np.mean(misses**2)) / MM:.2f} mm in the mean"
+    )
     help_ = f"repeat touch {found.worst + 1}; if that doesn't help, the arm's zeros or its geometry are off"
     return Result(found, (Diagnostic("Y1904", message, help=help_),))
 

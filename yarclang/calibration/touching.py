@@ -139,8 +139,10 @@ class TipTouching(Touching):
         tip, spread = self.value.flange_from_tip / MM, self.value.uncertainty / MM
         misses = self.value.misses / MM
         return (
-            f"{len(misses)} touches: {{{self.name}}} is at {_numbers(tip)} mm in {{FLANGE}}, to {_numbers(spread)} mm (95 %); "
-            f"the touches miss each other by {misses.mean():.3f} mm, touch {self.value.worst + 1} most, by {misses.max():.3f} mm"
+            f"{len(misses)} touches: {{{self.name}}} is at {_numbers(tip)} mm in {{FLANGE}}, to "
+            f"{_numbers(spread)} mm (95 %); "
+            f"the touches miss each other by {misses.mean():.3f} mm, touch {self.value.worst + 1} most, "
+            f"by {misses.max():.3f} mm"
         )
 
     def residuals(self) -> Array | None:
@@ -256,7 +258,8 @@ class HomeTouching(Touching):
         return "\n".join(
             f"{name} reads {-shift[at]:+.4f} {self.robot.axis_unit_names[at]} wrong"
             + (
-                f"; its visits differ from their mean by {spread[at]:.4f} {self.robot.axis_unit_names[at]} at most"
+                f"; its visits differ from their mean by {spread[at]:.4f} "
+                f"{self.robot.axis_unit_names[at]} at most"
                 if len(self.joints) > 1
                 else ""
             )

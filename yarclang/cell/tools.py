@@ -16,7 +16,7 @@ from yarclang.toml.places import Path
 from yarclang.transforms import constant
 
 NO_TOOL = "NONE"
-"""What a program writes instead of a tool's name if no tool is on the flange afterwards."""
+"""Word in place of a tool's name if no tool is on the flange afterwards."""
 
 LOCK_REACH = 0.0005
 """Distance of the flange from a tool's place at which a changer locks, if its file gives none [m]."""
@@ -65,8 +65,8 @@ def tool_of(name: str, path: Path, around: Surroundings) -> str | None:
 
 
 def own_frame(name: str, table: OutputTable, around: Surroundings) -> Mount | None:
-    """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other frames
-    and grippers. Without a robot each such frame counts as one of it.
+    """Return the place of a frame of the robot that a gripper of a changed tool may name; None for other
+    frames and grippers. Without a robot each such frame counts as one of it.
     """
     robot = around.robot
     if table.tool is None or name.upper() in around.names:

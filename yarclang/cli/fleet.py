@@ -110,7 +110,7 @@ class Fleet:
         """Return how many results were reused, and what is wrong with the cache; empty if there is nothing."""
         remarks = []
         if self._doing is not None and self._doing.reused:
-            remarks.append(f"{self._doing.reused:,} as before (--no-cache does all anew)")
+            remarks.append(f"{self._doing.reused:,} as before (--no-cache computes all again)")
         if self._store is not None and self._store.trouble:
             remarks.append(f"the cache can't be used: {self._store.trouble}")
         return "; ".join(remarks)

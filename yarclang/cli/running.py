@@ -165,7 +165,7 @@ class _Run:
                 self.screen.close()
                 looked = await robot.ask(orders.Look())
                 say(
-                    f"{looked.checked} things looked at, all as they should be; nothing moved (--dry-run)",
+                    f"{looked.checked} checks passed; nothing moved (--dry-run)",
                     err=False,
                 )
             return int(goes is None)

@@ -120,7 +120,7 @@ def _check_again(folder: Path, place: Place, options: dict[str, Any]) -> None:
             raise Trouble(what, one.help or "correct it first", one.code)
     known = None if place.served is None else place.served.fingerprint
     if known is not None and read.value is not None and read.value.fingerprint != known:
-        what = "robot.toml was changed, and `yarc serve` has the robot as it was"
+        what = "robot.toml was changed, and `yarc serve` still has the previous robot"
         raise Trouble(what, "end `yarc serve` and start it again, then the pendant", "Y1392")
 
 

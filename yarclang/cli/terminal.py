@@ -127,7 +127,7 @@ class Terminal:
             self._asked_to_abort = True
             self._order(orders.Abort())
             self._screen.say(
-                "there is no connection; it will be told to abort as soon as there is one; Ctrl-C again gives up"
+                "there is no connection; an abort is sent as soon as there is one; Ctrl-C again gives up"
             )
         else:
             self.gave_up = True

@@ -56,7 +56,10 @@ def read_bag(path: Path, topic: str | None, findings: Collector) -> list[Any] | 
         from rosbags.typesys import Stores, get_typestore
     except ModuleNotFoundError as error:
         message = f"bags need the package rosbags, which isn't installed ({error})"
-        help_ = "pip install 'yarclang[bags]'; or print the trajectory: ros2 topic echo --full-length TOPIC > path.yaml"
+        help_ = (
+            "pip install 'yarclang[bags]'; or print the trajectory: ros2 topic echo --full-length TOPIC "
+            "> path.yaml"
+        )
         findings.add("Y1515", message, None, help_)
         return None
     place = path.parent if path.suffix.lower() in {".db3", ".mcap"} and _is_part(path) else path
@@ -107,7 +110,7 @@ def _documents(reader: AnyReader, topic: str | None, findings: Collector) -> lis
         if len(messages) == _MOST_MESSAGES:
             message = f"the topic has more than {_MOST_MESSAGES:,} messages"
             findings.add(
-                "Y1515", message, None, "cut the bag to what is wanted: ros2 bag convert, rosbag filter"
+                "Y1515", message, None, "cut the bag to the needed topics: ros2 bag convert, rosbag filter"
             )
             return None
         messages.append((stamp, reader.deserialize(raw, connection.msgtype)))

@@ -70,7 +70,10 @@ def mesh_of_cloud(path: Path, unit: float, voxel: float) -> Result[CloudMesh]:
         return _refused(path, "Y1516", f"the point cloud {path.name} has no point", _AGAIN)
     far = float(np.abs(points).max())
     if far > _FAR:
-        message = f"the point cloud {path.name} has a point {far:.3g} m from its origin, and at most {_FAR:,.0f} m are allowed"
+        message = (
+            f"the point cloud {path.name} has a point {far:.3g} m from its origin, and at most "
+            f"{_FAR:,.0f} m are allowed"
+        )
         return _refused(path, "Y1516", message, "check its unit (--units)")
     made = voxels_of(points, voxel, MOST_TRIANGLES)
     if isinstance(made, TooMany):

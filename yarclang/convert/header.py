@@ -113,8 +113,8 @@ def understand(
                 continue
         columns[meaning] = Column(number, meaning, chosen)
     if lost:
-        message = f"it isn't said in which unit {', '.join(lost)} {'are' if len(lost) > 1 else 'is'}"
-        help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or say --units mm,deg,s"
+        message = f"{'units' if len(lost) > 1 else 'the unit'} of {', '.join(lost)} {'are' if len(lost) > 1 else 'is'} missing"
+        help_ = "write units into the header, as in `x [mm]` or `j1 (deg)`, or give --units mm,deg,s"
         findings.add("Y1506", message, table.source.whole_line(table.header_line), help_)
         return None
     if unknown:
@@ -197,7 +197,10 @@ def _target(
             _refuse(table, findings, message, found, unknown)
             return None
     if missing := [name for name in meanings if name not in found]:
-        message = f"column{'s' * (len(missing) > 1)} {', '.join(missing)} {'are' if len(missing) > 1 else 'is'} missing"
+        message = (
+            f"column{'s' * (len(missing) > 1)} {', '.join(missing)} "
+            f"{'are' if len(missing) > 1 else 'is'} missing"
+        )
         _refuse(table, findings, message, found, unknown)
         return None
     return target, meanings
@@ -225,7 +228,8 @@ def _refuse(
     strange = f"; not recognised: {', '.join(one[:40] for one in unknown[:8])}" if unknown else ""
     help_ = (
         "columns are j1 j2 ... or the robot's joint names; or x y z with roll pitch yaw or qx qy qz qw; "
-        "and optionally time, j1_velocity ..., j1_acceleration ..., name, comment. They are divided by commas, semicolons or tabs"
+        "and optionally time, j1_velocity ..., j1_acceleration ..., name, comment. They are divided by "
+        "commas, semicolons or tabs"
     )
     span = table.source.whole_line(table.header_line)
     findings.add("Y1502", f"{message} ({known}{strange})", span, help_)

@@ -108,7 +108,10 @@ def _values(
 
 def _joints_help(robot: Robot) -> str:
     names = ", ".join(robot.joint_names)
-    return f"{robot.name} has {names}; if the file calls them otherwise, say --joints with its names in this order"
+    return (
+        f"{robot.name} has {names}; if the file calls them otherwise, say --joints with its names in "
+        f"this order"
+    )
 
 
 def _span(text: UrdfText, element: Element) -> Span:

@@ -80,10 +80,14 @@ def at_rest(
         if excess[joint] > 1.0:
             unit = robot.axis_unit_names[joint]
             message = (
-                f"{where}it {when} in motion: {robot.joint_names[joint]} moves at {velocities[row, joint]:.6g} {unit}/s at "
+                f"{where}it {when} in motion: {robot.joint_names[joint]} moves at "
+                f"{velocities[row, joint]:.6g} {unit}/s at "
                 f"{times[row]:.6g} s"
             )
-            help_ = "a program's motion begins and ends at rest: take the whole recording; or --as spline keeps the way without the times"
+            help_ = (
+                "a program's motion begins and ends at rest: take the whole recording; or --as spline "
+                "keeps the way without the times"
+            )
             findings.add("Y1513", message, None, help_)
             return None
         noise = max(noise, float(speeds.max()))
@@ -141,7 +145,8 @@ def timed_motion(course: Course, index: int, here: Array | None, robot: Robot, f
         units = "/".join(dict.fromkeys(robot.axis_unit_names))
         remarks[-1] = f"The arm passes all points at their times; {_path(without)}"
         remarks.append(
-            f"The accelerations aren't 0 at the start, and are left out: the path differs by up to {off:.2g} {units}."
+            f"The accelerations aren't 0 at the start, and are left out: the path differs by up to "
+            f"{off:.2g} {units}."
         )
         course = without
     return Written([*rows, *_lines(course, index)], index + STEP, tuple(remarks))

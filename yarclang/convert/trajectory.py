@@ -109,7 +109,10 @@ def _course(
             )
             return None
         if len(positions) != robot.size:
-            message_ = f"{place} has {len(positions)} position{'s' * (len(positions) != 1)}, there are {robot.size} joints"
+            message_ = (
+                f"{place} has {len(positions)} position{'s' * (len(positions) != 1)}, there are "
+                f"{robot.size} joints"
+            )
             findings.add("Y1509", message_, None, "every point has a position for each joint")
             return None
         for joint, at in enumerate(order):
@@ -204,7 +207,10 @@ def _left_out(rates: Mapping[str, list[list[float]]], count: int) -> Iterator[st
     """Yield remarks about velocities and accelerations that are ignored, since not all points have them."""
     for name, rows in rates.items():
         if 0 < len(rows) < count:
-            yield f"{_PLURALS[name].capitalize()} of only {len(rows):,} of {count:,} points are given, and left out."
+            yield (
+                f"{_PLURALS[name].capitalize()} of only {len(rows):,} of {count:,} points are given, "
+                f"and left out."
+            )
     if len(rates["velocity"]) < count == len(rates["acceleration"]):
         yield "Accelerations without velocities are left out."
 
@@ -226,7 +232,8 @@ def _order(
         ]
         message = f"{where}the joints aren't those of {robot.name}: {'; '.join(parts)}"
         help_ = (
-            f"{robot.name} has {', '.join(robot.joint_names)}; if the file calls them otherwise, say --joints with its "
+            f"{robot.name} has {', '.join(robot.joint_names)}; if the file calls them otherwise, say "
+            f"--joints with its "
             "names in this order"
         )
         findings.add("Y1511", message, None, help_)

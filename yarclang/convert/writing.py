@@ -171,7 +171,8 @@ def _spline(
         or np.abs(here - course.values[0]).max() > SAME_PLACE
     ):
         rows.append(
-            f"{index_text(index)} MOVEJ{suffix} {cells[0].strip()} [{DEFAULT_TIME}]{comment_of(course, 0, True)}"
+            f"{index_text(index)} MOVEJ{suffix} {cells[0].strip()} "
+            f"[{DEFAULT_TIME}]{comment_of(course, 0, True)}"
         )
         index += STEP
     time = ""
@@ -220,7 +221,8 @@ def _about_times(course: Course, robot: Robot, wishes: Wishes) -> Iterator[str]:
     passed = _lspb_time(way) * asked[-1]
     worst = int(np.argmax(np.abs(passed - asked)))
     yield (
-        f"The times between aren't kept; the greatest deviation: a point is passed at {passed[worst]:.3f} s instead of "
+        f"The times between aren't kept; the greatest deviation: a point is passed at "
+        f"{passed[worst]:.3f} s instead of "
         f"{asked[worst]:.3f} s after the start."
     )
 

@@ -164,7 +164,7 @@ class There:
         """Become a client of the coordinator that listens on a socket.
 
         Raises:
-            Trouble: no one listens, or the coordinator speaks another version.
+            Trouble: no one listens, or the coordinator has another version of the protocol.
         """
         try:
             reader, writer = await asyncio.open_unix_connection(str(path), limit=MOST_ANSWER)

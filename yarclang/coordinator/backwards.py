@@ -92,7 +92,7 @@ def known_behind_searches(motions: Sequence[Passed]) -> list[Passed]:
     and after the last motion in a shifted frame and those that follow it up to a known place.
 
     A search may have ended anywhere on its line. The plan leads from the end of that line, where what was
-    searched for may be in the way. Likewise the plan has a shifted motion where it isn't shifted.
+    searched for may be in the way. The plan also has shifted motions without their shift.
 
     Args:
         motions: that were carried out, in order. A search that was stopped on its line is no obstacle, since

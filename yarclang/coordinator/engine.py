@@ -63,7 +63,8 @@ class NotReady(Trouble):
         count = len(inspection.errors)
         first = inspection.errors[0]
         super().__init__(
-            f"{count} of {len(inspection.checked)} things aren't as they must be, the first: {first.subject} is {first.found!r}, not {first.wanted!r}",
+            f"{count} of {len(inspection.checked)} things aren't as they must be, the first: "
+            f"{first.subject} is {first.found!r}, not {first.wanted!r}",
             first.remedy or "`yarc doctor` shows all of them",
         )
         self.inspection = inspection

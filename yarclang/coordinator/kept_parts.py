@@ -216,7 +216,8 @@ class KeptParts:
         if safe and q is None and any(one in (*cell.grips, *cell.removals) for one in safe):
             learned = replace(
                 learned,
-                doubt=f"{what.program.name} was ended, and its outputs were made safe at a place that isn't known",
+                doubt=f"{what.program.name} was ended, and its outputs were made safe at a place that "
+                f"isn't known",
             )
         elif safe and q is not None:
             learned = self._given(learned, safe, q)

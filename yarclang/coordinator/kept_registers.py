@@ -18,7 +18,8 @@ _LONGEST_WAIT = 5.0
 """Longest time to wait for another process that has locked the database [s]."""
 
 _TABLE = (
-    "CREATE TABLE IF NOT EXISTS kept (controller TEXT NOT NULL, program TEXT NOT NULL, register TEXT NOT NULL, "
+    "CREATE TABLE IF NOT EXISTS kept (controller TEXT NOT NULL, program TEXT NOT NULL, register TEXT "
+    "NOT NULL, "
     "value INTEGER NOT NULL, PRIMARY KEY (controller, program, register))"
 )
 
@@ -72,7 +73,8 @@ class KeptRegisters:
         found = {one.name: held[one.name] for one in kept if one.name in held}
         beyond = {one.name: one for one in kept if not one.low <= found.get(one.name, one.low) <= one.high}
         told = [
-            f"{name} was kept as {found[name]}, and is {one.low} to {one.high} now: it begins with {one.first}"
+            f"{name} was kept as {found[name]}, and is {one.low} to {one.high} now: it begins with "
+            f"{one.first}"
             for name, one in beyond.items()
         ]
         return {name: value for name, value in found.items() if name not in beyond}, told
@@ -107,7 +109,8 @@ def listed(controller: str = "", program: str = "") -> list[Kept]:
         with opened(place) as base:
             base.execute(_TABLE)
             rows = base.execute(
-                "SELECT controller, program, register, value FROM kept WHERE (? = '' OR controller = ?) AND (? = '' OR program = ?) "
+                "SELECT controller, program, register, value FROM kept WHERE (? = '' OR controller = ?) "
+                "AND (? = '' OR program = ?) "
                 "ORDER BY controller, program, register",
                 (controller, controller, program, program),
             ).fetchall()
@@ -152,7 +155,8 @@ def unreadable(place: Path, error: Exception) -> Trouble:
     what = f"{place}, where registers are kept, can't be used: {error}"
     return Trouble(
         what,
-        "see to the file's rights and disk, or move it away: then all KEPT registers begin anew",
+        "check the file's permissions and the disk, or move the file away: then all KEPT registers "
+        "begin again",
         "Y1636",
     )
 

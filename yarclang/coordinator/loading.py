@@ -100,7 +100,7 @@ def _changed(robot: Robot, loaded: Loaded | None) -> Diagnostic | None:
     if present is not None and present.fingerprint == robot.fingerprint:
         return None
     message = f"robot.toml or the URDF of {robot.name} has changed since the robot is served"
-    return Diagnostic("Y1392", message, help="start the process that serves it anew, or undo the change")
+    return Diagnostic("Y1392", message, help="restart the process that serves it, or undo the change")
 
 
 def _again(

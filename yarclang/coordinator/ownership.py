@@ -36,7 +36,8 @@ class Ownership:
         if self.owner:
             raise NotOwner(
                 f"{self.owner} owns the robot; {name} can only watch",
-                f"wait until {self.owner} releases it or gives it to {name}; stop, hold and abort are for everybody",
+                f"wait until {self.owner} releases it or gives it to {name}; stop, hold and abort are "
+                f"for everybody",
             )
         self.owner, self.shared = name, shared
         return True

@@ -26,7 +26,7 @@ ENABLING, DISABLING, SENDING, SAVING = "enabling", "disabling", "sending setting
 
 
 def wrong_in(found: Inspection) -> tuple[str, ...]:
-    """Return what is wrong, in words."""
+    """Return the failed checks, in words."""
     return tuple(f"{one.subject} is {one.found!r}, not {one.wanted!r}" for one in found.errors)
 
 

@@ -1,1 +1,1 @@
-"""The same work on many cores and machines, results that are reused, and what only many programs show."""
+"""Work on many cores and machines, reused results, and findings that need many programs."""

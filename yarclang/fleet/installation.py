@@ -1,5 +1,5 @@
-"""What the results of an installation depend on besides the files of the user: the package, its library, the
-versions of other libraries, Python and the processor's kind.
+"""Properties of an installation on which results depend, besides the files of the user: the package, its
+library, the versions of other libraries, Python and the processor's kind.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What becomes of work besides its results."""
+"""Outcomes of work other than its results."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 
 class Lost(NamedTuple):
-    """What there is for an item whose work killed its workers.
+    """Outcome of an item whose work killed its workers.
 
     Attributes:
         reason: what happened, as a sentence.

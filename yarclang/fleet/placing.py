@@ -1,4 +1,4 @@
-"""Where a fixture, a part or the robot's base could stand: the places of a frame at which a program compiles, and
+"""Places for a fixture, a part or the robot's base: the places of a frame at which a program compiles, and
 the best of them.
 
 Each candidate is the program (or its cell) with another pose of the frame, and goes through the ordinary
@@ -60,7 +60,7 @@ class Range:
 
 @frozen
 class Task:
-    """What is placed.
+    """The frame to be placed.
 
     Attributes:
         program: the program's file.
@@ -89,12 +89,13 @@ class Task:
 
 @frozen
 class Candidate:
-    """What is known of one place.
+    """Result for one place.
 
     Attributes:
         shift: the shift from the present place.
         seconds: time of the program [s]; None if it doesn't compile.
-        clearance: smallest proved distance of the robot from the cell [m]; None if there is none, or it doesn't compile.
+        clearance: smallest proved distance of the robot from the cell [m]; None if there is none, or it
+            doesn't compile.
         errors: number of errors.
         reason: the first error; empty if it compiles.
         code: code of the first error.

@@ -1,4 +1,4 @@
-"""The same work for many items, on the cores of this machine or on the workers of a scheduler.
+"""Work on many items, on the cores of this machine or on the workers of a scheduler.
 
 Results come in the order of the items, and are the same bytes wherever the work ran. A worker that is killed
 costs the items that it had: they are given to others, and an item that kills two workers is `Lost`.
@@ -21,11 +21,12 @@ T = TypeVar("T")
 R = TypeVar("R")
 
 _MANY = 4
-"""Number of items from which they are shared among processes, because each process imports everything once."""
+"""Number of items from which they are shared among processes, because each process imports everything once.
+"""
 
 
 class Place(NamedTuple):
-    """Where work is done.
+    """Place at which work is done.
 
     Attributes:
         processes: number of processes on this machine; None for one a core.

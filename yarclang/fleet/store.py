@@ -55,7 +55,7 @@ class Store:
         self._secret = b""
         self._base: sqlite3.Connection | None = None
         self.trouble = ""
-        """Why the store can't be used; empty if it can."""
+        """Reason why the store can't be used; empty if it can."""
 
     def get(self, key: str) -> Iterator[tuple[int, bytes]]:
         """Yield the numbers and values of a key's entries that are this user's, the last used one first."""

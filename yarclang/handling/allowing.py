@@ -34,7 +34,7 @@ class Allowance:
 
     @property
     def giver(self) -> str:
-        """What allows it, for messages: line 12, or line 40 of the cell.toml."""
+        """The line that allows the contact, for messages: line 12, or line 40 of the cell.toml."""
         return f"line {self.line}{' of the cell.toml' if self.in_cell else ''}"
 
 

@@ -1,6 +1,6 @@
 """Findings of planning in lines that an edit leaves unchanged.
 
-They are shown until motions are planned anew, so that nothing flickers.
+They are shown until motions are planned again, so that nothing flickers.
 """
 
 from __future__ import annotations

@@ -116,13 +116,17 @@ def wait(line: Line) -> Guess | None:
             state = "OFF" if state == "ON" else "ON"
         put = f"{found['name']} {state}"
         if found["all"] != put and found["name"].upper() in (*_named(line, "INPUT"), *_named(line, "OUTPUT")):
-            what = "WAIT takes an input and what it shall be"
+            what = "WAIT takes an input and the value to wait for"
             return line.guess(at, at + len(found["all"]), what, put, f"write WAIT {put}")
     if found := re.fullmatch(r"\s+(?P<all>(?:FOR\s+)?\$?[A-Z]*IN?\s*\[.*)", line.values, re.I):
         at = line.behind + found.start("all")
         help_ = "declare the input, as INPUT DOOR M11, and write WAIT DOOR ON"
         return line.guess(
-            at, at + len(found["all"]), "WAIT takes an input by its name, and what it shall be", None, help_
+            at,
+            at + len(found["all"]),
+            "WAIT takes an input by its name, and the value to wait for",
+            None,
+            help_,
         )
     return None
 

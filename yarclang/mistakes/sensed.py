@@ -30,7 +30,7 @@ def until(line: Line) -> Guess | None:
         return None
     off = _is_off(found)
     put = f"{found['name']}{' OFF' * off}"
-    message = "UNTIL takes an input by its name, and OFF after it where it is to be OFF"
+    message = "UNTIL takes an input by its name, and OFF after the name to wait for OFF"
     return line.guess(found.start("all"), found.end("all"), message, put, f"write UNTIL {put}")
 
 

@@ -247,8 +247,8 @@ class _Fitter:
     def _coarser(
         self, found: tuple[Curve, Trial] | NotHeld | TooLong
     ) -> tuple[Curve, Trial] | NotHeld | TooLong:
-        """Return a curve with longer segments, if it is much faster and the duration of the law is missed by
-        far.
+        """Return a curve with longer segments, if it is much faster, and `found` is much slower than the law
+        allows.
 
         Beside a singularity, short segments resolve peaks that longer ones pass over within the tolerance.
         """

@@ -67,7 +67,7 @@ class Route:
 
 @frozen
 class _Stand:
-    """What is known between two steps.
+    """State of the search between two steps.
 
     `ways` has the robot's position on the open control-flow paths (None if it isn't known). `choice` is the
     last motion with a free choice of solution that decides this position; None if the position is given by

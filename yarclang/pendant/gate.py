@@ -218,7 +218,7 @@ class Gate:
             return Asked(given=True, owner="", what="nobody controls the robot")
         other = self._accounts.sessions.called(to)
         if other is None:
-            raise Trouble("whoever asked has gone", "ask them again", "")
+            raise Trouble("the person who asked has gone", "ask them again", "")
         self._accounts.check(other, Role.OPERATOR)
         seat = await self._seats.of(other)
         await self.order(session, orders.Give(to=seat.welcome.name), address)

@@ -125,7 +125,11 @@ class JogLine:
         elif message.press <= self._ended:
             pass  # it was sent before the press ended
         elif not self._beat - FRESH <= message.beat <= self._beat:
-            self._over(message.press, "what was pressed came too late", "the network is slow: press again")
+            self._over(
+                message.press,
+                "the pressed button's message came too late",
+                "the network is slow: press again",
+            )
         elif self._active and message.press != self._active:
             self._over(message.press, "something else is pressed already", "let all go, then press again")
         else:

@@ -98,7 +98,10 @@ class Descriptions:
             first = next(one for one in read.diagnostics if one.is_error)
             return f"it can't be loaded any more: {first.message}"
         if read.value.fingerprint != self._robot.fingerprint:
-            return "it describes another robot than the one that is loaded: a restart loads it, and the controller may need other settings"
+            return (
+                "it describes another robot than the one that is loaded: a restart loads it, and the "
+                "controller may need other settings"
+            )
         return ""
 
 

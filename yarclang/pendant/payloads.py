@@ -191,7 +191,7 @@ def torques_of(
     """
     now, then = robot.dynamics, other.dynamics
     if now is None or then is None or robot.joint_names != other.joint_names:
-        return (), "robot.toml describes another arm than the one that runs: start the pendant anew first"
+        return (), "robot.toml describes another arm than the one that runs: restart the pendant first"
     chain, limits = other.chain, other.limits
     found = []
     if here is not None:

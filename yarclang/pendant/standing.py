@@ -42,7 +42,10 @@ async def stands(watched: Watched, motors: Collection[int] | None = None) -> Arr
 
 
 def _motors(numbers: list[int]) -> str:
-    return f"motor{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))} {'are' if len(numbers) > 1 else 'is'}"
+    return (
+        f"motor{'s' * (len(numbers) > 1)} {', '.join(map(str, numbers))} "
+        f"{'are' if len(numbers) > 1 else 'is'}"
+    )
 
 
 def _check_rest(watched: Watched) -> None:

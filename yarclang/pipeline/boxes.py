@@ -1,4 +1,4 @@
-"""The boxes of OFFSETs, tried before a program runs: their corners, the middles of their edges, and a grid."""
+"""The boxes of OFFSETs, tried before a program runs: corners, middles of edges, and a grid."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HELP = "the runtime refuses such a place before anything moves, into the ELSE, 
 
 @dataclass(slots=True)
 class _Told:
-    """What was found about the OFFSETs of one line: in a loop there are several."""
+    """Findings about the OFFSETs of one line: in a loop there are several."""
 
     origin: Origin
     tried: int = 0

@@ -286,7 +286,7 @@ def robot_of(header: Header, text: SourceFile, name: str | None) -> Result[Robot
         return Result(None, (Diagnostic("Y1163", message, text, help="leave --robot out"),))
     if found.value is not None:
         return found
-    help_ = "if it is one of your own, say where it is: --robot PATH"
+    help_ = "if it is your own robot, give its place: --robot PATH"
     placed = tuple(one if one.source else replace(one, source=text) for one in found.diagnostics)
     return Result(None, tuple(replace(one, help=help_) for one in placed))
 

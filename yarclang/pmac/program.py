@@ -18,7 +18,8 @@ Target = Literal["rotary", "prog"]
 LOADING: Mapping[Target, str] = MappingProxyType(
     {
         "rotary": "loading moves nothing; R moves the robot slowly to the start, then runs the program",
-        "prog": "loading moves nothing; with all motors closed-loop, &{system}B1R runs it, from the start only",
+        "prog": "loading moves nothing; with all motors closed-loop, &{system}B1R runs it, from the start "
+        "only",
     }
 )
 """Instructions for a person who loads the text by hand; `{system}` is the coordinate system."""

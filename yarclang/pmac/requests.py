@@ -11,7 +11,7 @@ from __future__ import annotations
 from enum import IntEnum
 
 PORT = 1025
-"""Where the controller listens, TCP."""
+"""TCP port on which the controller listens."""
 
 HEADER = ">BBHHH"
 """Direction, code, wValue, wIndex, wLength, as a `struct` format."""

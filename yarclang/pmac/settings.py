@@ -105,7 +105,10 @@ class ControllerSettings:
         yield from self.feedback.lines
         yield from ("", "; guard: holds the motion when the rotary buffer runs low while a program is armed,")
         yield "; and when the computer that streams says nothing for as long as it has promised to"
-        yield f"; to go on after it has held ({ARMED} or {WATCHED} is 2 then): refill the buffer, {ARMED}=1, then R"
+        yield (
+            f"; to go on after it has held ({ARMED} or {WATCHED} is 2 then): refill the buffer, "
+            f"{ARMED}=1, then R"
+        )
         yield f"{ARMED}=0"
         yield f"{WATCHED}=0"
         yield from self.guard.lines

@@ -113,4 +113,7 @@ class Interpreter(Session):
 def bug_text(error: Exception) -> str:
     """Return the text about a bug of ours, with the address for reports."""
     place = traceback.extract_tb(error.__traceback__)[-1]
-    return f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: {place.filename}:{place.lineno} in {place.name}"
+    return (
+        f"a bug of yarclang has ended this: {error!r}\n  help: report it, with this place: "
+        f"{place.filename}:{place.lineno} in {place.name}"
+    )

@@ -132,7 +132,10 @@ class Jogging:
             frame = self.moving if self.axis.kind == "tool" else "{B}"
             name = f"{self.moving} {AXES[self.axis.number]} of {frame}"
             shown = f"{speed / MM:.3g} mm/s" if self.axis.number < 3 else f"{speed / DEG:.3g} deg/s"
-        return f"jog {name} at {shown}: hold + or -; 1-{min(self.robot.size, 9)} joint, {AXES} axis, t tool/base, up/down speed, Enter ends"
+        return (
+            f"jog {name} at {shown}: hold + or -; 1-{min(self.robot.size, 9)} joint, {AXES} axis, t "
+            f"tool/base, up/down speed, Enter ends"
+        )
 
 
 def axis_of(robot: Robot, words: list[str]) -> tuple[Axis, int, str]:

@@ -14,7 +14,7 @@ _NOT_READY = (State.DISCONNECTED, State.FAULT)
 
 
 class Toolbar:
-    """The bottom line, built anew whenever it is drawn.
+    """The bottom line, rebuilt whenever it is drawn.
 
     Args:
         robot: the robot.

@@ -36,7 +36,7 @@ def dynamics_of(
     tools: Sequence[Tool],
     said: tuple[Sequence[float | None], Sequence[float] | None, bool],
 ) -> Dynamics:
-    """Return what is known of masses and efforts.
+    """Return the known masses and efforts.
 
     Args:
         urdf: a URDF without errors.

@@ -38,20 +38,23 @@ class Mimic:
         sign = "-" if self.offset < 0.0 else "+"
         multiplier, offset = self.raw
         return (
-            f"{self.joint.name} [{own}] = {self.factor:.12g} * {self.leader[:40]} [{unit}] {sign} {abs(self.offset):.12g} "
+            f"{self.joint.name} [{own}] = {self.factor:.12g} * {self.leader[:40]} [{unit}] {sign} "
+            f"{abs(self.offset):.12g} "
             f"(multiplier {multiplier:.12g}, offset {offset:.12g})"
         )
 
     def remedy(self, chain: Sequence[Joint]) -> str:
-        """Return a sentence that says how robot.toml expresses the coupling, or that it can't because the
-        leader isn't in the chain.
+        """Return a sentence that describes how robot.toml expresses the coupling, or that it can't because
+        the leader isn't in the chain.
         """
         name = self.joint.name
         if self.leader not in (joint.name for joint in chain) or self.leader == name:
             return f"As {self.leader[:40]} isn't another joint of the chain, robot.toml can't say this."
         return (
-            f"If {name} has a motor of its own that stands still while {name} follows, remove <mimic> and give {name} limits; in robot.toml "
-            f"its row of J is {-self.factor + 0.0:.12g} for {self.leader}, 1 for {name} and 0 else, and its a0 is {-self.offset + 0.0:.12g} * K counts."
+            f"If {name} has a motor of its own that stands still while {name} follows, remove <mimic> "
+            f"and give {name} limits; in robot.toml "
+            f"its row of J is {-self.factor + 0.0:.12g} for {self.leader}, 1 for {name} and 0 else, and "
+            f"its a0 is {-self.offset + 0.0:.12g} * K counts."
         )
 
 

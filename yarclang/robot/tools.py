@@ -142,7 +142,10 @@ def _check_tool(
         message = (
             f"inertia of {table_name(path)} has the principal moments {shown} kg m^2, which no body has."
         )
-        remedy = "Write it about the centre of mass as xx, yy, zz, xy, xz, yz in kg m^2; each moment is at most the sum of the others."
+        remedy = (
+            "Write it about the centre of mass as xx, yy, zz, xy, xz, yz in kg m^2; each moment is at "
+            "most the sum of the others."
+        )
         file.say("Y0932", (*path, "inertia"), message, remedy)
 
 

@@ -123,7 +123,8 @@ class Carrying:
                 failed = None
             else:
                 self._say(
-                    f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved after {took:.3f} s; it begins"
+                    f"goal {goal.number}: {len(goal.points)} points, {planned.duration_s:.3f} s, proved "
+                    f"after {took:.3f} s; it begins"
                 )
                 # no await between the last check for stops and this order
                 failed = await self._run(planned, seat, goal)

@@ -262,7 +262,10 @@ class MotionLink:
             )
             return self._refuse(_SEQUENCE, f"{what}: the goal is forgotten", _AGAIN)
         if incoming.downloaded:
-            what = f"goal {incoming.number}, a download, has no end: nothing came for {self._patience:g} s after {_counted(count)}"
+            what = (
+                f"goal {incoming.number}, a download, has no end: nothing came for {self._patience:g} s "
+                f"after {_counted(count)}"
+            )
             return self._refuse(_SEQUENCE, what, _AGAIN)
         return self._completed()
 
@@ -379,7 +382,8 @@ class MotionLink:
             what = f"point {point.sequence} came without the points before it"
             return self._refuse(_SEQUENCE, what, "a goal begins with the sequence 0")
         what = (
-            f"point {point.sequence} came more than {self._pause * 1000.0:g} ms after the one before it: goal {moving.number} was taken as "
+            f"point {point.sequence} came more than {self._pause * 1000.0:g} ms after the one before "
+            f"it: goal {moving.number} was taken as "
             f"complete with {_counted(len(moving.points))}, and is stopped"
         )
         return [

@@ -253,7 +253,8 @@ class _Door:
             self._carrying.do(self._link.heard(message, now), client.send)
         elif message.comm is not Comm.REPLY:
             self.say(
-                f"[Y1625] {client.name} is sent away: {self._movers[0].name} moves the robot; one client at a time can"
+                f"[Y1625] {client.name} is sent away: {self._movers[0].name} moves the robot; one "
+                f"client at a time can"
             )
             if message.comm is Comm.REQUEST:
                 client.send(reply_to(message, success=False))
@@ -315,7 +316,8 @@ class _Door:
                 await self._hear()
             if self._carrying.seat is not None:
                 self.say(
-                    f"the coordinator of {self._robot.name} has gone: look at the robot; it is looked for again"
+                    f"the coordinator of {self._robot.name} has gone: look at the robot; it is looked "
+                    f"for again"
                 )
             self._carrying.seat = self._feedback = None
             await asyncio.sleep(_AGAIN)

@@ -288,10 +288,14 @@ class Decoder:
         if _HEADER <= other <= MOST:
             swap = "with" if self._order is ByteOrder.LITTLE else "without"
             return (
-                f"the bytes of each word come in the other order: the length reads {length}, the other way round {other}; "
+                f"the bytes of each word come in the other order: the length reads {length}, the other "
+                f"way round {other}; "
                 f"start `yarc ros` {swap} --swap-bytes"
             )
-        return f"a length of {length} bytes, {_HEADER} to {MOST} are possible; look which program connects to this port"
+        return (
+            f"a length of {length} bytes, {_HEADER} to {MOST} are possible; look which program connects "
+            f"to this port"
+        )
 
 
 def _decoded(frame: bytes, order: ByteOrder) -> Message:

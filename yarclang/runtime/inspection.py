@@ -1,5 +1,5 @@
-"""Result of looking at a controller before anything moves: what was found and wanted, and the remedy if these
-differ.
+"""Results of the checks of a controller before anything moves: found and required values, and the remedy if
+these differ.
 """
 
 from __future__ import annotations

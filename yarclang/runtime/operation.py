@@ -74,7 +74,7 @@ class Operation:
         notices: notices to be sent, oldest first; the sender removes them.
         watch: orders that interrupt a script at its next request, so that a stop never waits for more than
             one reply.
-        override: requested pace, 1 at 100 %; it stays from one job to the next.
+        override: requested override, 1 at 100 %; it stays from one job to the next.
         longest_sleep: when the clock jumps by more [s], this process stood still.
         slept: size of such a jump [s]; 0 once it was handled.
         positions_each: time between two position queries [s], if the link allows.

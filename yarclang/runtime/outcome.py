@@ -18,7 +18,7 @@ class Concerned:
 
 @dataclass(frozen=True, slots=True)
 class Where:
-    """Where that command is in the source: `file`, line and columns (from 1, the last one exclusive), and the
+    """Place of that command in the source: `file`, line and columns (from 1, the last one exclusive), and the
     `text` of the line.
 
     If the source isn't known, `file` is empty, and `note` gives the reason. For a command in a module, the

@@ -89,8 +89,8 @@ class Session:
     Attributes:
         keeper: keeps the value of a register from run to run; raises OSError if it can't. None: nothing is
             kept.
-        teacher: keeps a place, and returns the line that declares it; raises OSError if it can't. None: places
-            can't be kept here.
+        teacher: keeps a place, and returns the line that declares it; raises OSError if it can't. None:
+            places can't be kept here.
         replanner: plans the rest after a search, from where the search has ended; None: the program isn't
             known here.
     """

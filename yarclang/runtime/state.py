@@ -15,7 +15,7 @@ class State(Enum):
     DISCONNECTED = "disconnected"
     """No connection: the controller is on its own, and its guard holds a motion that is no longer fed."""
     STOP = "stop"
-    """Connected, and no motion of ours: the controller is being looked at, or is idle."""
+    """Connected, without a motion of this process: the controller is being inspected, or is idle."""
     INIT = "init"
     """The controller takes the first lines of a program; nothing moves."""
     MOVE = "move"
@@ -45,7 +45,7 @@ class Event(Enum):
     LOST = "lost"
     """The connection is lost."""
     CLEAR = "clear"
-    """A fault was looked at."""
+    """A fault was inspected and cleared."""
 
 
 _S, _E = State, Event

@@ -57,7 +57,7 @@ def stage_of_run(file: str, robot_name: str | None, cell: str | None = None) -> 
     loaded = robot_made_for(folder, run.robot.name) if robot_name is None else named_robot(folder, robot_name)
     robot = loaded.value
     if robot is None:
-        help_ = "if it is one of your own, say where it is: --robot PATH"
+        help_ = "if it is your own robot, give its place: --robot PATH"
         return Result(None, (*found, *(_with_help(one, help_) for one in loaded.diagnostics)))
     if (robot.name, robot.joint_names) != (run.robot.name, run.robot.joint_names):
         theirs, ours = (

@@ -337,7 +337,7 @@ def _cells_of(spline: NaturalSpline, first: int, last: int, each: int) -> Array:
 
 
 def _margins(spline: NaturalSpline) -> tuple[float, float]:
-    """Return the margins before the start and after the end within which a curve is bounded, in u."""
+    """Return how far the bounds of a curve reach beyond its start and its end, in u."""
     first, last = float(spline.s[1] - spline.s[0]), float(spline.s[-1] - spline.s[-2])
     most = BEYOND * float(spline.s[-1])
     return min(most, max(first, BEYOND_SHORT)), min(most, max(last, BEYOND_SHORT))

@@ -102,9 +102,9 @@ def _show(
             click.echo(line)
     wrong, count = len(inspection.errors), len(inspection.checked)
     click.echo(
-        f"\n{wrong} of {count} things keep{'s' * (wrong == 1)} a program from being run"
+        f"\n{wrong} of {count} checks failed: no program can be run"
         if wrong
-        else f"\nall {count} things are as a program needs them"
+        else f"\nall {count} checks passed"
     )
 
 

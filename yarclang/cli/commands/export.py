@@ -96,7 +96,7 @@ def command(
         return
     if robot is not None:
         raise click.UsageError(
-            "--robot: not with --driver, whose nodes serve any robot; they are told which one"
+            "--robot: not with --driver, whose nodes serve any robot; name it when they are started"
         )
     from yarclang.export.driver import driver_package
 

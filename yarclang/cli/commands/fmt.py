@@ -42,7 +42,7 @@ class _Command(click.Command):
     nargs=2,
     type=click.IntRange(1, 1_000_000),
     metavar="[START STEP]",
-    help="Number the commands anew, in steps: P0010, P0020, ... unless said otherwise.",
+    help="Renumber the commands in steps: P0010, P0020, ... by default.",
 )
 @jobs_option
 @scheduler_option

@@ -296,7 +296,7 @@ def _origins(file: str, source: Any, program: str | None, robot: str | None, cel
 
     found = robot_of_text(source, robot)
     if found.value is None:
-        return Origins(None, "its robot isn't known here: --robot PATH says where it is")
+        return Origins(None, "its robot isn't known here: give its place with --robot PATH")
     return origins_of_text(source.text, Path(file).parent, found.value, program, cell)
 
 

@@ -93,10 +93,12 @@ def _tell_run(to: Address, what: str) -> None:
         until = time.monotonic() + _LET_END
         if (run := run_on(to.host, to.port)) is None:
             if (holder := holder_of(to.host, to.port)) is not None:
-                text = f"{holder} drives this controller and can't be reached: the controller itself is told to stop"
+                text = (
+                    f"{holder} drives this controller and can't be reached: the controller itself is stopped"
+                )
                 click.echo(text, err=True)
             return
-        click.echo(f"{run.name} drives this controller: it is told to end", err=True)
+        click.echo(f"{run.name} drives this controller and is asked to end", err=True)
         send(run, what, timeout=_TELL)
         while run_on(to.host, to.port) is not None and time.monotonic() < until:
             time.sleep(0.05)

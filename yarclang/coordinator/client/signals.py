@@ -148,7 +148,8 @@ def _of_bits(variable: str, number: float) -> tuple[tuple[str, float], ...]:
     bits = bits_of(variable)
     if not number.is_integer() or not 0 <= number <= largest_of(variable):
         raise Trouble(
-            f"the group {shown_variable(variable)} is an integer from 0 to {largest_of(variable)}, not {number:.15g}",
+            f"the group {shown_variable(variable)} is an integer from 0 to {largest_of(variable)}, not "
+            f"{number:.15g}",
             "check the number",
             "Y0470",
         )

@@ -80,7 +80,7 @@ class Drive:
         self._check()
         if not self.alive:
             raise Trouble(
-                f"the live motion has ended: nobody said for {WATCHDOG:g} s what is wanted, or somebody stopped it",
+                f"the live motion has ended: no target came for {WATCHDOG:g} s, or somebody stopped it",
                 "begin another",
                 "Y1612",
             )
@@ -167,4 +167,4 @@ def check_finite(target: Target) -> None:
         case Master(q=q, rate=rate):
             values = np.concatenate([q, rate])
     if not np.isfinite(values).all():
-        raise Trouble("a value of what is wanted isn't finite", "nothing has changed", "Y1616")
+        raise Trouble("a value of the target isn't finite", "nothing has changed", "Y1616")

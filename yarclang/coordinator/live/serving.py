@@ -1,5 +1,5 @@
-"""Access for another process that steers the robot (`messages/wants.py`): master and slave of the paper, and
-velocities from elsewhere.
+"""Access for another process that steers the robot (`messages/wants.py`): the paper's master and slave, and
+velocities from another program.
 
 The right to steer is checked before the first order is read: by the permissions of a Unix socket's file and
 the caller's user, or, over TCP, by a token. A process without it occupies, for a few seconds, one of a few
@@ -268,7 +268,7 @@ class MasterServer:
         if isinstance(asked, Denied):
             return asked
         if not isinstance(asked, wants.Want):
-            return Denied(error="a master says what it wants: joints, pose, velocity, twist or finish")
+            return Denied(error="a master sends a target: joints, pose, velocity, twist or finish")
         try:
             return await self._attached.ask(asked)
         except Trouble as trouble:

@@ -201,7 +201,7 @@ class Steered:
             return self._drive
         if self._begun_at not in (None, self._rests()):
             # A master that keeps sending doesn't know of the stop, which would last only until its next line.
-            remedy = 'say {"finish": true} first, or connect anew'
+            remedy = 'send {"finish": true} first, or connect again'
             raise Trouble("somebody has stopped or held the robot", remedy, UNDER_WAY)
         if self._over:
             what = "the live motion has ended: no target came for too long, or somebody stopped it"

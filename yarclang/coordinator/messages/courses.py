@@ -7,7 +7,9 @@ from yarclang.coordinator.messages.replies import Course, PathBound, Peaks, Repl
 
 
 class CourseCommand(Message):
-    """A motion of the course: when it is executed [s], and where it ends [deg or mm], in the order of the robot's joints."""
+    """A motion of the course: when it is executed [s], and where it ends [deg or mm], in the order of the
+    robot's joints.
+    """
 
     title: str
     index: str
@@ -18,7 +20,9 @@ class CourseCommand(Message):
 
 
 class NearestProved(Message):
-    """The smallest proved distance between bodies: the two bodies (empty: all stay farther apart), the command, and the time [s]; null: not known."""
+    """The smallest proved distance between bodies: the two bodies (empty: all stay farther apart), the
+    command, and the time [s]; null: not known.
+    """
 
     distance_mm: float
     first: str
@@ -29,7 +33,9 @@ class NearestProved(Message):
 
 
 class ProgramCourse(Reply):
-    """Course of a program along its longest branches: its motion, and the proved distances. The times count from the program's beginning, as those of `progress` do."""
+    """Course of a program along its longest branches: its motion, and the proved distances. The times count
+    from the program's beginning, as those of `progress` do.
+    """
 
     course: Course
     """Empty if `unknown` gives a reason."""
@@ -48,4 +54,6 @@ class ProgramCourse(Reply):
     sha256: str
     """SHA-256 of the proved program text (UTF-8); empty if only a controller text is known."""
     changed: bool | None
-    """True if the file has changed since; the proved text is the one that runs. Null: the file can't be read, or there is none."""
+    """True if the file has changed since; the proved text is the one that runs. Null: the file can't be read,
+    or there is none.
+    """

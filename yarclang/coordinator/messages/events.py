@@ -19,7 +19,9 @@ class BaseEvent(Message):
 
 
 class StateChanged(BaseEvent):
-    """The robot's state is another one now, and why; if something went wrong, the code of the finding, and what to do. With `asks` a HOLD goes on with an answer only."""
+    """The robot's state has changed, with the reason; after a failure also the code of the finding and the
+    remedy. `asks`: the question of a HOLD, which goes on only with an answer.
+    """
 
     event: Literal["state"] = "state"
     state: State
@@ -30,7 +32,9 @@ class StateChanged(BaseEvent):
 
 
 class ValuesAsked(BaseEvent):
-    """The program takes values from outside now (`fill`), or, with null, takes no more: they were given, or its wait is over."""
+    """The program accepts values from outside now (`fill`). Null: it accepts no more, since they were given
+    or the wait is over.
+    """
 
     event: Literal["values_wanted"] = "values_wanted"
     wanted: ValuesWanted | None
@@ -45,7 +49,8 @@ class Position(BaseEvent):
 
 
 class ProgressMade(BaseEvent):
-    """How far the program is: known seconds done, those to go at the present override, the command that is executed and its line.
+    """Progress of the program: known seconds done, seconds left at the present override, the command that is
+    executed and its line.
 
     Motions and dwells count; where ways part, along the longer one.
     """
@@ -58,7 +63,7 @@ class ProgressMade(BaseEvent):
 
 
 class Found(BaseEvent):
-    """What was found in a text that a client gave."""
+    """Findings in a text from a client."""
 
     event: Literal["findings"] = "findings"
     client: str
@@ -92,9 +97,11 @@ class OverrideChanged(BaseEvent):
 
 
 class Began(BaseEvent):
-    """A motion was asked for and is under way to the controller: its name, how long it takes, who asked.
+    """A motion was ordered and is being sent to the controller: its name, its duration, and the client that
+    ordered it.
 
-    `duration_s` is the known time along the longest ways, `waits` how often it waits for an input or the operator, at most.
+    `duration_s` is the known time along the longest ways, `waits` how often it waits for an input or the
+    operator, at most.
     """
 
     event: Literal["began"] = "began"
@@ -105,7 +112,8 @@ class Began(BaseEvent):
 
 
 class PartBegan(BaseEvent):
-    """A part of what began is carried out: the way to the start, the program or what is left of it, one of its commands, or one more pass.
+    """A part of the run begins: the way to the start, the program or its rest, one of its commands, or one
+    more pass.
 
     `offset_s` is how far into the program it begins.
     """
@@ -124,7 +132,7 @@ class PartBegan(BaseEvent):
 
 
 class Paused(BaseEvent):
-    """The robot stands until somebody wants the next command: `title`, number `number` of so many."""
+    """The robot waits for a request before the next command: `title`, number `number` of `of`."""
 
     event: Literal["paused"] = "paused"
     title: str
@@ -133,7 +141,9 @@ class Paused(BaseEvent):
 
 
 class Finished(BaseEvent):
-    """What began has ended, well or not; `joints` is null where nobody knows, `line` that of the program that a fault is about."""
+    """The run or motion has ended, well or not. `joints` is null if the position isn't known; `line` is the
+    program line of a fault.
+    """
 
     event: Literal["finished"] = "finished"
     name: str
@@ -157,7 +167,9 @@ class OutputSet(BaseEvent):
 
 
 class WaitBegan(BaseEvent):
-    """The robot stands at a WAIT, at `place` in the program: the input is to be `wanted`, and is `value`."""
+    """The robot stands at a WAIT, at `place` in the program: the input must become `wanted`, and is `value`
+    now.
+    """
 
     event: Literal["wait_began"] = "wait_began"
     place: str
@@ -168,7 +180,9 @@ class WaitBegan(BaseEvent):
 
 
 class WaitEnded(BaseEvent):
-    """A WAIT is over after `waited_s`: the input is as it was to be, or (`met` is false) the time of the WAIT is over."""
+    """A WAIT has ended after `waited_s`: the input has the wanted value, or (`met` is false) the time of the
+    WAIT is over.
+    """
 
     event: Literal["wait_ended"] = "wait_ended"
     place: str

@@ -30,7 +30,9 @@ class FindingFix(Message):
 
 
 class FindingWithin(Message):
-    """The line of a module that a finding is about, which the finding's own line calls; `file` is empty for an installed module."""
+    """The line of a module that a finding is about, which the finding's own line calls; `file` is empty for
+    an installed module.
+    """
 
     module: str
     file: str | None

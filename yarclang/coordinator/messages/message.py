@@ -56,7 +56,9 @@ class RegisterRange(Message):
 
 
 class ValuesWanted(Message):
-    """Values that a program takes from outside while it waits: `fill` answers question `number`. A message must have all registers that are `needed`; `place` is the command that waits."""
+    """Values that a program takes from outside while it waits: `fill` answers question `number`. A message
+    must have all registers that are `needed`; `place` is the command that waits.
+    """
 
     number: int
     place: str
@@ -65,7 +67,7 @@ class ValuesWanted(Message):
 
 
 class Question(Message):
-    """What the operator is asked for: an integer from `low` to `high`, which register gets it (`into`)."""
+    """Question to the operator for an integer from `low` to `high`, which the register `into` gets."""
 
     text: str
     into: str

@@ -43,7 +43,9 @@ Line = Annotated[str, Field(description="a text")]
 
 
 class Hello(Order[replies.Welcome]):
-    """Become a client; the first order of each connection that stays. Others see its `name`; if the name is taken, a number is added."""
+    """Become a client; the first order of each connection that stays. Others see its `name`; if the name is
+    taken, a number is added.
+    """
 
     order: Literal["hello"] = "hello"
     version: Annotated[int, Field(description="the version of the protocol")] = VERSION
@@ -63,7 +65,9 @@ class Hold(Order[replies.Taken]):
 
 
 class Resume(Order[replies.Taken]):
-    """Go on: after a hold, at a HOLD of the program, to the next step. `value` is the answer to a HOLD's question."""
+    """Go on: after a hold, at a HOLD of the program, to the next step. `value` is the answer to a HOLD's
+    question.
+    """
 
     order: Literal["resume"] = "resume"
     value: Annotated[int | None, Field(description="an integer, or null")] = None
@@ -102,7 +106,7 @@ class Listen(Order[replies.Done]):
 
 
 class Own(Order[replies.Done]):
-    """Own the robot. `shared`: others may resume and change the pace as well."""
+    """Own the robot. `shared`: others may resume and change the override as well."""
 
     order: Literal["own"] = "own"
     shared: Annotated[bool, Field(description="true or false")] = False
@@ -116,7 +120,7 @@ class Give(Order[replies.Done]):
 
 
 class Release(Order[replies.Released]):
-    """Release the robot. The reply says what became of the log of its motions."""
+    """Release the robot. The reply has the state of the log of its motions."""
 
     order: Literal["release"] = "release"
 
@@ -140,7 +144,9 @@ class Connect(Order[replies.Done]):
 
 
 class Enable(Order[replies.Serviced]):
-    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay in place. Afterwards everything is inspected."""
+    """Close the loops of the motors that are open, at rest, one after the other; a motor must stay in place.
+    Afterwards everything is inspected.
+    """
 
     order: Literal["enable"] = "enable"
 
@@ -158,7 +164,9 @@ class AskHoming(Order[replies.HomeSearches]):
 
 
 class Home(Order[replies.Ended]):
-    """Let the controller search the home of motors, one after the other, as long as `keep` comes every 0.2 s: nothing of it is proved. Answered when it has ended."""
+    """Let the controller search the home of motors, one after the other, as long as `keep` comes every 0.2 s.
+    The search isn't proved. Answered when it has ended.
+    """
 
     order: Literal["home"] = "home"
     motors: Annotated[
@@ -168,7 +176,7 @@ class Home(Order[replies.Ended]):
 
 
 class AskSettings(Order[replies.SettingsCompared]):
-    """Look at everything on the controller, and compare it with what the robot needs; nothing moves."""
+    """Compare the settings of the controller with those that the robot needs; nothing moves."""
 
     order: Literal["settings"] = "settings"
 
@@ -222,13 +230,17 @@ class SetOutput(Order[replies.Value]):
 
 
 class Fill(Order[replies.Filled]):
-    """Give registers that a program takes from OUTSIDE their values, while it waits for them. All of them are taken, or none."""
+    """Give registers that a program takes from OUTSIDE their values, while it waits for them. All of them are
+    taken, or none.
+    """
 
     order: Literal["fill"] = "fill"
     values: Annotated[dict[str, JsonValue], Field(description="object of integer by name")]
     """Values by the names of the registers."""
     number: Annotated[int | None, Field(description="the number of a question, or null")] = None
-    """Number of the question that is answered (`values_wanted`). A number that isn't open any more is refused. Null: the open question."""
+    """Number of the question that is answered (`values_wanted`). A number that isn't open any more is
+    refused. Null: the open question.
+    """
 
 
 class SetInput(Order[replies.Value]):
@@ -240,26 +252,34 @@ class SetInput(Order[replies.Value]):
 
 
 class AskSurroundings(Order[replies.Surroundings]):
-    """Ask for the robot's surroundings: its cell, the cell's file, and inputs and outputs with their values. Those of a real controller are known only while nothing is under way."""
+    """Ask for the robot's surroundings: its cell, the cell's file, and inputs and outputs with their values.
+    Those of a real controller are known only while nothing is under way.
+    """
 
     order: Literal["surroundings"] = "surroundings"
 
 
 class AskParts(Order[replies.Parts]):
-    """Ask for the places of the parts of the session's cell, or of another one. A named cell whose parts nothing has moved is answered with an empty list."""
+    """Ask for the places of the parts of the session's cell, or of another one. A named cell whose parts
+    nothing has moved is answered with an empty list.
+    """
 
     order: Literal["parts"] = "parts"
     cell: Annotated[str | None, Field(description="path of a cell's file, or null for the session's")] = None
 
 
 class AskModel(Order[replies.Model]):
-    """Ask for the robot's description, for programs that draw it: its URDF with the files of its meshes, its joints and their limits."""
+    """Ask for the robot's description, for programs that draw it: its URDF with the files of its meshes, its
+    joints and their limits.
+    """
 
     order: Literal["model"] = "model"
 
 
 class AskScene(Order[replies.Scene]):
-    """Ask for the robot's surroundings, for programs that draw them: the bodies, zones and parts of its cell, and their present places. `scene_changed` signals a change."""
+    """Ask for the robot's surroundings, for programs that draw them: the bodies, zones and parts of its cell,
+    and their present places. `scene_changed` signals a change.
+    """
 
     order: Literal["scene"] = "scene"
 
@@ -298,7 +318,7 @@ class Adopt(Order[replies.Adopted]):
 
 
 class Offer(Order[replies.Offered]):
-    """Plan and prove a line, a block or several lines from where the robot stands. Nothing moves."""
+    """Plan and prove a line, a block or several lines from the robot's position. Nothing moves."""
 
     order: Literal["offer"] = "offer"
     text: Line
@@ -311,7 +331,9 @@ class OfferBack(Order[replies.Offered]):
 
 
 class OfferRecovery(Order[replies.Recovery]):
-    """Plan and prove the way from where the robot stands to a program that was loaded: to its start (or to the command that was named as its first), else to the nearest place at which it may begin. Nothing moves."""
+    """Plan and prove the way from the robot's position to a loaded program: to its start (or its named first
+    command), else to the nearest place at which it may begin. Nothing moves.
+    """
 
     order: Literal["offer-recovery"] = "offer-recovery"
     program: Annotated[int, Field(description="the number of a program")]
@@ -344,9 +366,9 @@ class Load(Order[replies.Loaded]):
     """The command to begin with."""
     by_steps: Annotated[bool, Field(description="true or false")] = False
     here: Annotated[bool, Field(description="true or false")] = False
-    """True: a program without START begins where the robot stands."""
+    """True: a program without START begins at the robot's position."""
     start: Annotated[tuple[Number, ...] | None, Field(description="a list of numbers, or null")] = None
-    """Where the program starts [deg or mm]."""
+    """Joint positions at the program's start [deg or mm]."""
     tolerance: Annotated[
         tuple[Number, ...] | None, Field(max_length=2, description="one or two numbers, or null")
     ] = None
@@ -358,25 +380,29 @@ class Load(Order[replies.Loaded]):
     source: Annotated[str | None, Field(description="the path of a file, or null")] = None
     """Of a compiled program: the program that it is judged against, in the place of the one beside it."""
     approach: Annotated[bool, Field(description="true or false")] = False
-    """Whether the way to the program's start is wanted as well."""
+    """True to plan the way to the program's start as well."""
     recover: Annotated[bool, Field(description="true or false")] = False
-    """Whether it is only to be recovered (`offer-recovery`): its parts are where its cell's file has them at its start, wherever they are now."""
+    """True for a program that is loaded only for `offer-recovery`: at its start, parts are assumed where its
+    cell's file has them.
+    """
 
 
 class AskWay(Order[replies.Way]):
-    """What lies between the robot and the start of a program that was loaded?"""
+    """Ask for the distance of the robot from the start of a loaded program, and for the slow motion that
+    leads there.
+    """
 
     order: Literal["way"] = "way"
     program: Annotated[int, Field(description="the number of a program")]
 
 
 class AskCourse(Order[courses.ProgramCourse]):
-    """How does the robot move in a program that was loaded, and what was proved of it?"""
+    """Ask for the robot's motion in a loaded program, and for the proved distances."""
 
     order: Literal["course"] = "course"
     program: Annotated[int, Field(description="the number of a program")]
     samples: Annotated[int, Field(ge=2, le=2000, description="an integer from 2 to 2000")] = 500
-    """How many joint positions are told."""
+    """Number of joint positions in the answer."""
 
 
 APPROACH_FIRST = "approach it first"
@@ -384,44 +410,48 @@ APPROACH_FIRST = "approach it first"
 
 
 class Run(Order[replies.Ended]):
-    """Carry a program out that was loaded; answered when it has ended."""
+    """Carry a loaded program out; answered when it has ended."""
 
     order: Literal["run"] = "run"
     program: Annotated[int, Field(description="the number of a program")]
     approach: Annotated[bool, Field(description="true or false")] = False
-    """Whether to move slowly to its start first, if the robot isn't there."""
+    """True to move slowly to the program's start first, if the robot isn't there."""
     times: Annotated[int | None, Field(ge=1, description="an integer from 1, or null")] = 1
-    """How often; null: until somebody stops it."""
+    """Number of passes; null: until somebody stops the run."""
     unless_stopped: Annotated[bool, Field(description="true or false")] = False
-    """Whether it doesn't begin if somebody has ordered a stop since this client said `own`, for one that plans and runs by itself."""
+    """True: the run doesn't begin if a stop was ordered since this client's `own`. For clients that plan and
+    run by themselves.
+    """
 
 
 class Save(Order[replies.Saved]):
-    """Give the session as a program that does the same, as it would stand in a folder."""
+    """Return the session as a program that does the same, with names of files relative to a folder."""
 
     order: Literal["save"] = "save"
     folder: Annotated[str | None, Field(description="the path of a folder, or null")] = None
-    """Names of files are written as they are seen from there."""
+    """Names of files are written relative to this folder."""
 
 
 class Steer(Order[replies.Done]):
-    """Say how live motions are made from now on, before the first of them is wanted."""
+    """Configure live motions from now on, before the first target is sent."""
 
     order: Literal["steer"] = "steer"
     moving: Name = "{TCP}"
     """The frame that twists move, whose poses are meant, and whose speed is limited."""
     speed: Annotated[float | None, Field(gt=0.0, le=1e9, description="a positive number, or null")] = None
-    """The largest of that frame [mm/s]; null: the robot's jog speed."""
+    """Largest speed of that frame [mm/s]; null: the robot's jog speed."""
     share: Annotated[float, Field(gt=0.0, le=1.0, description="a number above 0, up to 1")] = 1.0
-    """How much of the joints' velocity limits is used at most."""
+    """Largest used share of the joints' velocity limits."""
     again: Annotated[bool, Field(description="true or false")] = True
-    """Whether another motion begins where something is wanted behind the end of one; else each is to be announced by this order."""
+    """True: a target after the end of a motion begins another motion. False: each motion needs this order
+    before.
+    """
     title: Name = "master"
-    """What the motion is called."""
+    """Name of the motion."""
 
 
 class Leave(Order[replies.Done]):
-    """Bring the live motion to rest at once that this client steers, if there is one: nobody is there any more who wants it."""
+    """Bring this client's live motion to rest at once, if there is one, since its user has gone."""
 
     order: Literal["leave"] = "leave"
 

@@ -35,7 +35,7 @@ class Taken(Reply):
 
 
 class Joint(Message):
-    """Where a joint is: its actual position in `unit`, deg or mm; null where it isn't known yet."""
+    """Actual position of a joint in `unit`, deg or mm; null if it isn't known yet."""
 
     name: str
     position: float | None
@@ -118,7 +118,7 @@ class Place(Reply):
     exact: tuple[float, ...]
     """Joint positions in the order of the joints, unrounded [rad or m]."""
     pose: tuple[tuple[float, ...], ...] | None
-    """(4, 4) base_from_moving [m]; null where a name means nothing."""
+    """(4, 4) base_from_moving [m]; null if a name is unknown."""
     findings: tuple[Finding, ...]
 
 
@@ -137,8 +137,8 @@ class Frames(Reply):
 
 
 class MotorHealth(Message):
-    """A motor as it was heard of last: bits of its status that are set, by their names; what keeps it from moving, empty if nothing does; and its following
-    error [counts], null if it isn't known.
+    """A motor's last reported state: names of the status bits that are set; the reason why it can't move,
+    empty if it can; and its following error [counts], null if it isn't known.
     """
 
     number: int
@@ -150,9 +150,10 @@ class MotorHealth(Message):
 
 
 class Health(Reply):
-    """How motors, link and buffer are, as they were heard of last. `following` is how far each joint is behind its command [deg or mm]; `reply_s` how long the
-    last reply took, `slowest_s` the slowest since the controller was looked at; `ahead` how many lines the controller has in its buffer, null if nothing is streamed;
-    `guard` is true if the guard PLC was tried and found at work.
+    """Last reported state of motors, link and buffer. `following` is each joint's distance from its command
+    [deg or mm]; `reply_s` how long the last reply took, `slowest_s` the slowest since the controller was
+    looked at; `ahead` how many lines the controller has in its buffer, null if nothing is streamed; `guard`
+    is true if the guard PLC was tried and found at work.
     """
 
     motors: tuple[MotorHealth, ...]
@@ -168,14 +169,16 @@ class Health(Reply):
 
 
 class Value(Reply):
-    """The value of an input or output; null where the name means none."""
+    """The value of an input or output; null if the name is unknown."""
 
     value: float | None
     findings: tuple[Finding, ...]
 
 
 class NamedSignal(Message):
-    """An input or output: its name, the controller's variable, and its value; null where that isn't known now."""
+    """An input or output: its name, the controller's variable, and its value; null if the value isn't known
+    now.
+    """
 
     name: str
     variable: str
@@ -183,7 +186,10 @@ class NamedSignal(Message):
 
 
 class Surroundings(Reply):
-    """What is around the robot. `robot` is the folder of its robot.toml; `cell` is the file of the cell of the program that was run last, else that of the session; `fixed` says why `input` can't set an input, and is empty where it can."""
+    """The robot's surroundings. `robot` is the folder of its robot.toml; `cell` is the file of the cell of
+    the program that was run last, else that of the session; `fixed` is the reason why `input` can't set an
+    input, empty if it can.
+    """
 
     robot: str
     cell: str | None
@@ -197,7 +203,8 @@ class PartPlace(Message):
 
     name: str
     held: str | None
-    """Output whose gripper holds the part; empty for a part that is fixed to the flange; null: it isn't held."""
+    """Output whose gripper holds the part; empty for a part that is fixed to the flange; null: it isn't held.
+    """
     sure: bool
     """false: the place isn't certain."""
     pose: tuple[tuple[float, ...], ...]
@@ -229,13 +236,16 @@ class ModelJoint(Message):
 class Model(Reply):
     """The robot. `controller` is the kind of its controller, for people.
 
-    `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no {TCP}).
+    `base`, `flange` and `tool` are links of its URDF: {B}, {FLANGE} and {TCP} (the flange if it has no
+    {TCP}).
     """
 
     name: str
     controller: str = ""
     urdf: str
-    """Its text, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml are links on the flange; joints that aren't the robot's axes are fixed at zero."""
+    """Its text, with meshes as URIs of files on this computer. Frames and mounted tools of robot.toml are
+    links on the flange; joints that aren't the robot's axes are fixed at zero.
+    """
     base: str
     flange: str
     tool: str
@@ -244,8 +254,9 @@ class Model(Reply):
 
 
 class SceneShape(Message):
-    """A shape around the origin of its pose, in m: a `box` has its edges as `size`; a `cylinder`, and the straight piece of a `capsule`, lie along z with their middle at the origin;
-    a `mesh` is the URI of a file on this computer, whose coordinates count `scale`; a `half-space` is all that lies above the plane z = 0.
+    """A shape around the origin of its pose, in m: a `box` has its edges as `size`; a `cylinder`, and the
+    straight piece of a `capsule`, lie along z with their middle at the origin; a `mesh` is the URI of a file
+    on this computer, whose coordinates count `scale`; a `half-space` is all that lies above the plane z = 0.
     """
 
     type: Literal["box", "sphere", "cylinder", "capsule", "mesh", "half-space"]
@@ -337,7 +348,9 @@ class ClearanceBound(Message):
 
 
 class MotionOffered(Message):
-    """One motion of an offer: its index and name, how long it takes, which of the solutions of a pose it goes to, what was proved of it."""
+    """One motion of an offer: its index and name, its duration, the chosen solution of a pose, and the proved
+    figures.
+    """
 
     title: str
     seconds: float
@@ -356,8 +369,9 @@ class Course(Message):
 
 
 class Takes(Message):
-    """How long something takes. Motions and dwells take a known time, along the longest and the shortest ways of a WHEN; what waits for an input or the
-    operator is counted, along the ways with the most and the fewest of them.
+    """Duration. Motions and dwells take a known time, along the longest and the shortest ways of a WHEN;
+    commands that wait for an input or the operator is counted, along the ways with the most and the fewest of
+    them.
     """
 
     duration_s: float
@@ -365,7 +379,9 @@ class Takes(Message):
     waits: int
     waits_at_least: int
     loops: bool = False
-    """True if how often its loops are gone through is known only when it runs: the longest time counts each once."""
+    """True if the number of passes of its loops is known only at run time: the longest time counts each loop
+    once.
+    """
 
 
 class OfferDescribed(Message):
@@ -382,7 +398,8 @@ class OfferDescribed(Message):
     end: Joints
     motions: tuple[MotionOffered, ...]
     parts: tuple[str, ...]
-    """Effects of its SETs on parts of the cell, in order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`."""
+    """Effects of its SETs on parts of the cell, in order: `takes BOX 3`, `puts down BOX 3`, `removes BOX 3`.
+    """
     course: Course
 
 
@@ -394,7 +411,7 @@ class Offered(Reply):
 
 
 class ProgramCommand(Message):
-    """A motion of a program, and when it is executed [s]; where ways part, at the latest."""
+    """A motion of a program, and its time [s]; after ways that part, the latest time."""
 
     title: str
     index: str
@@ -406,7 +423,9 @@ class ProgramCommand(Message):
 class ProgramDescribed(Message):
     """A program that can be run.
 
-    `duration_s` is the known time along the longest ways. `offset_s` and `rest_s` are where what is run first begins, and how long it takes; `steps` is how many commands are carried out one by one, 0 where they aren't.
+    `duration_s` is the known time along the longest ways. `offset_s` and `rest_s` are where what is run first
+    begins, and how long it takes; `steps` is how many commands are carried out one by one, 0 where they
+    aren't.
     """
 
     number: int
@@ -431,14 +450,16 @@ class ProgramDescribed(Message):
 
 
 class Loaded(Reply):
-    """A program that was compiled and proved, or judged; null where an error forbids to run it."""
+    """A program that was compiled and proved, or judged; null if an error forbids running it."""
 
     program: ProgramDescribed | None
     findings: tuple[Finding, ...]
 
 
 class Way(Reply):
-    """What lies between the robot and a program's start: how far it is off (empty: it stands there), and the slow motion that leads there."""
+    """Distance of the robot from a program's start (empty: it stands there), and the slow motion that leads
+    there.
+    """
 
     text: str
     duration_s: float | None
@@ -448,14 +469,20 @@ class Way(Reply):
     end: Joints
     findings: tuple[Finding, ...]
     zone: str
-    """The start zone of the cell in which the robot stands: `run` goes to the start by itself there; empty: it stands in none."""
+    """The start zone of the cell in which the robot stands: `run` goes to the start by itself there; empty:
+    it stands in none.
+    """
 
 
 class Recovery(Reply):
-    """The proved way from where the robot stands to a program: to its start, or to the nearest place at which it may begin."""
+    """The proved way from the robot's position to a program: to its start, or to the nearest place at which
+    it may begin.
+    """
 
     place: str | None
-    """Of the command to begin with then; empty: the program's start. Null: no motion is proved, and `findings` say why."""
+    """Index of the command to begin with afterwards; empty: the program's start. Null: no motion is proved,
+    and `findings` give the reasons.
+    """
     title: str
     """`the start`, or the command's index and name."""
     line: int
@@ -471,7 +498,9 @@ class Recovery(Reply):
 
 
 class SourcePlace(Message):
-    """Where a command stands in its source, as far as the source is known; else `note` says why not. Of a command in a module, the line is the one that calls, and `note` the module's."""
+    """Place of a command in its source; if the source isn't known, `note` gives the reason. For a command in
+    a module, the line is that of the CALL, and `note` names the module's line.
+    """
 
     file: str
     line: int
@@ -514,7 +543,7 @@ class Ended(Reply):
 
 
 class LogTold(Message):
-    """Where motions were logged, and what is wrong with the log; `lost`: nothing of it is left."""
+    """Log of the motions, and its fault, if it has one; `lost`: nothing of the log is left."""
 
     path: str
     problem: str
@@ -523,7 +552,7 @@ class LogTold(Message):
 
 
 class Released(Reply):
-    """The robot was released; what became of the log of its motions, if there was one."""
+    """The robot was released; the state of the log of its motions, if there was one."""
 
     log: LogTold | None
 
@@ -535,21 +564,25 @@ class Saved(Reply):
 
 
 class Looked(Reply):
-    """Everything was looked at on the controller: how many things, and what isn't as it must be."""
+    """Everything on the controller was checked: the number of checks, and those that failed."""
 
     checked: int
     wrong: tuple[str, ...]
 
 
 class Serviced(Reply):
-    """Loops were closed or opened: `what` isn't as it must be, empty if all is well; `wrong` still keeps the robot from moving."""
+    """Loops were closed or opened. `what` failed, empty if nothing did; `wrong` lists what still keeps the
+    robot from moving.
+    """
 
     what: str
     wrong: tuple[str, ...]
 
 
 class MotorSearch(Message):
-    """The controller's own home search of a motor: the joint that it moves, how fast (with its sign) [unit/s], and how long it may take [s]; `refused` says why it isn't done here."""
+    """The controller's own home search of a motor: the joint that it moves, its speed (with sign) [unit/s],
+    and its longest duration [s]; `refused` is the reason why it isn't allowed here.
+    """
 
     motor: int
     joint: str
@@ -561,13 +594,15 @@ class MotorSearch(Message):
 
 
 class HomeSearches(Reply):
-    """The home searches of all motors. None of them is proved, and no zone or obstacle is watched meanwhile."""
+    """The home searches of all motors. None is proved, and no zone or obstacle is watched meanwhile."""
 
     searches: tuple[MotorSearch, ...]
 
 
 class Comparison(Message):
-    """One thing on the controller: what was found, what is wanted, `ok`, `warning` or `error`, and what to do about it."""
+    """One check of the controller: what was found, what is needed, `ok`, `warning` or `error`, and the
+    remedy.
+    """
 
     name: str
     about: str
@@ -578,7 +613,9 @@ class Comparison(Message):
 
 
 class SettingsCompared(Reply):
-    """What was found on the controller, and the settings that the robot needs: as many lines, and their SHA-256."""
+    """Comparison of the controller with the settings that the robot needs: the number of their lines, and
+    their SHA-256.
+    """
 
     things: tuple[Comparison, ...]
     lines: int
@@ -586,7 +623,9 @@ class SettingsCompared(Reply):
 
 
 class SettingsSent(Reply):
-    """How many lines of the settings the controller has taken, of how many; what ended it before, empty if nothing did; and what isn't as it must be now."""
+    """Number of settings lines that the controller has accepted, of all; the reason for an early end, empty
+    if there was none; and the checks that fail now.
+    """
 
     sent: int
     of: int

@@ -129,8 +129,12 @@ def check_motors(robot: Robot) -> Iterator[Diagnostic]:
         share = 100.0 * actuation.velocity[row] / need[row]
         together = "together " if len(joints) > 1 else ""
         message = (
-            f"motor {robot.controller.motors[row]} allows {', '.join(joints)} {together}only {share:.1f} % of their speed "
+            f"motor {robot.controller.motors[row]} allows {', '.join(joints)} {together}only "
+            f"{share:.1f} % of their speed "
             "limits, which MoveIt can't know"
         )
-        help_ = f"let MoveIt plan at most at {share:.0f} % (max_velocity_scaling_factor), or let yarc refuse what is too fast"
+        help_ = (
+            f"let MoveIt plan at most at {share:.0f} % (max_velocity_scaling_factor), or let yarc "
+            f"refuse what is too fast"
+        )
         yield Diagnostic("Y1535", message, help=help_)

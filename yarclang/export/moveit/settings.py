@@ -25,7 +25,8 @@ def settings_files(robot: Robot) -> dict[str, str]:
     return {
         "config/joint_limits.yaml": _limits(robot),
         "config/kinematics.yaml": _kinematics(robot),
-        "config/joint_names.yaml": f"{HEAD} For drivers of ROS-Industrial.\ncontroller_joint_names: {texts(robot.joint_names)}\n",
+        "config/joint_names.yaml": f"{HEAD} For drivers of ROS-Industrial.\ncontroller_joint_names: "
+        f"{texts(robot.joint_names)}\n",
         "config/ros_controllers.yaml": _controllers_1(robot),
         "config/moveit_controllers.yaml": _controllers_2(robot),
     }

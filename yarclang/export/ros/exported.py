@@ -193,5 +193,8 @@ def _told(course: Course) -> list[Diagnostic]:
     more = f"; and {len(course.between) - _LISTED} more" if len(course.between) > _LISTED else ""
     parts = f"{course.size} trajector{'ies' if course.size > 1 else 'y'}"
     message = f"{', '.join(counts)} can't be part of a trajectory: {some}{more}"
-    help_ = f"the file says what happens before, during and after each of its {parts}; whoever sends them has to do it"
+    help_ = (
+        f"the file says what happens before, during and after each of its {parts}; whoever sends them "
+        f"has to do it"
+    )
     return [Diagnostic("Y1532", message, help=help_)]

@@ -30,7 +30,8 @@ def yaml_text(made: Exported, version: Version) -> str:
             lines.append("---")
         lines += [f"# before it: {_line(one.text)}" for one in made.before(at)]
         lines.append(
-            f"# trajectory {at + 1} of {made.size}, {made.starts[at]:.6f} s after the start, waits not counted"
+            f"# trajectory {at + 1} of {made.size}, {made.starts[at]:.6f} s after the start, waits not "
+            f"counted"
         )
         lines += [f"# during it, {one.time:.6f} s after its start: {_doing(one)}" for one in made.during(at)]
         lines += _trajectory(made, made.trajectory(at), version)
@@ -85,10 +86,19 @@ def about(made: Exported) -> Iterator[str]:
     yield f"program {made.fingerprint}, controller text {made.seal}"
     yield f"robot {made.robot.name} {made.robot.fingerprint}"
     kinds = ", ".join(f"{kind} (at most {bound.max():.3g})" for kind, bound in made.proved.items())
-    yield f"tolerance {number(made.wishes.tolerance)} {unit}, proved for each joint at every instant if the driver interpolates: {kinds}"
-    yield "cubic: through positions and velocities; quintic: through accelerations too, if there are any, as ros_control does"
+    yield (
+        f"tolerance {number(made.wishes.tolerance)} {unit}, proved for each joint at every instant if "
+        f"the driver interpolates: {kinds}"
+    )
+    yield (
+        "cubic: through positions and velocities; quintic: through accelerations too, if there are any, "
+        "as ros_control does"
+    )
     if not made.wishes.straight:
-        yield "a driver that goes in straight lines from point to point isn't within it: export with --linear for such a one"
+        yield (
+            "a driver that goes in straight lines from point to point isn't within it: export with "
+            "--linear for such a one"
+        )
 
 
 def message(made: Exported, points: Points, version: Version) -> dict[str, Any]:

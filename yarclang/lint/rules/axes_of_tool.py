@@ -44,7 +44,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
             yield remark_at(
                 step.origin,
                 message,
-                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to say that this is meant",
+                f"write {{{name}}} at the end of the line to go along the tool, or {{{base}}} to confirm that this is intended",
             )
 
 
@@ -73,8 +73,8 @@ RULE = Rule(
         "Y0308",
         "axes-of-the-tool",
         "warning",
-        "a DMOVE goes along the base's axes where the tool came along its own",
-        "A tool that went into a hole along its own axis has to come out along it. Without a base frame of its own, DMOVE takes that of DEFAULT: with a tilted tool that is "
+        "a DMOVE goes along the base's axes after the tool came along its own",
+        "A tool that went into a hole along its own axis must come out along this axis. A DMOVE without a base frame takes that of DEFAULT: with a tilted tool this is "
         "another direction, and the tool is torn out sideways.",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0",
         _HEAD + "P0020 DMOVE 0 0 -60 0 0 0 {TCP}\nP0030 DMOVE 0 0 60 0 0 0 {TCP}",

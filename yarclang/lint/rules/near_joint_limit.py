@@ -51,7 +51,7 @@ RULE = Rule(
         "near-joint-limit",
         "note",
         "a joint comes within 2 deg (or mm) of its limit at a target",
-        "There the program works, and with the next part that is measured a little differently it doesn't: the pose is refused, or the arm goes another way. "
+        "The program works now, but may fail after a small correction of the target: the pose is refused, or the arm takes another configuration. "
         "On the machine, the limit switch may be a little nearer than robot.toml says.",
         "P0010 MOVEJ 169 0 0 0 0 0 [50%] (deg)",
         "P0010 MOVEJ 160 0 0 0 0 0 [50%] (deg)",

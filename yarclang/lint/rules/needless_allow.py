@@ -35,8 +35,8 @@ def _look(certificate: Certificate, around: Surroundings) -> Iterator[Remark]:
             places[place] = one, before or (step, one.first, one.second) in needed
     for (source, span), (one, is_needed) in places.items():
         if not is_needed:
-            message = f"{one.first} and {one.second} keep apart on this motion: they need no ALLOW"
-            help_ = "take it away: what isn't allowed is proved"
+            message = f"{one.first} and {one.second} stay apart on this motion: they need no ALLOW"
+            help_ = "remove the ALLOW, so that this pair is proved"
             yield Remark(message, span, help_, source=source)
 
 
@@ -46,7 +46,7 @@ RULE = Rule(
         "needless-allow",
         "note",
         "ALLOW names bodies that never touch",
-        "Bodies that may touch on a motion aren't checked against each other. Where they keep their distance anyway, the ALLOW does nothing today, and hides a collision when somebody "
+        "Bodies that may touch on a motion aren't checked against each other. If they stay apart anyway, the ALLOW has no effect today, and may hide a collision when somebody "
         "changes the motion or the cell.",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s) ALLOW LINK_1 LINK_6",
         "P0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",

@@ -52,8 +52,8 @@ RULE = Rule(
         "slow-motion",
         "note",
         "a motion takes more than 20 times as long as it has to",
-        "A time that is much too long is often one in the wrong unit, or one that was left behind when the way became shorter; it is paid in every cycle. Where it is "
-        "meant, for a weld or a glue line, [V 10] says so better: the time then follows the way.",
+        "A time that is much too long is often one in the wrong unit, or a leftover from a longer way, and costs time in every cycle. If it is "
+        "intended, for a weld or a glue line, use a speed such as [V 10] instead: the time then follows from the way.",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,min)",
         "P0010 MOVEJ 10 0 0 0 0 0 [2] (deg,s)",
     ),

@@ -38,7 +38,7 @@ def _look(plan: MotionPlan, around: Surroundings) -> Iterator[Remark]:
             yield remark_at(
                 step.origin,
                 message,
-                "BLEND with a distance, at the end of the line, lets it flow; if it shall stop, all is well",
+                "BLEND with a distance, at the end of the line, makes the motion flow; if the robot should stop here, nothing needs to be done",
             )
 
 
@@ -81,7 +81,7 @@ RULE = Rule(
         "stop-on-the-way",
         "note",
         "the robot stops between two motions that go straight on",
-        "Without BLEND each motion ends at rest. On a straight way that costs time, and where the tool works, as with glue, it leaves a mark.",
+        "Without BLEND each motion ends at rest. On a straight way this costs time, and leaves a mark if the tool works on the way, as with glue.",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100]\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
         _HEAD + "P0020 MOVEL 0 1174.4 1276 0 0 0 [V 100] BLEND 10\nP0030 MOVEL 0 1174.4 1176 0 0 0 [V 100]",
     ),

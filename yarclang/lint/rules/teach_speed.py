@@ -58,8 +58,8 @@ RULE = Rule(
         "above-teach-speed",
         "warning",
         "the tool goes faster than 250 mm/s while people teach",
-        "While somebody stands within reach, the tool goes at 250 mm/s at most: the reduced speed of ISO 10218-1. `teach = true` in yarc.toml says that the "
-        "programs are for that. It is no safety function: the controller's own speed monitoring has to hold as well.",
+        "While somebody stands within reach, the tool may go at 250 mm/s at most: the reduced speed of ISO 10218-1. `teach = true` in yarc.toml states that the "
+        "programs are for such work. This check isn't a safety function: the controller's own speed monitoring must work as well.",
         "P0010 MOVEJ 90 0 0 0 0 0 [MIN] (deg)",
         "P0010 MOVEJ 90 0 0 0 0 0 [20] (deg,s)",
     ),

@@ -15,7 +15,7 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
         yield Remark(
             message,
             one.span,
-            f"write WAIT {one.name} ON [30] (s) where the robot has to wait for it, or take the line away",
+            f"write WAIT {one.name} ON [30] (s) where the robot should wait for it, or remove the line",
         )
 
 
@@ -25,7 +25,7 @@ RULE = Rule(
         "unread-input",
         "warning",
         "an INPUT is declared that nothing reads",
-        "Whoever declares an input means the robot to wait for it, or to choose a way by it: a door that has to be shut, a part that has to be there. Without a "
+        "An input is declared so that the robot waits for it, or chooses a way by it: a door that must be shut, a part that must be there. Without a "
         "WAIT or WHEN the robot goes on whatever the input says.",
         "INPUT DOOR_SHUT M11\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "INPUT DOOR_SHUT M11\nP0010 WAIT DOOR_SHUT ON [30] (s)\nP0020 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",

@@ -15,7 +15,7 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
             continue  # an output with a safe value is set at a stop
         message = f"nothing in this file sets the output {one.name}"
         yield Remark(
-            message, one.span, f"write SET {one.name} ON where it is to be switched, or take the line away"
+            message, one.span, f"write SET {one.name} ON where it should be switched, or remove the line"
         )
 
 
@@ -25,7 +25,7 @@ RULE = Rule(
         "unset-output",
         "warning",
         "an OUTPUT is declared that nothing sets",
-        "A gripper or a valve that is declared and never switched stays as the program before left it. An output with a safe value is "
+        "A gripper or a valve that is never switched stays as the previous program left it. An output with a safe value is "
         "left alone: it is set at a stop.",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)",
         "OUTPUT GRIP M1\nP0010 MOVEJ 10 0 0 0 0 0 [5] (deg,s)\nP0020 SET GRIP ON",

@@ -43,7 +43,7 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
         yield Remark(
             message,
             declared.span,
-            "take the line away, or was another name meant further down?",
+            "remove the line; or should a later command use this name?",
             _without(declared),
         )
 
@@ -63,7 +63,7 @@ RULE = Rule(
         "unused-name",
         "note",
         "something is declared that nothing uses",
-        "Either the line is left over, or a command further down names something else than was meant: a frame that was measured and "
+        "Either the line is a leftover, or a later command names a wrong frame, position or number: a frame that was measured and "
         "isn't used is often one whose neighbour is used twice. A file without commands of its own is a module, whose names are for others.",
         "FRAME {LEFT} 0 1174.4 1126 0 0 0 (mm,deg) {B}\nFRAME {RIGHT} 200 1074.4 1126 0 0 0 (mm,deg) {B}\n"
         "P0010 MOVEJ_RPY {TCP} 0 0 50 0 0 0 [50%] (mm,deg) {LEFT}",

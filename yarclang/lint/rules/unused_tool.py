@@ -25,7 +25,7 @@ def _look(module: Module, around: Surroundings) -> Iterator[Remark]:  # noqa: AR
             yield Remark(
                 message,
                 declared.span,
-                f"name {{{declared.name}}} in DEFAULT or in the commands that move it, or take the line away",
+                f"name {{{declared.name}}} in DEFAULT or in the commands that move it, or remove the line",
             )
 
 
@@ -35,8 +35,8 @@ RULE = Rule(
         "unused-tool",
         "warning",
         "a tool is declared that no command uses",
-        "A tool that is declared is mounted. If no command names it, all of them lead another frame, most likely {TCP}, to where the tool should go, and the "
-        "tool meets what stands there.",
+        "A declared tool is mounted. If no command names it, all commands move another frame, most likely {TCP}, to the tool's places, and the "
+        "tool collides with the bodies there.",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TCP} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         "FRAME {TORCH} 0 100 35 0 45 0 (mm,deg) {FLANGE}\nP0010 MOVEJ_RPY {TORCH} 0 1174.4 1176 0 0 0 [5] (mm,deg,s) {B}",
         needs="use",

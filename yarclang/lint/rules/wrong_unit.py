@@ -94,7 +94,7 @@ def _blend(blend: Reading) -> tuple[str, str] | None:
     if blend.angle is not None and blend.angle >= _BLEND * DEG:
         return None
     return (
-        f"a corner of {blend.length / MM:.3g} mm is next to none",
+        f"a corner of {blend.length / MM:.3g} mm has nearly no effect",
         "are these metres and not mm? BLEND 0 follows both paths exactly",
     )
 
@@ -105,9 +105,9 @@ RULE = Rule(
         "Y0417",
         "wrong-unit",
         "warning",
-        "a magnitude smells of the wrong unit",
+        "a magnitude suggests the wrong unit",
         "A pose 1.2 mm from the robot's base, or one 1174 m away, a tool that creeps at 0.25 mm/s: numbers that are right in m and stand in a line of mm, or the other way "
-        "round. Where the robot can do it all the same, it does something else than was meant.",
+        "round. If the robot can carry the line out nevertheless, the motion isn't the intended one.",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (mm,deg,s) {B}",
         "P0010 MOVEJ_RPY {TCP} 0 1.1744 1.176 0 0 0 [5] (m,deg,s) {B}",
         needs="unit",

@@ -237,7 +237,7 @@ class Accounts:
             what = (
                 f"this is for {role.value}s; {session.user} is {_article(session.role)} {session.role.value}"
             )
-            raise NotAllowed(what, f"let somebody log in who is {_article(role)} {role.value}", "")
+            raise NotAllowed(what, f"this needs a user who is {_article(role)} {role.value}", "")
         if pin and self._now() > session.pin_until:
             raise NotAllowed("service work needs your PIN again", "enter the PIN", "pin")
 
@@ -388,7 +388,7 @@ class Accounts:
 
     async def _beside(self, function: Callable[..., T], *arguments: object) -> T:
         if self._waiting >= _WAITING:
-            raise TooMany("too many passwords are looked at just now", 2.0)
+            raise TooMany("too many passwords are being checked now", 2.0)
         self._waiting += 1
         try:
             async with self._looking:

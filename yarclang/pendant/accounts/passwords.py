@@ -35,7 +35,10 @@ def check_password(password: str, name: str) -> None:
         Trouble: the password is too easy to guess, or too long.
     """
     if not SHORTEST_PASSWORD <= len(password) <= LONGEST_PASSWORD:
-        what = f"a password has {SHORTEST_PASSWORD} to {LONGEST_PASSWORD} characters; this one has {len(password)}"
+        what = (
+            f"a password has {SHORTEST_PASSWORD} to {LONGEST_PASSWORD} characters; this one has "
+            f"{len(password)}"
+        )
         raise Trouble(what, "choose another one", "")
     if password.casefold() == name.casefold() or len(set(password)) < 4:
         raise Trouble(

@@ -142,7 +142,8 @@ def remove_user(connection: sqlite3.Connection, name: str) -> None:
 def keep_session(connection: sqlite3.Connection, session: Kept) -> None:
     """Write a session, so that it outlasts a restart. Does nothing if its user was removed meanwhile."""
     connection.execute(
-        "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM users WHERE name = ?3)",
+        "INSERT OR REPLACE INTO sessions SELECT ?1, ?2, ?3, ?4, ?5, ?6, ?7 WHERE EXISTS (SELECT 1 FROM "
+        "users WHERE name = ?3)",
         (
             session.id,
             session.token,
@@ -206,7 +207,8 @@ def deeds(
         count: largest number of entries.
     """
     rows = connection.execute(
-        "SELECT number, time, user, address, action, detail, outcome FROM audit WHERE number < ? ORDER BY number DESC LIMIT ?",
+        "SELECT number, time, user, address, action, detail, outcome FROM audit WHERE number < ? ORDER "
+        "BY number DESC LIMIT ?",
         (before if before is not None else 1 << 62, count),
     ).fetchall()
     return tuple((row[0], row[1], Deed(*row[2:])) for row in rows)

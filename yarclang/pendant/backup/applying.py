@@ -75,7 +75,10 @@ def apply(
                     done.append(name)
         except Trouble as trouble:
             total = len(plan.new) + len(plan.changed) + len(removed)
-            what = f"{len(done):,} of {total:,} files are restored, and the others are as they were: {trouble.what}"
+            what = (
+                f"{len(done):,} of {total:,} files are restored, and the others are as they were: "
+                f"{trouble.what}"
+            )
             raise Trouble(what, f"{trouble.remedy}; then restore it again, or undo this", "half") from None
     return Applied((*plan.new, *plan.changed), removed, undo)
 

@@ -93,7 +93,8 @@ def selected(folder: ProjectFolder, *, logs: bool) -> Selection:
     entries, cut = folder.entries(MOST_FILES)
     if cut:
         raise Trouble(
-            f"the project has more than {MOST_FILES:,} files, or too many in one folder, and a backup can't have them",
+            f"the project has more than {MOST_FILES:,} files, or too many in one folder, and a backup "
+                f"can't have them",
             "move what isn't needed out of the project, or copy the folder on the computer itself", "large",
         )  # fmt: skip
     names = Names()

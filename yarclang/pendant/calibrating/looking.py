@@ -45,7 +45,7 @@ def look(calibration: Calibration, asked: LookCalibration) -> LookText:
         return _frame(touching, calibration.tool, asked)
     if touching.result_text():
         raise Trouble(
-            "offsets can't be looked at before they are written and loaded",
+            "offsets can't be tried before they are written and loaded",
             "bring the joints to their marks afterwards",
             "look",
         )
@@ -65,7 +65,10 @@ def _tip(touching: TipTouching, asked: LookCalibration) -> LookText:
     tip[:3, 3] = touching.value.flange_from_tip
     what = f"The tip goes to {asked.distance:g} mm from the point that was touched, back towards the flange"
     if asked.tilt:
-        what = f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: after that the tip must stay in place, {asked.distance:g} mm from the point"
+        what = (
+            f"The tool turns by {asked.tilt:+g} deg about {asked.axis} of the flange: after that the "
+            f"tip must stay in place, {asked.distance:g} mm from the point"
+        )
     return LookText(text=_block(frame_line(_NAME, tip, "FLANGE"), _NAME, pose, "B"), what=what)
 
 
@@ -84,9 +87,15 @@ def _frame(touching: FrameTouching, tool: str, asked: LookCalibration) -> LookTe
     frame_from_tip = np.linalg.inv(base_from_frame) @ tip
     frame_from_tip[2, 3] = side * asked.distance * MM
     point = ("the origin", "the point on x")[at] if at < 2 else f"touch {at + 1}"
-    what = f"{tool} goes to {asked.distance:g} mm above {point}: it must stand right above what was touched there"
+    what = (
+        f"{tool} goes to {asked.distance:g} mm above {point}: it must stand right above what was "
+        f"touched there"
+    )
     if side < 0.0:
-        what += ". z of the frame points into the surface, away from the tool: touch the point of the plane on the other side of x if that isn't meant"
+        what += (
+            ". z of the frame points into the surface, away from the tool: touch the point of the plane "
+            "on the other side of x if that isn't meant"
+        )
     text = _block(frame_line(_NAME, base_from_frame, "B"), tool.strip("{}"), frame_from_tip, _NAME)
     return LookText(text=text, what=what)
 

@@ -129,7 +129,7 @@ def _of_tip(rotations: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]
         return rows, ""
     known = "isn't known at all" if np.isinf(worst) else f"is known only to {_length(worst)}"
     if error > LARGEST_TIP:
-        return rows, f"the touches are off by {_length(error)} each: take the worst ones anew"
+        return rows, f"the touches are off by {_length(error)} each: take the worst ones again"
     tilt = helpful_tilt(rotations, error)
     then = "" if np.isinf(tilt.longest) else f": then it is known to {_length(tilt.longest)}"
     alike = (
@@ -139,7 +139,8 @@ def _of_tip(rotations: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]
     )
     return rows, (
         f"{alike}: the tip along {_direction(found.directions[0])} of the flange {known}. "
-        f"Touch next with the tool turned by {tilt.angle / DEG:+.0f} deg about {'xyz'[tilt.axis]} of the flange from the last touch{then}"
+        f"Touch next with the tool turned by {tilt.angle / DEG:+.0f} deg about {'xyz'[tilt.axis]} of "
+        f"the flange from the last touch{then}"
     )
 
 
@@ -163,11 +164,13 @@ def _of_frame(points: Array, error: float) -> tuple[tuple[SpreadRow, ...], str]:
     advice = []
     if found.turns[2] > LARGEST_TURN:
         advice.append(
-            f"the point on x is only {found.base / MM:.0f} mm from the origin: touch it anew, {needed:.0f} mm or more away"
+            f"the point on x is only {found.base / MM:.0f} mm from the origin: touch it anew, "
+            f"{needed:.0f} mm or more away"
         )
     if len(points) > 2 and found.turns[0] > LARGEST_TURN:
         advice.append(
-            f"the points of the plane are at most {found.width / MM:.0f} mm beside the x axis: touch one {needed:.0f} mm or more beside it"
+            f"the points of the plane are at most {found.width / MM:.0f} mm beside the x axis: touch "
+            f"one {needed:.0f} mm or more beside it"
         )
     if len(points) > 2 and found.turns[1] > LARGEST_TURN and not advice:
         advice.append(
@@ -181,7 +184,10 @@ def _of_marks(touching: HomeTouching) -> tuple[tuple[SpreadRow, ...], str]:
     if len(visits) < 2:
         return (
             (),
-            "one visit says nothing of how well the mark repeats: leave it, approach it anew from the same side, and touch again",
+            (
+                "one visit doesn't show how well the mark repeats: leave it, approach it again from the "
+                "same side, and touch again"
+            ),
         )
     from scipy.special import stdtrit
 

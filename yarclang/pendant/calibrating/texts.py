@@ -31,7 +31,7 @@ from yarclang.teaching.edits import Program, applied
 from yarclang.teaching.holding import around
 from yarclang.toml.changes import ChangeError
 
-RESTART = "restart the pendant (System > Controller): until then it goes on with the robot as it was"
+RESTART = "restart the pendant (System > Controller): until then it uses the previous description"
 SETTINGS = f"{RESTART}; then send the settings to the controller again"
 CELL = "the coordinator reads the cell again by itself; programs that are loaded have to be loaded again"
 PROGRAM = "load the program again"

@@ -68,7 +68,8 @@ class Writing:
         if file is None:
             known = ""
             obstacle = (
-                f"{place} isn't in the project, and is never changed by the pendant: copy its folder into the project, "
+                f"{place} isn't in the project, and is never changed by the pendant: copy its folder "
+                f"into the project, "
                 "and start the pendant with --robot and that path"
             )
         return CalibrationProposal(

@@ -107,8 +107,10 @@ def of_disks(disks: Iterable[Disk], growth: float) -> tuple[Judgement, ...]:
         found.append(
             Judgement(
                 "disk", "Disk", f"Disk of {one.holds}", value, level,
-                f"warning below {sized(FREE_WARNING)} or {DAYS_WARNING:.0f} days, bad below {sized(FREE_BAD)} or {DAYS_BAD:.0f} days",
-                "Without room no run is logged and no audit trail is written, and then nothing that needs it is carried out.",
+                f"warning below {sized(FREE_WARNING)} or {DAYS_WARNING:.0f} days, bad below "
+                    f"{sized(FREE_BAD)} or {DAYS_BAD:.0f} days",
+                "Without room no run is logged and no audit trail is written, and then nothing that "
+                    "needs it is carried out.",
                 "Delete old run logs (Files, or History > Runs tells which), or give the disk more room.",
             )
         )  # fmt: skip
@@ -125,7 +127,10 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
     own: Level = "unknown" if machine.own is None else _above(machine.own, OWN_WARNING, OWN_BAD)
     value = "not known"
     if machine.own is not None:
-        value = f"{sized(machine.own)} now, {sized(first or machine.own)} at the start, {sized(machine.peak or machine.own)} at most"
+        value = (
+            f"{sized(machine.own)} now, {sized(first or machine.own)} at the start, "
+            f"{sized(machine.peak or machine.own)} at most"
+        )
     whole: Level = "unknown"
     free = "not known"
     if machine.available is not None and machine.memory:
@@ -136,7 +141,7 @@ def of_memory(machine: Machine, first: int | None) -> tuple[Judgement, ...]:
             "own", "Memory", "This process", value, own,
             f"warning above {sized(OWN_WARNING)}, bad above {sized(OWN_BAD)}",
             "A process that grows all the time is ended by the system one day, and the robot then holds.",
-            "Restart the pendant when the robot rests (System > Controller), and tell who maintains it.",
+            "Restart the pendant when the robot rests (System > Controller), and report it to its maintainer.",
         ),
         Judgement(
             "memory", "Memory", "This computer", free, whole,
@@ -181,9 +186,11 @@ def of_link(health: Health | None, *, connected: bool) -> tuple[Judgement, ...]:
     return (
         Judgement(
             "reply", "Link", "Replies of the controller",
-            f"{health.reply_s * 1e3:.1f} ms now, {health.slowest_s * 1e3:.1f} ms at most since it was connected",
+            f"{health.reply_s * 1e3:.1f} ms now, {health.slowest_s * 1e3:.1f} ms at most since it was "
+                f"connected",
             _above(share, SILENCE_WARNING, SILENCE_BAD),
-            f"warning above {SILENCE_WARNING:.0%}, bad above {SILENCE_BAD:.0%} of the {health.silence_s:.2f} s after which the controller holds",
+            f"warning above {SILENCE_WARNING:.0%}, bad above {SILENCE_BAD:.0%} of the "
+                f"{health.silence_s:.2f} s after which the controller holds",
             "A link that is silent for longer ends a motion with a hold.",
             "Look at cables and switches; the controller's network must be for it alone.",
         ),

@@ -1,1 +1,1 @@
-"""What the pendant's API says beside the coordinator's own messages: typed, each with one JSON form."""
+"""Messages of the pendant's API besides those of the coordinator: typed, each with one JSON form."""

@@ -37,7 +37,9 @@ class AlarmShown(Message):
     by: str
     """User who has acknowledged it; empty: nobody."""
     source: str
-    """Source of the alarm: `state`, `run`, `message`, `motors`, `guard`, `coordinator`, `audit`, `disk`, `alarms`."""
+    """Source of the alarm: `state`, `run`, `message`, `motors`, `guard`, `coordinator`, `audit`, `disk`,
+    `alarms`.
+    """
     code: str
     """Code of the finding (GET /api/findings/CODE); empty: none."""
     title: str
@@ -90,7 +92,7 @@ class Acknowledged(Message):
 
 
 class FindingShown(Message):
-    """What the catalogue says of a code, as `yarc explain`."""
+    """The catalogue's entry of a code, as in `yarc explain`."""
 
     code: str
     name: str

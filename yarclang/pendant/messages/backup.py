@@ -10,14 +10,16 @@ from yarclang.coordinator.messages.message import Message
 
 
 class FileAndWhy(Message):
-    """A file, and what there is to say of it."""
+    """A file, and a remark about it."""
 
     file: str
     why: str
 
 
 class KeptRestore(Message):
-    """What a restore has replaced or removed, by whom and when (UTC): its number, its size [bytes]."""
+    """Files that a restore has replaced or removed: who did it and when (UTC), the number and size [bytes] of
+    the saved files.
+    """
 
     number: str
     user: str
@@ -47,7 +49,9 @@ class BackupShown(Message):
 
 
 class PlannedFile(Message):
-    """A file that a restore would change, its size afterwards [bytes]; `extra`: the backup doesn't have it; `conflict`: it can't be restored, and `why`."""
+    """A file that a restore would change, its size afterwards [bytes]; `extra`: the backup doesn't have it;
+    `conflict`: it can't be restored, and `why`.
+    """
 
     file: str
     what: Literal["new", "changed", "extra", "conflict"]
@@ -56,7 +60,7 @@ class PlannedFile(Message):
 
 
 class RestorePlan(Message):
-    """What restoring the backup that was uploaded would change. With a conflict it can't be restored."""
+    """Changes that restoring the uploaded backup would make. With a conflict it can't be restored."""
 
     number: str
     """Id of the upload."""
@@ -65,7 +69,7 @@ class RestorePlan(Message):
     size: int
     robot: str
     made: str
-    """When the backup was made (UTC); empty: it doesn't say."""
+    """Time at which the backup was made (UTC); empty: not given."""
     new: int
     changed: int
     same: int
@@ -75,13 +79,13 @@ class RestorePlan(Message):
     """Conflicts, changed, extra and new files, the first 2,000."""
     notes: tuple[str, ...]
     restart: tuple[str, ...]
-    """Files that count only after a restart."""
+    """Files that take effect only after a restart."""
     undoes: bool
     """True if the upload holds the files that an earlier restore replaced."""
 
 
 class ApplyRestore(Message):
-    """Restore what was uploaded; `remove`: files that the backup doesn't have are deleted."""
+    """Restore the uploaded backup; `remove`: files that the backup doesn't have are deleted."""
 
     number: Annotated[str, Field(max_length=40)]
     digest: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
@@ -89,7 +93,7 @@ class ApplyRestore(Message):
 
 
 class Restored(Message):
-    """What was restored; `undo` is the number of what undoes it, empty if nothing has changed."""
+    """Result of a restore; `undo` is the number for undoing it, empty if nothing has changed."""
 
     written: int
     removed: int
@@ -98,6 +102,6 @@ class Restored(Message):
 
 
 class UndoRestore(Message):
-    """The number of what a restore has replaced."""
+    """The number of files that a restore has replaced, as listed for undoing."""
 
     number: Annotated[str, Field(max_length=40)]

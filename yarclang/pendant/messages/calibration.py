@@ -1,4 +1,6 @@
-"""Messages about a calibration: how it begins, its touches, what they say, and the file that its result is written into."""
+"""Messages about a calibration: its beginning, its touches, their result, and the file into which it is
+written.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,9 @@ class TipCalibration(Message):
 
 
 class FrameCalibration(Message):
-    """A frame, by touching its origin, a point on x and points of its plane with the origin of a frame on the flange, `tool`."""
+    """A frame, by touching its origin, a point on x and points of its plane with the origin of a frame on the
+    flange, `tool`.
+    """
 
     kind: Literal["frame"]
     name: Name
@@ -31,7 +35,9 @@ class FrameCalibration(Message):
 
 
 class OffsetCalibration(Message):
-    """The offsets of the motors, by bringing joints to their marks: joint positions there, by the joints' names [deg or mm]."""
+    """The offsets of the motors, by bringing joints to their marks: joint positions there, by the joints'
+    names [deg or mm].
+    """
 
     kind: Literal["home"]
     marks: Annotated[dict[Name, Number], Field(min_length=1, max_length=64)]
@@ -43,14 +49,16 @@ CalibrationKind = Annotated[
 
 
 class BeginCalibration(Message):
-    """A calibration begins; with `anew` one of this session that goes on is forgotten."""
+    """Begin a calibration; `anew`: discard this session's present one."""
 
     calibration: CalibrationKind
     anew: bool = False
 
 
 class TakeTouch(Message):
-    """Take where the robot stands as a touch: a further one, or in the place of touch `at` (from 0). `version` is that of the calibration as the page shows it."""
+    """Take the robot's position as a touch: a further one, or in the place of touch `at` (from 0). `version`
+    is that of the calibration as the page shows it.
+    """
 
     version: Version
     at: Place | None = None
@@ -64,8 +72,9 @@ class RemoveTouch(Message):
 
 
 class TouchShown(Message):
-    """A touch: what was touched, where the joints were [deg or mm], and how far it is from what all touches say [mm, of a joint deg or mm], and whether it can be
-    taken away: the first points of a frame only as the last ones.
+    """A touch: what was touched, where the joints were [deg or mm], and how far it is from what all touches
+    say [mm, of a joint deg or mm], and whether it can be taken away: the first points of a frame only as the
+    last ones.
     """
 
     label: str
@@ -93,7 +102,8 @@ class CalibrationShown(Message):
         ready: whether there is a result that can be written.
         result: what follows from the touches, in words.
         unit: of residuals.
-        spread: what an error of each touch by `error_mm` does to the result; both are larger in 5 of 100 cases.
+        spread: what an error of each touch by `error_mm` does to the result; both are larger in 5 of 100
+            cases.
         told: whether the touches tell that error themselves, or it is assumed.
         advice: what is missing, in words; empty: nothing.
     """
@@ -118,8 +128,8 @@ class CalibrationShown(Message):
 
 
 class ProposeCalibration(Message):
-    """Write the result into the robot's file, the cell's, or as a FRAME line of a program (`file`). `replace`: what is there under this name may go.
-    A new frame of a cell hangs on `parent`.
+    """Write the result into the robot's file, the cell's, or as a FRAME line of a program (`file`).
+    `replace`: what is there under this name may go. A new frame of a cell hangs on `parent`.
     """
 
     version: Version
@@ -130,7 +140,8 @@ class ProposeCalibration(Message):
 
 
 class CalibrationProposal(Message):
-    """A change of a file that isn't written yet: its text before and after, the hash of the former, and what is found in the latter.
+    """A change of a file that isn't written yet: its text before and after, the hash of the former, and what
+    is found in the latter.
 
     Attributes:
         what: what changes, in words.
@@ -163,8 +174,9 @@ class CalibrationWritten(Message):
 
 
 class LookCalibration(Message):
-    """Where the robot goes to look at the result: `distance` from a touched point [mm], that of touch `at` (null: the origin of a frame; of a tip, as at the
-    last touch). A tool is tilted about its tip there, by `tilt` about an axis of the flange [deg].
+    """Place from which to look at the result: at `distance` from a touched point [mm], that of touch `at`
+    (null: the origin of a frame; of a tip, as at the last touch). A tool is tilted about its tip there, by
+    `tilt` about an axis of the flange [deg].
     """
 
     version: Version

@@ -1,4 +1,6 @@
-"""Messages about the controller's side of the system: what waits for a restart, and the end of the pendant's process."""
+"""Messages about the controller's side of the system: what waits for a restart, and the end of the pendant's
+process.
+"""
 
 from __future__ import annotations
 
@@ -6,14 +8,16 @@ from yarclang.coordinator.messages.message import Message
 
 
 class WaitingFile(Message):
-    """A file that was changed since the pendant has read it, and what that means."""
+    """A file that was changed since the pendant has read it, and the consequence."""
 
     file: str
     what: str
 
 
 class ControllerShown(Message):
-    """The controller and the processes between it and the pages; `served` is true if `yarc serve` owns the robot, and only the pendant is restarted then."""
+    """The controller and the processes between it and the pages; `served` is true if `yarc serve` owns the
+    robot, and only the pendant is restarted then.
+    """
 
     robot: str
     controller: str
@@ -26,6 +30,6 @@ class ControllerShown(Message):
 
 
 class EndProcess(Message):
-    """Restart or shut down; `stop`: what is under way is brought to rest on its path first."""
+    """Restart or shut down; `stop`: first bring a motion to rest on its path."""
 
     stop: bool = False

@@ -1,4 +1,4 @@
-"""What pages are told without asking."""
+"""Messages that pages receive without asking."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ class AlarmBar(Message):
     number: int
     """0: there is none."""
     code: str
-    """Of the finding; empty: it is none."""
+    """Code of the finding; empty: the alarm has none."""
     text: str
     holds: bool
     open: int
-    """How many alarms hold or nobody has acknowledged."""
+    """Number of alarms that hold or aren't acknowledged."""
     version: int
     """Number that changes with any alarm."""
 
@@ -27,7 +27,7 @@ NO_ALARM = AlarmBar(number=0, code="", text="", holds=False, open=0, version=0)
 
 
 class Display(Message):
-    """What is always on the screen: at most 20 times a second, and only if something has changed.
+    """Data that is always on the screen: sent at most 20 times a second, and only after a change.
 
     Attributes:
         connected: False if the coordinator can't be reached: nothing else is current then.
@@ -38,9 +38,9 @@ class Display(Message):
     state: State
     why: str
     asks: Question | None
-    """What a HOLD of the program asks the operator for; None: nothing."""
+    """Question of a HOLD to the operator; None: there is no question."""
     mode: str
-    """What is going on, in a word: `idle`, `program`, `jog`, `held`, `fault`, `disconnected`."""
+    """Present activity: `idle`, `program`, `jog`, `held`, `fault`, `disconnected`."""
     owner: str | None
     under_way: str
     command: str
@@ -55,7 +55,9 @@ class Display(Message):
     flange: tuple[float, ...] | None
     """(4, 4) base_from_flange, row by row [m]."""
     links: tuple[float, ...]
-    """For each joint, what the joints up to it do to what they move: x y z [m] and the quaternion x y z w, from where all joints are at zero. Empty: not known."""
+    """For each joint, the displacement of the bodies that move with it from their places with all joints at
+    zero: x y z [m] and the quaternion x y z w. Empty: not known.
+    """
     scene: str
     """The version of /api/scene that holds now; empty: nobody has asked for it yet."""
     touching: tuple[str, ...]
@@ -69,11 +71,15 @@ class Display(Message):
     """True if the guard PLC was tried and found at work."""
     alarm: AlarmBar
     audit: str
-    """Why the audit trail can't be written: nothing can be ordered but a stop; empty: it can."""
+    """Reason why the audit trail can't be written, so that only a stop can be ordered; empty: it can be
+    written.
+    """
 
 
 class Beat(Message):
-    """A heartbeat of a jog's connection: what is wanted is only done if it names one of the last few."""
+    """A heartbeat of a jog's connection: a target is only followed if it names one of the last few
+    heartbeats.
+    """
 
     beat: int
 

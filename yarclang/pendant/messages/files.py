@@ -1,4 +1,4 @@
-"""Messages about the files of the project: what there is, their texts, what was deleted, what has changed since the last commit."""
+"""Messages about the files of the project: lists, texts, deleted files, and changes since the last commit."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class FileList(Message):
 
 
 class FileText(Message):
-    """A text of the project as it is on the disk; `sha256` is what saving it asks for."""
+    """A text of the project as on the disk; saving it requires its `sha256`."""
 
     file: str
     text: str
@@ -44,14 +44,16 @@ class FileText(Message):
 
 
 class SaveFile(Message):
-    """A text to save: `known` is the hash of the content that it was made from; null: there must be no such file yet."""
+    """A text to save: `known` is the hash of the content that it was made from; null: there must be no such
+    file yet.
+    """
 
     text: str
     known: Sha256 | None
 
 
 class FileWritten(Message):
-    """A file as it was written: its size [bytes], its hash, and when (UTC)."""
+    """A file after writing: its size [bytes], its hash, and the time (UTC)."""
 
     file: str
     size: int
@@ -60,7 +62,9 @@ class FileWritten(Message):
 
 
 class OtherContent(Denied):
-    """Somebody else has changed the file: `sha256` is the hash of its present content, empty if it isn't there or is no file."""
+    """Somebody else has changed the file: `sha256` is the hash of its present content, empty if it isn't
+    there or is no file.
+    """
 
     sha256: str
 
@@ -85,7 +89,7 @@ class Restore(Message):
 
 
 class DeletedShown(Message):
-    """What was deleted, by whom and when (UTC): its number, the path where it was, its size [bytes]."""
+    """A deleted file or folder, who deleted it and when (UTC): its number, former path and size [bytes]."""
 
     number: str
     file: str
@@ -96,7 +100,7 @@ class DeletedShown(Message):
 
 
 class DeletedList(Message):
-    """What can be brought back, the newest first."""
+    """Deleted files that can be restored, the newest first."""
 
     deleted: tuple[DeletedShown, ...]
 
@@ -111,7 +115,9 @@ class CommitShown(Message):
 
 
 class ChangeShown(Message):
-    """A file that has changed since the last commit; `by` are those who did so at the pendant, `outside` is true if something else did so last."""
+    """A file that has changed since the last commit; `by` are those who did so at the pendant, `outside` is
+    true if something else did so last.
+    """
 
     file: str
     kind: Literal["new", "changed", "deleted"]
@@ -120,7 +126,9 @@ class ChangeShown(Message):
 
 
 class GitState(Message):
-    """What has changed since the last commit. Without git, or outside of a work tree, `there` is false and `what` says why."""
+    """Changes since the last commit. Without git, or outside of a work tree, `there` is false and `what`
+    gives the reason.
+    """
 
     there: bool
     what: str

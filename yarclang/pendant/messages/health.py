@@ -14,11 +14,11 @@ class Watched(Message):
     name: str
     value: str
     level: Literal["good", "warning", "bad", "unknown", "plain"]
-    """`plain`: nothing is judged; `unknown`: this system doesn't tell."""
+    """`plain`: not judged; `unknown`: this operating system doesn't provide the value."""
     limits: str
     """The thresholds."""
     why: str
-    """Why it matters."""
+    """The reason for watching it."""
     remedy: str
     history: tuple[float, ...]
     """A number for each minute of the last hour, the oldest first; in bytes, s or shares."""
@@ -32,7 +32,7 @@ class VersionShown(Message):
 
 
 class SystemHealth(Message):
-    """How the pendant's computer, its process and its data are."""
+    """State of the pendant's computer, its process and its data."""
 
     level: Literal["good", "warning", "bad", "unknown", "plain"]
     """The worst of all."""
@@ -43,4 +43,6 @@ class SystemHealth(Message):
     """Pages that are connected."""
     versions: tuple[VersionShown, ...]
     text: str
-    """Versions and what is watched as a text for a report of a bug: without names of people, machines and folders."""
+    """Versions and what is watched as a text for a report of a bug: without names of people, machines and
+    folders.
+    """

@@ -1,4 +1,4 @@
-"""What is said while a button is held."""
+"""Messages that are sent while a button is held."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from yarclang.pendant.messages.people import Name
 
 
 class Step(Message):
-    """So far and no farther: a joint's name, or x, y, z, a, b, c of `axes`, and how far [mm or deg]."""
+    """A step of a fixed length: a joint's name, or x, y, z, a, b, c of `axes`, and the length [mm or deg]."""
 
     axis: Name
     by: Annotated[float, Field(ge=-100.0, le=100.0)]
 
 
 class Press(Message):
-    """What is wanted as long as something is pressed, said 20 times a second.
+    """The wanted motion as long as a button is pressed, sent 20 times a second.
 
-    One of `velocity`, `twist`, `step`, `go` and `home` is given. `press` is a new, larger number each time something is pressed; one that has ended never moves the
-    robot again.
+    One of `velocity`, `twist`, `step`, `go` and `home` is given. `press` is a new, larger number each time
+    something is pressed; one that has ended never moves the robot again.
     """
 
     press: Annotated[int, Field(ge=1)]
@@ -32,11 +32,15 @@ class Press(Message):
     """Along x, y, z [mm/s] and about them [deg/s], in the axes of `axes`."""
     step: Step | None = None
     go: Annotated[int, Field(ge=1, le=1 << 53)] | None = None
-    """The number of an offer of this session: it is carried out while this is pressed, and rests on its path in between."""
+    """The number of an offer of this session: it is carried out while this is pressed, and rests on its path
+    in between.
+    """
     home: (
         Annotated[tuple[Annotated[int, Field(ge=1, le=32)], ...], Field(min_length=1, max_length=32)] | None
     ) = None
-    """Motors that search their homes, one after the other, as long as this is pressed; letting go ends it. For service users with their PIN."""
+    """Motors that search their homes, one after the other, as long as this is pressed; letting go ends it.
+    For service users with their PIN.
+    """
     axes: Name = "{B}"
     """The frame whose axes are meant: one that stands still, or the moving frame itself."""
     moving: Name = "{TCP}"
@@ -45,15 +49,15 @@ class Press(Message):
 
 
 class LetGo(Message):
-    """Something that was pressed was let go: the robot comes to rest on its path at once."""
+    """A pressed button was let go: the robot comes to rest on its path at once."""
 
     release: Annotated[int, Field(ge=1)]
     end: bool = False
-    """Whether an offer that rests on its path is ended as well: the page that showed it is left."""
+    """True: an offer that rests on its path is ended as well, since its page is left."""
 
 
 class Jogging(Message):
-    """What a jog does: `moves`, with what keeps it from what is wanted in `why`, or `ended`, with what has ended it."""
+    """State of a jog: `moves`, with the obstacle to its target in `why`, or `ended`, with the reason."""
 
     press: int
     state: Literal["moves", "reached", "ended"]

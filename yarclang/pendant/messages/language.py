@@ -6,7 +6,9 @@ from yarclang.coordinator.messages.message import Message
 
 
 class Language(Message):
-    """The words of the language by their kinds, in upper case (units as they are written), longest first where one begins like another."""
+    """The words of the language by their kinds, in upper case (units as they are written), longest first
+    where one begins like another.
+    """
 
     blocks: tuple[str, ...]
     declarations: tuple[str, ...]

@@ -30,13 +30,13 @@ class First(Message):
 
 
 class Pin(Message):
-    """The PIN of whoever is logged in: service work is possible for five minutes then."""
+    """The PIN of the user who is logged in, which allows service work for five minutes."""
 
     pin: Secret
 
 
 class ChangeOwn(Message):
-    """Another password or PIN for whoever is logged in."""
+    """A new password or PIN for the user who is logged in."""
 
     old_password: Secret
     password: Secret | None = None
@@ -53,7 +53,7 @@ class NewUser(Message):
 
 
 class ChangeUser(Message):
-    """What changes of a user; a new role or password ends the user's sessions."""
+    """Changes of a user; a new role or password ends the user's sessions."""
 
     role: RoleName | None = None
     password: Secret | None = None
@@ -61,8 +61,9 @@ class ChangeUser(Message):
 
 
 class Me(Message):
-    """Who is logged in: `session` is the id of this session, `pin_s` how long service work is possible without a PIN [s], `client` the name by which the
-    coordinator knows this session; empty: it hasn't ordered anything yet.
+    """The user who is logged in: `session` is the id of this session, `pin_s` how long service work is
+    possible without a PIN [s], `client` the name by which the coordinator knows this session; empty: it
+    hasn't ordered anything yet.
     """
 
     user: str
@@ -73,7 +74,9 @@ class Me(Message):
 
 
 class NotLoggedIn(Message):
-    """Nobody is logged in; `first` is true if there is no user yet: the link that `yarc pendant` printed makes the first one."""
+    """Nobody is logged in; `first` is true if there is no user yet: the link that `yarc pendant` printed
+    makes the first one.
+    """
 
     ok: Literal[False] = False
     error: str
@@ -96,7 +99,9 @@ class Users(Message):
 
 
 class SessionShown(Message):
-    """Somebody who is logged in: from which address, with which browser, for how long, and when they last did something [s]."""
+    """Somebody who is logged in: from which address, with which browser, for how long, and when they last did
+    something [s].
+    """
 
     session: str
     user: str
@@ -118,7 +123,7 @@ class SessionList(Message):
 
 
 class AuditEntry(Message):
-    """Who did what, when (UTC), from where; `outcome` is `done`, or why it wasn't."""
+    """An action: the user, the time (UTC), the address; `outcome` is `done`, or the reason why it wasn't."""
 
     number: int
     time: str

@@ -1,4 +1,6 @@
-"""Messages about a program that is edited: its list, its forms, changes and the edits that make them, templates."""
+"""Messages about a program that is edited: its list, its forms, changes and the edits that make them,
+templates.
+"""
 
 from __future__ import annotations
 
@@ -18,8 +20,9 @@ FieldTexts = Annotated[dict[Name, FieldText], Limited(max_length=500)]
 
 
 class ListProgram(Message):
-    """The text of a program, as it is now: saved or not; `file` is its path in the project. `lines` are the first and the last line whose fields are
-    wanted; null: all of them in a text of up to 1,000 lines, none in a longer one.
+    """The text of a program, as it is now: saved or not; `file` is its path in the project. `lines` are the
+    first and the last line whose fields are wanted; null: all of them in a text of up to 1,000 lines, none in
+    a longer one.
     """
 
     file: FileName
@@ -28,7 +31,9 @@ class ListProgram(Message):
 
 
 class CommandField(Message):
-    """A part of a command: its value as it stands in the text (empty: it is left out), its unit, and what it may be."""
+    """A part of a command: its value as it stands in the text (empty: it is left out), its unit, and what it
+    may be.
+    """
 
     name: str
     label: str
@@ -39,7 +44,9 @@ class CommandField(Message):
 
 
 class ListedCommand(Message):
-    """A command, a declaration, or a line of another kind: the name of a comment line is `!`, of one that can't be read `?`."""
+    """A command, a declaration, or a line of another kind: the name of a comment line is `!`, of one that
+    can't be read `?`.
+    """
 
     line: int
     rows: int
@@ -51,7 +58,7 @@ class ListedCommand(Message):
     detail: str
     target: Literal["joints", "pose"] | None
     taught: bool
-    """Whether it can be touched up."""
+    """True if it can be touched up."""
     fields: tuple[CommandField, ...]
 
 
@@ -62,7 +69,9 @@ class ProgramListing(Message):
 
 
 class TeachMotion(Message):
-    """A motion to where the robot is now, or to `joints` (in the order of the robot's joints, deg or mm), after a line (0: at the beginning)."""
+    """A motion to where the robot is now, or to `joints` (in the order of the robot's joints, deg or mm),
+    after a line (0: at the beginning).
+    """
 
     kind: Literal["teach"]
     after: Line
@@ -72,15 +81,17 @@ class TeachMotion(Message):
     via: Values | None = None
     """The joints at the point that MOVEC goes through."""
     name: Name = ""
-    """Under which the place is declared; empty: it stands in the line."""
+    """Name under which the place is declared; empty: the place stands in the line."""
     axes: Literal["base", "tool"] = "base"
-    """Of DMOVE: along the base frame's axes, or the tool's."""
+    """For DMOVE: along the base frame's axes, or the tool's."""
     time: Annotated[str, Limited(max_length=40)] = ""
-    """What stands in the square brackets; empty: what DEFAULT gives, else 50%."""
+    """Content of the square brackets; empty: that of DEFAULT, else 50%."""
 
 
 class TouchUp(Message):
-    """Where the robot is now, or `joints`, into a motion or declaration; `point` is the number of the way-point, 0: the last."""
+    """Write the robot's present position, or `joints`, into a motion or declaration; `point` is the number of
+    the way-point, 0: the last.
+    """
 
     kind: Literal["touch-up"]
     line: Line
@@ -106,7 +117,7 @@ class ChangeFields(Message):
 
 
 class DeleteLines(Message):
-    """Lines that go, first and last: with all rows of their statements, and blocks whole."""
+    """Lines to delete, first and last: with all rows of their statements, and whole blocks."""
 
     kind: Literal["delete"]
     lines: tuple[Line, Line]
@@ -149,7 +160,7 @@ ProgramChange = Annotated[
 
 
 class EditProgram(Message):
-    """A change that is wanted of a text."""
+    """A requested change of a text."""
 
     file: FileName
     text: ProgramText
@@ -157,8 +168,8 @@ class EditProgram(Message):
 
 
 class TextEdit(Message):
-    """Text in the place of other text. Lines and columns count from 1 and are those of the text that was sent; columns count
-    UTF-16 code units, as browsers do; the end isn't included.
+    """Text in the place of other text. Lines and columns count from 1 and are those of the text that was
+    sent; columns count UTF-16 code units, as browsers do; the end isn't included.
     """
 
     line: int
@@ -169,7 +180,7 @@ class TextEdit(Message):
 
 
 class EditedProgram(Message):
-    """Edits that never overlap, in order; where the cursor goes then, and what was done, in words."""
+    """Edits that never overlap, in order; the place of the cursor afterwards, and a description."""
 
     edits: tuple[TextEdit, ...]
     line: int
@@ -177,7 +188,7 @@ class EditedProgram(Message):
 
 
 class CommandForm(Message):
-    """What is asked for a new command: the name of a comment is `!`."""
+    """Form for a new command: the name of a comment is `!`."""
 
     command: str
     label: str
@@ -207,7 +218,7 @@ class ProgramTemplates(Message):
 
 
 class NewProgram(Message):
-    """A template to be filled in for this robot; `file` is where it is to stand."""
+    """A template to be filled in for this robot; `file` is the path of the new program."""
 
     template: Name
     file: FileName

@@ -7,14 +7,18 @@ from yarclang.pendant.messages.people import Name
 
 
 class GiveControl(Message):
-    """Id of the session that gets control of the robot (empty: release it); `refuse`: deny that session's request."""
+    """Id of the session that gets control of the robot (empty: release it); `refuse`: deny that session's
+    request.
+    """
 
     to: Name = ""
     refuse: bool = False
 
 
 class Asked(Message):
-    """Control was asked for; `given` is true if it was given at once, `owner` who has it now, `what` in words what comes next."""
+    """Control was asked for; `given` is true if it was given at once, `owner` who has it now, `what` in words
+    what comes next.
+    """
 
     given: bool
     owner: str
@@ -22,7 +26,9 @@ class Asked(Message):
 
 
 class JointShown(Message):
-    """A joint, its unit (deg or mm), limits of position in this unit and of velocity per s, and its speed in a jog at 100 %."""
+    """A joint, its unit (deg or mm), limits of position in this unit and of velocity per s, and its speed in
+    a jog at 100 %.
+    """
 
     name: str
     unit: str
@@ -57,7 +63,9 @@ class RobotShown(Message):
 
 
 class ProgramFile(Message):
-    """A program of the project: its path from the project's folder, its size [bytes], and when it was changed (UTC)."""
+    """A program of the project: its path from the project's folder, its size [bytes], and when it was changed
+    (UTC).
+    """
 
     file: str
     size: int

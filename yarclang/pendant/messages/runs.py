@@ -19,7 +19,9 @@ class RunListed(Message):
     size: int
     changed: str
     state: Literal["whole", "under way", "cut off", "unreadable"]
-    """`under way`: it is being written; `cut off`: its end is missing; `unreadable`: it is no log of a run, or of another format."""
+    """`under way`: it is being written; `cut off`: its end is missing; `unreadable`: it is no log of a run,
+    or of another format.
+    """
     program: str
     robot: str
     controller: str
@@ -114,7 +116,7 @@ class RunWay(Message):
 
 
 class RunShown(Message):
-    """What a log shows. Lines are thinned: of each of a thousand intervals, the least and the largest value."""
+    """Content of a log. Lines are thinned: least and largest value of each of a thousand intervals."""
 
     program: str
     robot: str

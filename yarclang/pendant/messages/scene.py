@@ -1,4 +1,4 @@
-"""The robot in three dimensions: what is to be seen, and where."""
+"""The robot in three dimensions: the visible bodies and their places."""
 
 from __future__ import annotations
 
@@ -34,7 +34,9 @@ class SceneItem(Message):
     """True if its name is written at it."""
     begins_s: float | None = None
     ends_s: float | None = None
-    """The body exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the beginning, to the end."""
+    """The body exists from `begins_s` until just before `ends_s` of the program's time [s]; null: from the
+    beginning, to the end.
+    """
 
 
 class SceneAxes(Message):
@@ -52,7 +54,7 @@ class SceneAxes(Message):
 
 
 class SceneShown(Message):
-    """What is to be seen. Placements of the joints (`Display.links`) move it."""
+    """The visible scene. Placements of the joints (`Display.links`) move it."""
 
     version: str
     """Changes with any other field."""
@@ -67,7 +69,9 @@ class SceneShown(Message):
     tool_pose: tuple[float, ...]
     """(3, 4) base_from_tool with all joints at zero, row by row [m]."""
     tool_axis: tuple[float, ...]
-    """The last joint's axis with all joints at zero, away from the robot: a camera on the tool looks along it."""
+    """The last joint's axis with all joints at zero, away from the robot: a camera on the tool looks along
+    it.
+    """
     low: tuple[float, ...]
     high: tuple[float, ...]
     """The corners of a box around the robot at HOME and all bodies [m]."""
@@ -76,7 +80,7 @@ class SceneShown(Message):
     """Corners of a box around the robot alone [m]."""
     eye: tuple[float, ...]
     target: tuple[float, ...]
-    """From where it is seen at first, and at what the eye looks [m]."""
+    """First place of the camera, and the point at which it looks [m]."""
     speeds: tuple[Colour, ...]
     """Colours for speeds, from standing to the fastest one."""
     ghost: Colour

@@ -8,7 +8,7 @@ from yarclang.coordinator.messages.message import Message
 
 
 class SignalShown(Message):
-    """An input or output, and what the cell says of it."""
+    """An input or output, and its entry in the cell."""
 
     name: str
     variable: str
@@ -42,7 +42,9 @@ class SignalsShown(Message):
 
 
 class Waiting(Message):
-    """The WAIT at which the robot stands: where in the program, for which input, which value it is to have and has, and since when [s]."""
+    """The WAIT at which the robot stands: its place in the program, its input, the wanted and the present
+    value, and the waiting time [s].
+    """
 
     place: str
     name: str
@@ -53,7 +55,7 @@ class Waiting(Message):
 
 
 class HeldParts(Message):
-    """What the gripper of an output holds."""
+    """The part that the gripper of an output holds."""
 
     output: str
     parts: tuple[str, ...]

@@ -26,7 +26,9 @@ Moment = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False)]
 
 
 class FrameKnown(Message):
-    """A frame in braces: (4, 4) its pose in {B}, or, with `on_flange`, in {FLANGE} [m], and where it is described."""
+    """A frame in braces: (4, 4) its pose in {B}, or, with `on_flange`, in {FLANGE} [m], and where it is
+    described.
+    """
 
     name: str
     on_flange: bool
@@ -35,7 +37,9 @@ class FrameKnown(Message):
 
 
 class ToolKnown(Message):
-    """A tool of robot.toml: mass [kg], centre of mass [mm] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz about the centre of mass) seen from `frame`; null where it isn't given."""
+    """A tool of robot.toml: mass [kg], centre of mass [mm] and inertia [kg m^2] (xx, yy, zz, xy, xz, yz about
+    the centre of mass) seen from `frame`; null where it isn't given.
+    """
 
     name: str
     frame: str
@@ -56,9 +60,10 @@ class ToolsShown(Message):
     file: str
     """robot.toml: its path in the project, or the whole one of a robot outside of it."""
     why_not: str
-    """Why robot.toml can't be changed here, and what to do; empty: it can."""
+    """Reason why robot.toml can't be changed here, and the remedy; empty: it can."""
     restart: bool
-    """True if robot.toml says something else than what runs: it holds when the pendant is started anew."""
+    """True if robot.toml differs from the running description: it takes effect when the pendant is restarted.
+    """
     without_mass: tuple[str, ...]
     """Joints of which nothing that they move has a mass in the URDF."""
     without_effort: tuple[str, ...]
@@ -68,7 +73,10 @@ class ToolsShown(Message):
 
 
 class Payload(Message):
-    """What a tool weighs: `frame` is that of a tool that robot.toml doesn't have yet; `inertia` null: all of its mass is taken to be at its centre. With `program`, the number of a loaded program, its torques are told as well."""
+    """Mass properties of a tool: `frame` is for a tool that robot.toml doesn't have yet; `inertia` null: all
+    of its mass is assumed at its centre. With `program`, the number of a loaded program, its torques are
+    included.
+    """
 
     tool: ToolName
     frame: ToolName | None = None
@@ -95,7 +103,8 @@ class JointEffort(Message):
 class Torques(Message):
     """Torques of all joints without and with the payload, in the joints' order.
 
-    `here`: at rest where the robot stands. `reach`: at rest, the largest within the joint limits. `program`: the largest while the program moves.
+    `here`: at rest where the robot stands. `reach`: at rest, the largest within the joint limits. `program`:
+    the largest while the program moves.
     """
 
     what: Literal["here", "reach", "program"]
@@ -104,18 +113,20 @@ class Torques(Message):
     at: tuple[tuple[float, ...], ...]
     """Of each joint the joint positions [deg or mm] at which its torque is the largest, with the payload."""
     where: tuple[str, ...]
-    """Of each joint the command of the program in which that is; empty: no program is looked at."""
+    """For each joint the command of the program in which its torque is the largest; empty: no program is
+    given.
+    """
 
 
 class PayloadShown(Message):
-    """What a payload would change: the file, and the torques."""
+    """Changes that a payload would make: of the file, and of the torques."""
 
     file: str
     why_not: str
     before: str
     after: str
     known: str
-    """SHA-256 of the file as it is now."""
+    """SHA-256 of the present file."""
     findings: tuple[Finding, ...]
     """Of the changed file."""
     sound: bool
@@ -123,12 +134,12 @@ class PayloadShown(Message):
     joints: tuple[JointEffort, ...]
     torques: tuple[Torques, ...]
     unknown: str
-    """Why torques aren't told; empty: they are."""
+    """Reason why torques are missing; empty: they aren't."""
     restart: bool
 
 
 class PayloadWritten(Message):
-    """robot.toml was changed; it holds when the pendant is started anew."""
+    """robot.toml was changed; it takes effect when the pendant is restarted."""
 
     file: str
     sha256: str

@@ -1,4 +1,6 @@
-"""Messages about the workspace: zones, obstacles, limits of joints; drafts of changes, what they break, and distances."""
+"""Messages about the workspace: zones, obstacles, limits of joints; drafts of changes, what they break, and
+distances.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +44,9 @@ class EntryValues(Message):
 
 
 class EntryChange(Message):
-    """A zone or an obstacle that is another one then: `at` counts the entries of its table from 0 (null: a new one); without `values` it is removed."""
+    """A zone or an obstacle that changes: `at` counts the entries of its table from 0 (null: a new one);
+    without `values` it is removed.
+    """
 
     table: Table
     at: Annotated[int, Field(ge=0, le=100_000)] | None
@@ -58,7 +62,9 @@ class LimitChange(Message):
 
 
 class WorkspaceDraft(Message):
-    """Changes that belong together. `known` and `robot_known` are the hashes of the files that they were made from; null: that file isn't changed."""
+    """Changes that belong together. `known` and `robot_known` are the hashes of the files that they were made
+    from; null: that file isn't changed.
+    """
 
     known: Sha256 | None = None
     entries: Annotated[tuple[EntryChange, ...], Field(max_length=MOST_CHANGES)] = ()
@@ -67,7 +73,9 @@ class WorkspaceDraft(Message):
 
 
 class WorkspaceFrame(Message):
-    """A frame in which bodies may stand: (3, 4) base_from_frame [m], row by row; on the flange: flange_from_frame."""
+    """A frame in which bodies may stand: (3, 4) base_from_frame [m], row by row; on the flange:
+    flange_from_frame.
+    """
 
     name: str
     on_flange: bool
@@ -91,7 +99,9 @@ class WorkspaceEntry(Message):
 
 
 class JointLimits(Message):
-    """The position limits of a joint in robot.toml [deg or mm], null without one, and those that the URDF allows."""
+    """The position limits of a joint in robot.toml [deg or mm], null without one, and those that the URDF
+    allows.
+    """
 
     name: str
     unit: str
@@ -105,14 +115,15 @@ class WorkspaceShown(Message):
     """The workspace as the files have it."""
 
     cell: str | None
-    """The file of the cell: its path in the project; outside of it, the whole path; null: there is no cell."""
+    """The file of the cell: its path in the project; outside of it, the whole path; null: there is no cell.
+    """
     why: str
-    """Why the cell can't be changed here, and what to do; empty: it can."""
+    """Reason why the cell can't be changed here, and the remedy; empty: it can."""
     known: str
     entries: tuple[WorkspaceEntry, ...]
     frames: tuple[WorkspaceFrame, ...]
     watch: tuple[str, ...]
-    """What a zone may watch."""
+    """Names of items that a zone may watch."""
     length_unit: str
     angle_unit: str
     metre: float | None
@@ -124,11 +135,11 @@ class WorkspaceShown(Message):
     robot_known: str
     joints: tuple[JointLimits, ...]
     robot_waits: bool
-    """True if robot.toml isn't what the robot is served with any more: it counts after a restart."""
+    """True if robot.toml differs from the served robot: it takes effect after a restart."""
 
 
 class ProposedFile(Message):
-    """A file before and after a draft. `refused` says why it can't be saved; empty: it can."""
+    """A file before and after a draft. `refused` is the reason why it can't be saved; empty: it can."""
 
     file: str
     before: str
@@ -140,13 +151,13 @@ class ProposedFile(Message):
 
 
 class Proposed(Message):
-    """What a draft makes of the files."""
+    """The files with a draft's changes."""
 
     files: tuple[ProposedFile, ...]
 
 
 class SavedWorkspace(Message):
-    """The files that were written, and what holds from when on."""
+    """The files that were written, and when their changes take effect."""
 
     files: tuple[FileWritten, ...]
     told: str
@@ -159,7 +170,9 @@ class MakeCell(Message):
 
 
 class JudgedProgram(Message):
-    """A program of the project with a draft in the place of the files: `held` before, `holds` now (null: not known); the first error if it doesn't hold."""
+    """A program of the project with a draft in the place of the files: `held` before, `holds` now (null: not
+    known); the first error if it doesn't hold.
+    """
 
     file: str
     held: bool | None
@@ -170,7 +183,9 @@ class JudgedProgram(Message):
 
 
 class CheckShown(Message):
-    """A check of all programs: those that no longer hold come first. `standing` is what is wrong with where the robot stands now."""
+    """A check of all programs: those that no longer hold come first. `standing` lists errors at the robot's
+    present position.
+    """
 
     state: Literal["none", "running", "done", "cancelled", "failed"]
     by: str
@@ -178,7 +193,7 @@ class CheckShown(Message):
     done: int
     of: int
     file: str
-    """That is looked at now."""
+    """Program that is being checked now."""
     broken: int
     unjudged: int
     """Programs that didn't hold before either, or couldn't be checked in time."""
@@ -186,18 +201,18 @@ class CheckShown(Message):
     standing: tuple[str, ...]
     what: str
     digest: str
-    """Of the draft that was checked: of what it makes of the files."""
+    """Hash of the checked draft: of the files with its changes."""
 
 
 class AskDistances(Message):
-    """What is nearest to what now, with a draft's bodies in the place of the file's."""
+    """The nearest pairs of bodies now, with a draft's bodies in the place of the file's."""
 
     draft: WorkspaceDraft | None = None
 
 
 class DistanceShown(Message):
-    """A pair of bodies, or what a zone watches and the zone: how far apart [mm] (negative: within each other, or beyond the border), the margin [mm], and the
-    nearest points [m], if there are some.
+    """A pair of bodies, or of a watched item and its zone: their distance [mm] (negative: within each other,
+    or beyond the border), the margin [mm], and the nearest points [m], if there are some.
     """
 
     first: str
@@ -208,7 +223,7 @@ class DistanceShown(Message):
 
 
 class Distances(Message):
-    """The nearest pairs, the nearest first; `what` says why there are none."""
+    """The nearest pairs, the nearest first; `what` is the reason why there are none."""
 
     pairs: tuple[DistanceShown, ...]
     what: str

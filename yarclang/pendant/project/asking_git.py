@@ -144,7 +144,8 @@ def _kill(process: subprocess.Popen[bytes]) -> None:
 def _refusal(folder: Path, told: str) -> Exception:
     if "dubious ownership" in told:
         return Trouble(
-            f"{quoted(str(folder))} belongs to another user than the pendant runs as, and git refuses such folders",
+            f"{quoted(str(folder))} belongs to another user than the pendant runs as, and git refuses "
+                f"such folders",
             f"if you trust it: git config --global --add safe.directory {folder}", "git",
         )  # fmt: skip
     if not told.strip() or "safe.bareRepository" in told or "not a git repository" in told:

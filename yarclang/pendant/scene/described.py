@@ -114,7 +114,10 @@ def _bounded(items: Iterable[Item]) -> tuple[tuple[Item, ...], tuple[str, ...]]:
     if not left:
         return tuple(kept), ()
     more = f" and {len(left) - 3} more" if len(left) > 3 else ""
-    note = f"not drawn, as the bodies have more than {MOST_TRIANGLES:,} triangles or are more than {MOST_ITEMS}: {', '.join(left[:3])}{more}"
+    note = (
+        f"not drawn, as the bodies have more than {MOST_TRIANGLES:,} triangles or are more than "
+        f"{MOST_ITEMS}: {', '.join(left[:3])}{more}"
+    )
     return tuple(kept), (note,)
 
 

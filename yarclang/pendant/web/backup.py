@@ -115,7 +115,8 @@ def _outside(service: Service) -> tuple[str, ...]:
     root, notes = service.files.folder.root, []
     if not service.robot.folder.resolve().is_relative_to(root):
         notes.append(
-            f"The folder of the robot {service.robot.name} isn't in the project, and so not in the backup: it is part of yarclang, or kept elsewhere"
+            f"The folder of the robot {service.robot.name} isn't in the project, and so not in the "
+            f"backup: it is part of yarclang, or kept elsewhere"
         )
     logs = service.log_folders.folder
     if logs and service.log_folders.is_elsewhere:
@@ -226,7 +227,8 @@ def _notes(backups: Backups, upload: Upload) -> tuple[str, ...]:
 ROUTES = (
     Route("GET", "/api/backup", _backup, "Return a zip of the project to be saved; `?logs=1`: with logs of runs.", None, None, "service"),
     Route("GET", "/api/backup/about", _about, "Return what a backup would have, and which restores can be undone.", None, BackupShown, "service"),
-    Route("POST", "/api/backup/upload", _upload, "Take a zip as the body, judge it and return what restoring it would change; nothing is changed yet.", None, RestorePlan, "service", MOST_ZIP),
+    Route("POST", "/api/backup/upload", _upload, "Take a zip as the body, judge it and return what restoring it would change; nothing is changed "
+            "yet.", None, RestorePlan, "service", MOST_ZIP),
     Route("GET", "/api/backup/plan", _plan, "Return what the zip that waits would change now.", None, RestorePlan, "service"),
     Route("POST", "/api/backup/forget", _forget, "Forget the zip that waits.", None, Done, "service"),
     Route("POST", "/api/backup/restore", _apply, "Restore the zip that waits. What is replaced or deleted is kept.", ApplyRestore, Restored, "service, PIN"),

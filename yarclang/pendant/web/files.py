@@ -242,7 +242,8 @@ ROUTES = (
     Route("POST", "/api/files/delete", _delete, "Delete a file or folder; it can be brought back.", OnePath, DeletedShown, "programmer"),
     Route("POST", "/api/files/restore", _restore, "Restore a deleted file; return its present path.", Restore, OnePath, "programmer"),
     Route("GET", "/api/trash", _trash, "Return what was deleted and can be brought back.", None, DeletedList, "viewer"),
-    Route("POST", "/api/upload/{path:path}", _upload, "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
+    Route("POST", "/api/upload/{path:path}", _upload, "Write the body, up to 100 MB of any kind, to a new file; `?known=` SHA-256 of the one that it "
+            "replaces.", None, FileWritten, "programmer", MOST_UPLOADED),
     Route("GET", "/api/download/{path:path}", _download, "Return a file to be saved, never shown.", None, None, "viewer"),
     Route("GET", "/api/git", _git, "Return what has changed since the last commit, and who did so at the pendant.", None, GitState, "viewer"),
     Route("GET", "/api/git/difference/{path:path}", _difference, "Return a text as of the last commit and as it is now.", None, Difference, "viewer"),

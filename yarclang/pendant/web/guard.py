@@ -85,7 +85,8 @@ class Guard:
         address, port = scope["server"] or ("", 0)
         if len(hosts) != 1 or not is_called(hosts[0], int(port or 0), self._names | {str(address)}, scheme):
             return (
-                f"the pendant is not known by this name. On this machine it is at {scheme}://localhost:{port}; "
+                f"the pendant is not known by this name. On this machine it is at "
+                f"{scheme}://localhost:{port}; "
                 "start it with --name NAME for another name."
             )
         if len(origins) > 1 or not is_own(origins[0] if origins else None, hosts[0], scheme):

@@ -231,6 +231,7 @@ ROUTES = (
     Route("DELETE", "/api/users/{user}", _remove_user, "Remove a user.", None, Done, "service, PIN"),
     Route("GET", "/api/sessions", _sessions, "Return the sessions of everybody (service), or one's own.", None, SessionList, "viewer"),
     Route("DELETE", "/api/sessions/{session}", _end_session, "End a session: one's own, or (service, PIN) anybody's.", None, Done, "viewer"),
-    Route("GET", "/api/audit", _audit, "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: 500 at most).", None, Audit, "service"),
+    Route("GET", "/api/audit", _audit, "Return entries of the audit trail, the newest first (`before`: smaller numbers only; `count`: "
+            "500 at most).", None, Audit, "service"),
 )  # fmt: skip
 """All routes of this file."""

@@ -35,7 +35,9 @@ async def _scene(service: Service, request: Request) -> Response:
 
 def _number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= _DIGITS):
-        raise Malformed("program isn't the number of a program", "give the number that `load` has told", "")
+        raise Malformed(
+            "program isn't the number of a program", "give the number that `load` has returned", ""
+        )
     return int(text)
 
 
@@ -70,8 +72,11 @@ async def _placements(service: Service, request: Request) -> Response:
 
 
 ROUTES = (
-    Route("GET", "/api/scene", _scene, "Return what is to be seen: bodies, zones, parts, frames. With ?program=N those of a program that this session has loaded, its parts from when to when they are there.", None, SceneShown, "viewer"),
-    Route("GET", "/api/scene/mesh/{id}", _mesh, "Return a mesh, little endian: V and F (uint32), corners (V x 3 float32) [m], triangles (F x 3 uint32), normals (V x 3 int8).", None, None, "viewer"),
-    Route("POST", "/api/scene/placements", _placements, "Return where the links are at N joint positions: float32, (N, n, 7), x y z [m] and the quaternion x y z w.", Placements, None, "viewer"),
+    Route("GET", "/api/scene", _scene, "Return what is to be seen: bodies, zones, parts, frames. With ?program=N those of a program "
+            "that this session has loaded, its parts from when to when they are there.", None, SceneShown, "viewer"),
+    Route("GET", "/api/scene/mesh/{id}", _mesh, "Return a mesh, little endian: V and F (uint32), corners (V x 3 float32) [m], triangles (F x 3 "
+            "uint32), normals (V x 3 int8).", None, None, "viewer"),
+    Route("POST", "/api/scene/placements", _placements, "Return where the links are at N joint positions: float32, (N, n, 7), x y z [m] and the "
+            "quaternion x y z w.", Placements, None, "viewer"),
 )  # fmt: skip
 """All routes of this file."""

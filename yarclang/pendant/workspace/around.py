@@ -75,7 +75,10 @@ def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
         except Trouble as trouble:
             why = f"{trouble.what}: {trouble.remedy}"
             if not cell.resolve().is_relative_to(folder.root):
-                why = f"{cell} is outside of the project: change it on the computer itself, or copy it into the project and name it in yarc.toml"
+                why = (
+                    f"{cell} is outside of the project: change it on the computer itself, or copy it "
+                    f"into the project and name it in yarc.toml"
+                )
     path = Path(told.robot) / DESCRIPTION
     robot, robot_why = None, ""
     try:
@@ -83,7 +86,10 @@ def around_of(folder: ProjectFolder, told: Surroundings) -> Around:
     except Trouble as trouble:
         robot_why = f"{trouble.what}: {trouble.remedy}"
         if not path.resolve().is_relative_to(folder.root):
-            robot_why = f"{path} is outside of the project: copy the folder {path.parent.name} into the project, name it in yarc.toml as robot, and serve the robot again"
+            robot_why = (
+                f"{path} is outside of the project: copy the folder {path.parent.name} into the "
+                f"project, name it in yarc.toml as robot, and serve the robot again"
+            )
     return Around(cell, text, why, path, robot, robot_why)
 
 

@@ -30,7 +30,10 @@ def with_entries(source: SourceFile, changes: Sequence[EntryChange]) -> tuple[st
         Trouble: there is no such entry, or the file's form can't be changed.
     """
     if len(changes) * len(source.text) > _MOST_WORK:
-        what = f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, are too many at once"
+        what = (
+            f"{len(changes)} changes of {source.name}, which has {len(source.text):,} characters, are "
+            f"too many at once"
+        )
         raise Trouble(what, "save fewer at a time, or change the file by hand under Program", "large")
     data = _data(source)
     told: list[str] = []

@@ -131,7 +131,8 @@ async def _write_robot(session: Session, change: Callable[[SourceFile], str]) ->
         return False
     write_exactly(path, new)
     session.say(
-        f"{path} is written. This session goes on with the robot as it was: end it, load `yarc settings` into the controller again, and begin anew"
+        f"{path} is written. This session goes on with the robot as it was: end it, load `yarc "
+        f"settings` into the controller again, and begin anew"
     )
     return True
 
@@ -190,8 +191,10 @@ COMMANDS = (
         "calibration",
         _calibrate,
         complete=lambda _, begun: (one for one in _KINDS if one.startswith(begun)),
-        doc="tcp: the tip of a tool, from four or more touches of one point. frame: from its origin, a point on x, and points of its plane.\n"
-        "home: the motors' offsets, from joints that stand at their marks. Between two touches the robot is moved by whatever moves it.",
+        doc="tcp: the tip of a tool, from four or more touches of one point. frame: from its origin, a "
+        "point on x, and points of its plane.\n"
+        "home: the motors' offsets, from joints that stand at their marks. Between two touches the "
+        "robot is moved by whatever moves it.",
     ),
     DotCommand(".touch", "", "the robot stands at the next point", "calibration", _touch),
     DotCommand(".untouch", "", "forget the last touch", "calibration", _untouch),

@@ -8,7 +8,10 @@ from yarclang.repl.dot import DotCommand, dot_commands
 from yarclang.repl.session import Session
 from yarclang.subjects import suggest
 
-_HEAD = "A line of YARC, with or without an index, is planned from where the robot stands, certified, shown, and carried out if you say so."
+_HEAD = (
+    "A line of YARC, with or without an index, is planned from where the robot stands, certified, "
+    "shown, and carried out if you say so."
+)
 
 
 def _help(session: Session, rest: str) -> None:

@@ -88,7 +88,10 @@ COMMANDS = (
         "move while a key is held",
         "motions",
         _jog,
-        doc="+ and - (or the arrows, or the space bar) move while they are held; a number chooses a joint, x y z a b c an axis of the tool, t the tool's axes or those of {B};\n"
-        "up and down change the speed, Enter ends. The tool keeps below 250 mm/s, or what the robot says in [jog] of its robot.toml; limits, cell and zones are kept, and near a singularity it gets slower.",
+        doc="+ and - (or the arrows, or the space bar) move while they are held; a number chooses a "
+        "joint, x y z a b c an axis of the tool, t the tool's axes or those of {B};\n"
+        "up and down change the speed, Enter ends. The tool keeps below 250 mm/s, or what the robot "
+        "says in [jog] of its robot.toml; limits, cell and zones are kept, and near a singularity it "
+        "gets slower.",
     ),
 )

@@ -84,8 +84,11 @@ COMMANDS = (
         "teaching",
         _parts,
         complete=lambda _, begun: (one for one in ("gone", "put", "reset") if one.startswith(begun.lower())),
-        doc="Without more, each part: its place (mm, deg), and what holds it. `reset [PART]` says that all parts, or one, lie where the cell's file has them; `put BOX {TABLE} 100 0 0 0 0 90` "
-        "that a part lies at that place in a frame (mm; roll, pitch, yaw in deg; without values at its origin), and with the frame of a gripper that the gripper holds it; `gone BOX` that it "
-        "was taken out of the cell. What comes is planned and proved so. Nothing moves, and no output is set. Sensors of a robot that is simulated here see the parts there.",
+        doc="Without more, each part: its place (mm, deg), and what holds it. `reset [PART]` says that "
+        "all parts, or one, lie where the cell's file has them; `put BOX {TABLE} 100 0 0 0 0 90` "
+        "that a part lies at that place in a frame (mm; roll, pitch, yaw in deg; without values at its "
+        "origin), and with the frame of a gripper that the gripper holds it; `gone BOX` that it "
+        "was taken out of the cell. What comes is planned and proved so. Nothing moves, and no output "
+        "is set. Sensors of a robot that is simulated here see the parts there.",
     ),
 )

@@ -69,8 +69,8 @@ async def _carry_out(session: Session, first: str, *, by_steps: bool) -> None:
     within = program.offset_s
     count = sum(one.begins_s >= within - _SAME for one in program.commands)
     session.say(
-        f"{program.name}: {count} motion{'s' * (count != 1)}, {lasting_of(program.rest_takes).text(hundredths)}"
-        + (", one by one" if by_steps else "")
+        f"{program.name}: {count} motion{'s' * (count != 1)}, "
+        f"{lasting_of(program.rest_takes).text(hundredths)}" + (", one by one" if by_steps else "")
     )
     way = await robot.ask(orders.AskWay(program=program.number))
     session.show(findings_of(way.findings))

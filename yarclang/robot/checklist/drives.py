@@ -55,7 +55,8 @@ def _resolution(robot: Robot) -> Item:
     way = float((half * radii).sum())
     turn = float(half[~robot.chain.is_prismatic].sum())
     found = (
-        f"half a count of every motor moves TCP by at most {way / MM:.2g} mm, {turn / DEG:.2g} deg; the tolerance is "
+        f"half a count of every motor moves TCP by at most {way / MM:.2g} mm, {turn / DEG:.2g} deg; the "
+        f"tolerance is "
         f"{robot.tolerance.position / MM:g} mm, {robot.tolerance.angle / DEG:g} deg"
     )
     if way <= FINE * robot.tolerance.position and turn <= FINE * robot.tolerance.angle:
@@ -75,7 +76,8 @@ def _speeds(robot: Robot) -> Item:
     if slow.any():
         at = int(np.argmin(have / alone))
         remark = (
-            f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed that its joint's limit needs "
+            f"motor {numbers[at]} reaches {have[at] / alone[at] * 100:.3g} % of the speed that its "
+            f"joint's limit needs "
             f"({have[at] * MS:.4g} of {alone[at] * MS:.4g} counts/ms)"
         )
         return Item(
@@ -86,7 +88,10 @@ def _speeds(robot: Robot) -> Item:
         )
     if (have < together * (1.0 - 1e-9)).any():
         at = int(np.argmin(have / together))
-        remark = f"motor {numbers[at]} limits coupled joints to {have[at] / together[at] * 100:.3g} % when they move together"
+        remark = (
+            f"motor {numbers[at]} limits coupled joints to {have[at] / together[at] * 100:.3g} % when "
+            f"they move together"
+        )
         return Item(
             "motor speeds",
             "note",

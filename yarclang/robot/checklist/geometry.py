@@ -98,7 +98,8 @@ def _method(robot: Robot) -> Item:
         return Item("inverse kinematics", "ok", "all solutions, by elimination")
     if robot.size < 6:
         solver = (
-            f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY take a pose that "
+            f"numeric. With {robot.size} joints the arm reaches only some poses: MOVEL and MOVEJ_RPY "
+            f"take a pose that "
             "it can hold, and refuse any other"
         )
         return Item(
@@ -268,7 +269,10 @@ def _home(robot: Robot) -> Item:
         return Item("HOME", "ok", f"not near a singularity: smallest singular value {value:.2g}")
     motion = np.abs(near.joints[0])
     names = [name for name, part in zip(robot.joint_names, motion, strict=True) if part > 0.3]
-    found = f"singular (smallest singular value {value:.2g}): {' and '.join(names)} move the tool against each other"
+    found = (
+        f"singular (smallest singular value {value:.2g}): {' and '.join(names)} move the tool against "
+        f"each other"
+    )
     return Item(
         "HOME", "note", found, "leave HOME with MOVEJ, not with a straight line; or choose another HOME"
     )
@@ -324,7 +328,10 @@ def tool_axis(robot: Robot) -> Iterator[Item]:
         way, turn = "out along the tool, into the work", "by 180 deg about x"
     else:
         way, turn = "neither out nor back along the tool", "so that z leads back"
-    remedy = f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame that is turned so"
+    remedy = (
+        f"for these modules turn TCP {turn} with rpy in [frames.TCP], or call them with a frame that is "
+        f"turned so"
+    )
     yield Item("tool axis", "note", f"z of TCP leads {way}; PICKPLACE and PALLET want it back", remedy)
 
 

@@ -12,7 +12,8 @@ Verdict = Literal["ok", "note", "to do"]
 
 @frozen
 class Item:
-    """One item: `subject` is what was checked, `found` one sentence with figures, `remedy` what to do.
+    """One item: `subject` is what was checked, `found` one sentence with figures, `remedy` the necessary
+    steps.
 
     A `note` is acceptable but worth knowing; `to do` has to be corrected.
     """

@@ -43,7 +43,10 @@ def limit_items(robot: Robot) -> Iterator[Item]:
         remark = f"{listed(_names(robot, slow))} may stop no faster than in a motion, or slower"
         yield Item("stops", "note", remark, "give stop_acceleration, what the brakes and gears stand")
     if robot.jog_speed > REDUCED_SPEED * (1.0 + 1e-9):
-        remark = f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
+        remark = (
+            f"the tool goes at up to {robot.jog_speed / MM:g} mm/s, faster than the reduced speed of "
+            f"ISO 10218-1, {REDUCED_SPEED / MM:g} mm/s"
+        )
         yield Item("jogs", "note", remark, "give [jog] a speed of 250, if somebody stands within reach")
     endless = [
         name for name, kind in zip(robot.joint_names, robot.joint_kinds, strict=True) if kind == "continuous"

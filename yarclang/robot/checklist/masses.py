@@ -1,4 +1,6 @@
-"""Check if motions are compared with the motors' efforts, and compute what the arm needs to hold itself."""
+"""Check if motions are compared with the motors' efforts, and compute the efforts that the arm needs to hold
+itself.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,10 @@ def mass_items(robot: Robot) -> Iterator[Item]:
     q = within(robot.chain, robot.limits, POSITIONS)
     held = np.abs(holding_torques(robot.chain, dynamics, q)) / dynamics.effort
     joint = int(np.argmax(held.max(axis=0)))
-    most = f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in {POSITIONS} positions"
+    most = (
+        f"to stand, {robot.joint_names[joint]} needs up to {held.max():.0%} of its effort in "
+        f"{POSITIONS} positions"
+    )
     free = [name for name, one in zip(robot.joint_names, known, strict=True) if not one]
     without = f"; {listed(free)} have no effort" if free else ""
     if held.max() > 1.0:

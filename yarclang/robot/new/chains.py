@@ -140,7 +140,8 @@ def find_chain(urdf: Urdf, base: str | None = None, tip: str | None = None) -> A
     coupled = next((one for one in followed if one is not None), None)
     if coupled is not None:
         message = (
-            f"joint {coupled.joint.name} is between the base {base} and the tip {flange} and follows another by <mimic>, "
+            f"joint {coupled.joint.name} is between the base {base} and the tip {flange} and follows "
+            f"another by <mimic>, "
             f"{coupled.equation}: the chain is coupled"
         )
         remedy = f"Name a link above it with --tip {coupled.joint.parent}. {coupled.remedy(joints)}"

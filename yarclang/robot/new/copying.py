@@ -183,7 +183,10 @@ def _content(urdf: Urdf, mesh: Element, path: Path, surroundings: Surroundings, 
     shown = shown_name(name)
     if not surroundings.has(name, path):
         message = f"The mesh {shown} is outside the URDF's package and isn't copied."
-        remedy = f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes {shlex.quote(str(path.resolve().parent))}."
+        remedy = (
+            f"Put it beside the URDF, or, if the file is meant, allow its folder with --meshes "
+            f"{shlex.quote(str(path.resolve().parent))}."
+        )
         urdf.say("Y1364", message, remedy, mesh, "filename")
         return b""
     try:

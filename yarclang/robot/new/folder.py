@@ -1,4 +1,4 @@
-"""Make a robot folder from a URDF: ask for what is unknown, then write the files."""
+"""Make a robot folder from a URDF: ask for unknown values, then write the files."""
 
 from __future__ import annotations
 
@@ -106,7 +106,10 @@ def open_arm(path: Path, base: str | None, tip: str | None, source: SourceFile |
             f"the chain from {chain.base} to {chain.flange} has {len(chain.joints)} joints, but a coordinate "
             f"system has {MOST_JOINTS} axes"
         )
-        remedy = f"Begin nearer to the tip with --base, or end earlier with --tip: the joints are {', '.join(j.name for j in chain.joints)}."
+        remedy = (
+            f"Begin nearer to the tip with --base, or end earlier with --tip: the joints are "
+            f"{', '.join(j.name for j in chain.joints)}."
+        )
         return Result(None, (Diagnostic("Y1318", message, source, help=remedy),))
     return Result(Arm(path, urdf, chain, mended.notes), in_order(urdf.findings))
 
@@ -166,7 +169,10 @@ def questions(arm: Arm, given: Given, named: bool, base: bool, tip: bool) -> tup
     if given.counts is None:
         asked.append(Question("--counts", f"encoder counts of a deg or mm, {each}", f"{COUNTS:,.0f}"))
     if given.tcp is None:
-        text = "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg (PICKPLACE and PALLET want its z back along the tool)"
+        text = (
+            "TCP on the flange: x,y,z in mm, roll,pitch,yaw in deg (PICKPLACE and PALLET want its z "
+            "back along the tool)"
+        )
         rule = f"that of the link {chain.tcp}" if chain.tcp else "FLANGE itself"
         asked.append(Question("--tcp", text, rule))
     if given.home is None:

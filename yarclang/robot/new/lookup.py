@@ -134,7 +134,8 @@ class Lookup:
 
 
 _REMEDY = (
-    "Give the folder with the package with --package-path FOLDER, or the folder with the meshes with --meshes FOLDER; "
+    "Give the folder with the package with --package-path FOLDER, or the folder with the meshes with "
+    "--meshes FOLDER; "
     "--allow-missing-meshes makes the robot without them, and nothing sees what these links hit."
 )
 

@@ -160,7 +160,8 @@ def _efforts(edits: Edits, root: Element) -> None:
     for limit in limits:
         edits.put(limit, "effort", "0")
     edits.notes.append(
-        f"all joints have the effort {value:g}, a placeholder: no effort is known, and torques aren't checked. "
+        f"all joints have the effort {value:g}, a placeholder: no effort is known, and torques aren't "
+        f"checked. "
         "Give effort in [joints.NAME] of robot.toml"
     )
 

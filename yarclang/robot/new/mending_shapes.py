@@ -48,7 +48,8 @@ def mend_shapes(edits: Edits, root: Element) -> None:
     if capsules and root.attributes.get("version", "1.0") == "1.0":
         edits.put(root, "version", "1.1")
         edits.notes.append(
-            f"{capsules} capsules count, which readers drop from a URDF of version 1.0: the copy has version 1.1"
+            f"{capsules} capsules count, which readers drop from a URDF of version 1.0: the copy has "
+            f"version 1.1"
         )
 
 

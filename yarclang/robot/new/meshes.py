@@ -23,7 +23,7 @@ from yarclang.robot.new.packages import PACKAGE, Packages, package_of
 from yarclang.toml.bodies import MESHES
 
 _ORDINARY = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0)
-"""How an ordinary file is opened; some systems lack the two flags."""
+"""Flags for opening an ordinary file; some systems lack two of them."""
 LARGEST = 100_000_000
 """Largest mesh file [bytes]."""
 
@@ -41,7 +41,8 @@ _NO_STL_LINE = re.compile(
     re.IGNORECASE | re.MULTILINE,
 )
 _OBJ_WORDS = set(
-    b"v vt vn vp f fo l p o g s mg usemtl mtllib usemap maplib bevel c_interp d_interp lod shadow_obj trace_obj deg cstype curv curv2 "
+    b"v vt vn vp f fo l p o g s mg usemtl mtllib usemap maplib bevel c_interp d_interp lod shadow_obj "
+    b"trace_obj deg cstype curv curv2 "
     b"surf parm trim hole scrv sp end con ctech stech bmat step".split()
 )
 _LONGEST_HEADER = 100_000
@@ -94,7 +95,10 @@ def _damage(kind: str, content: bytes) -> str:
         return ": a pointer of Git LFS, which 'git lfs pull' replaces by the file"
     if kind == ".stl" and len(content) >= 84 and not content.startswith(b"solid"):
         count = int.from_bytes(content[80:84], "little")
-        return f" (a binary STL of {count:,} triangles has {84 + 50 * count:,} bytes, this one has {len(content):,})"
+        return (
+            f" (a binary STL of {count:,} triangles has {84 + 50 * count:,} bytes, this one has "
+            f"{len(content):,})"
+        )
     if kind == ".dae" and b"<COLLADA" in content[:_LONGEST_HEADER]:
         parser = expat.ParserCreate()
         parser.StartDoctypeDeclHandler = _refuse

@@ -26,7 +26,10 @@ _HEAD = """\
 
 
 _TOOL = (
-    "# What hangs on the flange, with its shapes and its mass, is checked for collisions and torques once it stands here:",
+    (
+        "# What hangs on the flange, with its shapes and its mass, is checked for collisions and torques "
+        "once it stands here:"
+    ),
     "# [tools.GRIPPER]",
     '# frame = "FLANGE"            # or a frame of this file',
     "# mass = 1.8                  # kg",
@@ -59,7 +62,8 @@ def robot_toml(sketch: Sketch, home: Said) -> str:
     ]
     if chain.ignored:
         lines.append(
-            "# Moving joints outside the chain: no motor of this robot moves them, they count as standing at 0."
+            "# Moving joints outside the chain: no motor of this robot moves them, they count as "
+            "standing at 0."
         )
         lines.append(f"ignored_joints = [{', '.join(_text(name) for name in chain.ignored)}]")
     lines += ["", "# One table a joint of the URDF, in the order from the base to the flange."]
@@ -116,7 +120,10 @@ def collision_table(pairs: Sequence[tuple[tuple[str, str], str]]) -> str:
         return ""
     lines = [
         "",
-        "# Bodies that may touch each other: pairs that always do, because their shapes are larger than they are. What may",
+        (
+            "# Bodies that may touch each other: pairs that always do, because their shapes are larger than "
+            "they are. What may"
+        ),
         "# really hit each other mustn't stand here.",
         "[collision]",
         "allowed = [",

@@ -358,7 +358,10 @@ class TrajectoryAction:
         current.due = None
         if current.phase == "ready":
             return self._begin(current, now)
-        text = f"the joints weren't at the last point within {self._patience(current):g} s after the program's end"
+        text = (
+            f"the joints weren't at the last point within {self._patience(current):g} s after the "
+            f"program's end"
+        )
         return self._end((ABORTED, Result(GOAL_TOLERANCE_VIOLATED, text)))
 
     # goals
@@ -436,7 +439,8 @@ class TrajectoryAction:
         ):
             if abs(wanted - found) > limit:
                 text = (
-                    f"{joint.name} is {abs(wanted - found):.6g} off its path at {time:.3f} s, path_tolerance allows {limit:g}; the robot is held: "
+                    f"{joint.name} is {abs(wanted - found):.6g} off its path at {time:.3f} s, "
+                    f"path_tolerance allows {limit:g}; the robot is held: "
                     "look whether the joint is blocked, or allow more"
                 )
                 return actions + self._stop((ABORTED, Result(PATH_TOLERANCE_VIOLATED, text)))
@@ -457,7 +461,8 @@ class TrajectoryAction:
             off = [abs(a - b) - limit for a, b, limit in zip(last, actual.positions, limits)]
             worst = off.index(max(off))
             text = (
-                f"{self.joints[worst].name} is {abs(last[worst] - actual.positions[worst]):.6g} off the last point {self._patience(current):g} s after "
+                f"{self.joints[worst].name} is {abs(last[worst] - actual.positions[worst]):.6g} off the "
+                f"last point {self._patience(current):g} s after "
                 f"the program's end, goal_tolerance allows {limits[worst]:g}"
             )
             return self._end((ABORTED, Result(GOAL_TOLERANCE_VIOLATED, text)))

@@ -672,7 +672,8 @@ class Driver:
         ready = Ready(planned.track, lead, tuple(places) if planned.has_lead else ())
         self._say(
             "info",
-            f"goal {plan.goal_id}: {len(plan.goal.points)} points, {program['duration_s']:.3f} s, was planned and proved",
+            f"goal {plan.goal_id}: {len(plan.goal.points)} points, {program['duration_s']:.3f} s, was "
+            f"planned and proved",
         )
         return ready, number, places[:: max(1, len(places) // _COURSE)]
 

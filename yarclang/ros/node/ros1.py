@@ -12,7 +12,7 @@ Private parameters, as `_robot:=industrial6` on the command line or in a launch 
     ~override         override at the start [%]
     ~set_description  replace a different robot_description (default: false)
 
-docs/ros.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+docs/ros.md of yarclang describes the topics, services and rules. Written for Python 3.8 and later; it needs
 rospy, actionlib and ROS's usual messages, and nothing else.
 """
 
@@ -29,10 +29,15 @@ from yarclang.ros.node.master import Master
 
 NAME = "yarc_driver"
 _MISSING = (
-    "{missing}: the ROS 1 node needs rospy. Source ROS's setup.bash first, or on Debian: apt install python3-rospy python3-actionlib python3-sensor-msgs python3-trajectory-msgs "
-    "python3-visualization-msgs python3-std-srvs; and run it with the system's own Python, which has them: /usr/bin/python3\n"
+    "{missing}: the ROS 1 node needs rospy. Source ROS's setup.bash first, or on Debian: apt install "
+    "python3-rospy python3-actionlib python3-sensor-msgs python3-trajectory-msgs "
+    "python3-visualization-msgs python3-std-srvs; and run it with the system's own Python, which has "
+    "them: /usr/bin/python3\n"
 )
-_NO_MASTER = "there is no ROS master at {address}: start roscore, or set ROS_MASTER_URI to where it is. Waiting for it\n"
+_NO_MASTER = (
+    "there is no ROS master at {address}: start roscore, or set ROS_MASTER_URI to where it is. Waiting "
+    "for it\n"
+)
 
 
 def main() -> int:

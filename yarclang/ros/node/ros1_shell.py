@@ -174,7 +174,10 @@ class Node:
             try:
                 driver.start()
             except (Gone, TimeoutError) as error:
-                reason = f"{error}. It must be served by the same user, with the same XDG_RUNTIME_DIR; if there are several, name it with _robot:=NAME. The node tries again each second"
+                reason = (
+                    f"{error}. It must be served by the same user, with the same XDG_RUNTIME_DIR; if "
+                    f"there are several, name it with _robot:=NAME. The node tries again each second"
+                )
                 if reason != reported:
                     self.say("error", reason)
                 reported = reason
@@ -405,7 +408,10 @@ class Node:
                 if has_changed:
                     self._follow()
             except LOST:
-                text = f"the ROS master at {self._master.address} doesn't answer: goals under way go on, new clients can't find this node. It registers again when there is one"
+                text = (
+                    f"the ROS master at {self._master.address} doesn't answer: goals under way go on, "
+                    f"new clients can't find this node. It registers again when there is one"
+                )
                 self._tell_once("master", text)
 
     def _follow(self) -> None:
@@ -439,7 +445,10 @@ class Node:
         if there in (None, before) or self._settings.set_description:
             rospy.set_param("robot_description", urdf)
         elif there != urdf:
-            text = "robot_description was set by somebody else, to another text than that of the robot, and is left so; _set_description:=true replaces it"
+            text = (
+                "robot_description was set by somebody else, to another text than that of the robot, "
+                "and is left so; _set_description:=true replaces it"
+            )
             self._tell_once("description", text)
 
     def _draw_scene(self) -> None:

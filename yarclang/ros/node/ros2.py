@@ -12,7 +12,7 @@ Parameters:
     hold_on_cancel   hold a cancelled goal at once (true), or finish it (false)
     override         override at the start [%]; 0 to leave it
 
-docs/ros2.md of yarclang tells the topics, services and rules. Written for Python 3.8 and later; it needs
+docs/ros2.md of yarclang describes the topics, services and rules. Written for Python 3.8 and later; it needs
 rclpy, control_msgs and ROS's usual messages, and nothing else.
 """
 
@@ -131,7 +131,10 @@ def what_is_missing(error: ImportError, distribution: str | None) -> str:
     if distribution is None:
         to_do = "source /opt/ros/DISTRIBUTION/setup.bash first, and use the Python that it is for"
     else:
-        to_do = f"apt install ros-{distribution}-{package.replace('_', '-')}, and source /opt/ros/{distribution}/setup.bash"
+        to_do = (
+            f"apt install ros-{distribution}-{package.replace('_', '-')}, and source "
+            f"/opt/ros/{distribution}/setup.bash"
+        )
     return f"yarc_ros2: {package} can't be imported ({error}): {to_do}\n"
 
 

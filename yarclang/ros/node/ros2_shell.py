@@ -130,7 +130,10 @@ class Node:
                 driver.start()
             except (Gone, TimeoutError) as error:
                 if str(error) != reported:
-                    to_do = "Serve the robot as the same user and with the same XDG_RUNTIME_DIR, or name it with -p robot:=NAME; the node tries again each second"
+                    to_do = (
+                        "Serve the robot as the same user and with the same XDG_RUNTIME_DIR, or name it "
+                        "with -p robot:=NAME; the node tries again each second"
+                    )
                     self.say("error", f"{error}. {to_do}")
                 reported = str(error)
                 over.wait(_TRIED_EACH)

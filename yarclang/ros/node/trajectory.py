@@ -213,7 +213,10 @@ def _wrong_times(goal: Goal) -> str | None:
             )
         if 0.0 < time < max(before, 0.0) + LEAST_STEP or time <= before:
             last = f"{before:.9g} s at the point before" if number else "the motion begins at 0 s"
-            return f"point {number}: time_from_start is {time:.9g} s, and {last}: times must grow by {LEAST_STEP:g} s or more"
+            return (
+                f"point {number}: time_from_start is {time:.9g} s, and {last}: times must grow by "
+                f"{LEAST_STEP:g} s or more"
+            )
         before = time
     return None
 
@@ -235,7 +238,10 @@ def _wrong_points(goal: Goal) -> str | None:
                 return f"point {number} has {len(values)} {what} for {size} joints"
             for name, value in zip(goal.joint_names, values):
                 if not abs(value) <= MOST_VALUE:
-                    return f"point {number}: {what} of {name} has {value:g}: it must be a number within {MOST_VALUE:g} [rad, m, s]"
+                    return (
+                        f"point {number}: {what} of {name} has {value:g}: it must be a number within "
+                        f"{MOST_VALUE:g} [rad, m, s]"
+                    )
     return None
 
 
@@ -260,7 +266,8 @@ def _wrong_tolerances(goal: Goal) -> str | None:
                 return f"{what}_tolerance of {one.name} has a value that is no finite number"
             if what == "path" and (one.velocity > 0.0 or one.acceleration > 0.0):
                 return (
-                    f"path_tolerance of {one.name} limits the velocity or the acceleration: only positions are watched on the way, since the "
+                    f"path_tolerance of {one.name} limits the velocity or the acceleration: only "
+                    f"positions are watched on the way, since the "
                     "operator may change the pace; set these to 0"
                 )
     return None
@@ -485,7 +492,8 @@ def too_long(planned: Planned) -> str | None:
     if length <= MOST_TEXT:
         return None
     return (
-        f"the goal with its {len(planned.track.times)} points is a text of {length / 2**20:.2f} MiB, and {MOST_TEXT / 2**20:.2f} MiB are taken: "
+        f"the goal with its {len(planned.track.times)} points is a text of {length / 2**20:.2f} MiB, "
+        f"and {MOST_TEXT / 2**20:.2f} MiB are taken: "
         "thin it, divide it, or leave accelerations out"
     )
 

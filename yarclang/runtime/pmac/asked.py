@@ -61,7 +61,8 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
         for bit, value in zip(bits, read, strict=True):
             if value not in (0.0, 1.0):
                 raise Trouble(
-                    f"{title(barrier)}: {bit} of the group {shown_variable(group)} reads {value:.15g}, and a bit is 0 or 1",
+                    f"{title(barrier)}: {bit} of the group {shown_variable(group)} reads {value:.15g}, "
+                    f"and a bit is 0 or 1",
                     f"let {bit} point to one bit, or declare it as an input of its own",
                     "Y1650",
                 )
@@ -69,7 +70,8 @@ def _read_group(operation: Operation, barrier: Barrier, group: str) -> Script[fl
             return float(sum(int(value) << place for place, value in enumerate(read)))
         if operation.now - since > _UNSTEADY:
             raise Trouble(
-                f"{title(barrier)}: the group {shown_variable(group)} changes all the time: no two looks in {_UNSTEADY:g} s were equal",
+                f"{title(barrier)}: the group {shown_variable(group)} changes all the time: no two "
+                f"looks in {_UNSTEADY:g} s were equal",
                 "let the other side keep the number until the robot has gone on",
                 "Y1651",
             )
@@ -106,5 +108,5 @@ def value_of(barrier: Barrier, value: Value, held: Held) -> float:
     try:
         return evaluated(value, held.registers, held.inputs)
     except DecisionError as error:
-        remedy = "look at the inputs and at what the program counts, then start it anew"
+        remedy = "check the inputs and the program's counts, then start the program again"
         raise Trouble(f"{title(barrier)}: {error}", remedy, "Y1630") from None

@@ -34,8 +34,9 @@ def assign(operation: Operation, job: Job, barrier: Barrier, held: Held) -> Scri
     value = value_of(barrier, barrier.decided, held)
     if not value.is_integer() or not register.low <= value <= register.high:
         raise Trouble(
-            f"{title(barrier)} would make {register.name} {value:.15g}, and it is an integer from {register.low} to {register.high}",
-            "look at the inputs and at what the program counts, then start it anew",
+            f"{title(barrier)} would make {register.name} {value:.15g}, and it is an integer from "
+            f"{register.low} to {register.high}",
+            "check the inputs and the program's counts, then start the program again",
             "Y1630",
         )
     yield from keep(barrier, register, int(value))
@@ -59,7 +60,7 @@ def keep(barrier: Barrier, register: Register, value: int) -> Script[None]:
     why = yield Keep(register.name, value)
     if why is not None:
         what = f"{title(barrier)} can't keep {register.name} = {value}: {why}"
-        raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
+        raise Trouble(what, "check the disk and its permissions, then start the program again", "Y1636")
 
 
 def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held) -> Script[None]:
@@ -69,8 +70,9 @@ def _set_output(operation: Operation, barrier: Barrier, value: Value, held: Held
     name = barrier.name.partition(" = ")[0]
     if len(bits) > 1 and not (number.is_integer() and 0 <= number <= largest_of(barrier.output)):
         raise Trouble(
-            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers from 0 to {largest_of(barrier.output)}",
-            "look at the inputs and at what the program counts, then start it anew",
+            f"{title(barrier)} would make {name} {number:.15g}, and its {len(bits)} bits hold integers "
+            f"from 0 to {largest_of(barrier.output)}",
+            "check the inputs and the program's counts, then start the program again",
             "Y1630",
         )
     for place, bit in enumerate(bits):

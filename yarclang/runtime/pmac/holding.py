@@ -96,7 +96,8 @@ class Holding:
         if self._again:
             yield from operation.abort()
             raise Trouble(
-                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all motors are stopped",
+                "somebody else moves the robot, though it is held, and a hold doesn't stop it: all "
+                "motors are stopped",
                 "find out who uses this controller",
                 "Y1605",
             )
@@ -104,15 +105,16 @@ class Holding:
         controller = turbo_pmac(self._job.robot)
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         operation.remark(
-            "somebody else uses this controller: the robot moves, though it is held; it is held again",
+            "somebody else uses this controller: the robot moves during a hold; it is held again",
             warning=True,
         )
 
     def for_others(self, told: str) -> Script[None]:
-        """Hold because another client has changed what was proved, until the change is undone and a person resumes.
+        """Hold because another client has changed what was proved, until the change is undone and a person
+        resumes.
 
         Raises:
-            Trouble: nobody is there who could say so.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if told in self._told:
             return
@@ -128,7 +130,8 @@ class Holding:
         self._told.add(told)
         self._check_attended(f"somebody else uses this controller: {told}")
         self.operation.remark(
-            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or `yarc resume` goes on",
+            f"somebody else uses this controller: {told}; find out who, put it back, then Enter or "
+            f"`yarc resume` goes on",
             warning=True,
         )
 
@@ -139,7 +142,8 @@ class Holding:
         yield from operation.hold(controller.coordinate_system, controller.hold_time)
         if flow.watched == HELD:
             silence = (
-                f"the controller has heard nothing of this computer for {operation.silence:.2g} s, and holds"
+                f"the controller has received nothing from this computer for {operation.silence:.2g} s, "
+                f"and holds"
             )
             operation.go(Event.HOLD, silence, remedy=_PAUSED)
             operation.remark(_PAUSED, warning=True)
@@ -150,15 +154,16 @@ class Holding:
         self.refilling = True
 
     def for_input(self, told: str, way_out: str = "", *, moves: bool = True) -> Script[None]:
-        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person resumes.
+        """Hold the motion for a watched input, or don't begin it, until the input allows it and a person
+        resumes.
 
         Args:
             told: the input and its state, in words.
-            way_out: the way on which the robot leaves then instead of going on; empty: none.
+            way_out: the way on which the robot leaves instead of going on; empty: none.
             moves: True if the program has begun.
 
         Raises:
-            Trouble: nobody is there who could say so.
+            Trouble: the run is unattended, so nobody can resume it.
         """
         if moves:
             yield from self.hold(f"{told}: held on the path")
@@ -201,7 +206,8 @@ class Holding:
             Left: an input has held the motion, and the robot leaves instead.
         """
         operation, feed, supervision = self.operation, self._rotary.feed, self._supervision
-        # An order that came while an input holds the motion stays refused, even if the input changes meanwhile.
+        # An order that came while an input holds the motion stays refused, even if the input changes
+        # meanwhile.
         if self._job.watches and self._stays_held((yield from self._rotary.ask())):
             return
         motors = yield from come_to_rest(operation, self._job.robot)

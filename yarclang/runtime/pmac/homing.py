@@ -1,8 +1,8 @@
 """The controller's own home search (HM) of one motor, watched from this computer and from inside the
 controller. No I/O.
 
-Nothing of a search is proved. It continues in the controller even if this computer fails, and no hold stops
-it. So a PLC stops the search when it has heard nothing for the watchdog time of a run. The PLC is tested
+A search isn't proved. It continues in the controller even if this computer fails, and no hold stops
+it. So a PLC stops the search when it has received nothing for the watchdog time of a run. The PLC is tested
 before each search.
 """
 
@@ -51,7 +51,7 @@ def searches(operation: Operation, robot: Robot) -> Script[tuple[HomeSearch, ...
 
 
 def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
-    """Return what a search would do.
+    """Return speed, direction and longest duration of a search.
 
     Args:
         robot: the robot.
@@ -75,14 +75,16 @@ def _search(robot: Robot, row: int, rate: float, *, closed: bool) -> HomeSearch:
         among = moved | follows
         names = ", ".join(joint for joint, one in zip(robot.joint_names, among, strict=True) if one)
         refused = (
-            f"motor {motor} is coupled: {names} belong together, and a search of one motor moves the arm otherwise than a joint does. "
+            f"motor {motor} is coupled: {names} belong together, and a search of one motor moves the "
+            f"arm otherwise than a joint does. "
             "Home it with the tools of the machine's maker"
         )
     elif not speed:
         refused = f"{name}, the speed of the search, is 0: it wouldn't move"
     elif abs(speed) > fastest:
         refused = (
-            f"{name} asks for {abs(speed):.3g} {robot.axis_unit_names[column]}/s, more than the joint's limit of {fastest:.3g}: "
+            f"{name} asks for {abs(speed):.3g} {robot.axis_unit_names[column]}/s, more than the joint's "
+            f"limit of {fastest:.3g}: "
             "set a slower one"
         )
     return HomeSearch(
@@ -208,7 +210,10 @@ def _searched(operation: Operation, robot: Robot, search: HomeSearch) -> Script[
             raise Trouble(f"motor {motor} was stopped in its search: it isn't homed", "home it again", "")
         (flag,) = yield from operation.numbers(f"{wound} {HOMING}", 1)
         if flag != 1.0:
-            what = f"the controller has stopped motor {motor} in its search: it had heard nothing for {operation.silence:.2g} s"
+            what = (
+                f"the controller has stopped motor {motor} in its search: it had received nothing for "
+                f"{operation.silence:.2g} s"
+            )
             raise Trouble(what, "find out what slows the link or this computer, then home it again", "Y1606")
         status = (yield from motor_statuses(operation, robot))[row]
         if told := status.trouble:

@@ -1,5 +1,5 @@
-"""Inspection of a controller before anything moves: what was asked, found and wanted, and the remedy if these
-differ.
+"""Inspection of a controller before anything moves: questions, found and required values, and the remedy if
+these differ.
 """
 
 from __future__ import annotations

@@ -129,7 +129,8 @@ def perform_legs(operation: Operation, job: Job, perform: Perform) -> Script[End
                 case "loop":
                     held.loops[before] = Passes(len(ways), barriers)
                 case "next":
-                    # all is as in front of the pass that has ended: what was done in it needn't be known any more
+                    # all is as in front of the pass that has ended: what was done in it needn't be known any
+                    # more
                     loop = held.loops[place - 1]
                     ways, barriers = ways[: loop.ways], loop.barriers
             continue
@@ -155,8 +156,8 @@ def _tell_registers(operation: Operation, job: Job, held: Held) -> None:
 def _pass(
     operation: Operation, job: Job, place: int, barrier: Barrier, held: Held, stands: Array
 ) -> Script[int]:
-    """Pass a barrier at which the robot stands (n,) [rad or m]: wait, decide, begin a loop anew, teach, or change
-    a register.
+    """Pass a barrier at which the robot stands (n,) [rad or m]: wait, decide, begin another pass of a loop,
+    teach, or change a register.
 
     Returns:
         The number of the next leg.
@@ -171,7 +172,8 @@ def _pass(
                 met = yield from wait_until(operation, barrier, barrier.decided, held)
                 if not met:
                     raise Trouble(
-                        f"{title(barrier)} has waited {barrier.timeout:g} s until {awaited(barrier, barrier.decided)}: {known_of(barrier.decided, held)}",
+                        f"{title(barrier)} has waited {barrier.timeout:g} s until "
+                        f"{awaited(barrier, barrier.decided)}: {known_of(barrier.decided, held)}",
                         "look at the inputs, then go on with --from",
                         "Y1604",
                     )
@@ -188,7 +190,7 @@ def _pass(
             operation.remark(f"{title(barrier)}: {filled(barrier.name, held.registers)}")
         case "abort":
             what = f"{title(barrier)} ends the program: {barrier.name}"
-            raise Trouble(what, "see to its reason, then start the program anew", "Y1635")
+            raise Trouble(what, "remove the reason, then start the program again", "Y1635")
         case "else":
             return _behind(job.legs, place, "when", "end")
         case "next":
@@ -203,7 +205,9 @@ def _pass(
 
 
 def _begin_anew(operation: Operation, job: Job, place: int, held: Held) -> Script[int]:
-    """Go back to the first leg of a loop, and carry out orders. A pass without motion takes some time as well."""
+    """Go back to the first leg of a loop, and carry out orders. A pass without motion takes some time as
+    well.
+    """
     holds = any(isinstance(order, Hold) for order in operation.orders)
     if not (yield from obey(operation)) and holds:
         operation.go(Event.HOLD, "held between two passes of a loop; Enter or `yarc resume` goes on")
@@ -235,7 +239,9 @@ def _in_front(legs: tuple[Leg, ...], place: int) -> int:
 
 
 def _decided(operation: Operation, barrier: Barrier, held: Held) -> Script[bool]:
-    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read at the first."""
+    """Decide a WHEN. Each input is read once; all branches of a CASE are decided by the values read at the
+    first.
+    """
     assert barrier.decided is not None  # a WHEN without a condition was refused when the text was read
     if barrier.timeout is not None:
         met = yield from wait_until(operation, barrier, barrier.decided, held)

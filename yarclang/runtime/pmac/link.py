@@ -80,7 +80,8 @@ def figures(link: Link) -> Measured:
     segment = 1e3 / (link.lines_per_second * _SHARE)
     lines = [
         (
-            f"link: a question takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at worst; "
+            f"link: a question takes {link.median * 1e3:.2f} ms (median), {link.worst * 1e3:.2f} ms at "
+            f"worst; "
             f"{link.lines_per_second:.0f} program lines/s, enough for segments of {segment:.2g} ms and more"
         )
     ]

@@ -219,7 +219,10 @@ class LiveStream:
             Trouble: someone else has changed something that was proved.
         """
         if HELD in (flow.armed, flow.watched):
-            silence = f"the controller has heard nothing of this computer for {self.operation.silence:.2g} s, and holds"
+            silence = (
+                f"the controller has received nothing from this computer for "
+                f"{self.operation.silence:.2g} s, and holds"
+            )
             why = silence if flow.watched == HELD else "the guard PLC holds: the buffer ran low"
             yield from self._hold(why)
             self.operation.remark("something delays this computer or the link: `yarc doctor`", warning=True)

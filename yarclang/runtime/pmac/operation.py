@@ -80,7 +80,8 @@ class Operation(operation.Operation):
                 case Busy():
                     if self.now - since > self.patience:
                         raise Trouble(
-                            f"the controller has been busy for {self.patience:g} s and doesn't answer {line!r}",
+                            f"the controller has been busy for {self.patience:g} s and doesn't answer "
+                            f"{line!r}",
                             "wait for its SAVE or download to end, or look at what else uses it",
                         )
                     yield Wait(self.now + _AGAIN)

@@ -110,7 +110,7 @@ def look(operation: Operation, robot: Robot, items: Sequence[Item]) -> Script[In
     except Lost as lost:
         raise Trouble(f"the connection was lost while looking at the controller: {lost}") from None
     if operation.state is State.FAULT and not found.errors:
-        operation.go(Event.CLEAR, "the controller was looked at: all is as it must be")
+        operation.go(Event.CLEAR, "the controller was checked: all checks passed")
     return found
 
 
@@ -235,7 +235,7 @@ def _settle(operation: Operation, stream: Stream | LiveStream, event: Event, why
             and (told := (yield from stream.supervision.compare(all_=True)))
         ):
             what, remedy = (
-                f"{what}; and since it was looked at, {told}",
+                f"{what}; and since it was checked, {told}",
                 "find out who else uses this controller",
             )
         yield from Outputs(stream.job).secure(operation)
@@ -313,8 +313,11 @@ def _recover(operation: Operation, stream: Stream | LiveStream, why: str) -> Scr
                 operation.go(Event.FAULT, what, LOST, remedy)
                 return _ended(stream, what, remedy, joints)
         if operation.now >= until:
-            silence = f"when it has heard nothing of this computer for {operation.silence:.2g} s"
-            remedy = f"its guard PLC holds the motion on the path {silence}; look at the robot, then run `yarc doctor`"
+            silence = f"when it has received nothing from this computer for {operation.silence:.2g} s"
+            remedy = (
+                f"its guard PLC holds the motion on the path {silence}; look at the robot, then run "
+                f"`yarc doctor`"
+            )
             operation.go(Event.FAULT, what, LOST, remedy)
             return _ended(
                 stream, f"{what}; the controller can't be reached again: {_reason(outcome)}", remedy, None

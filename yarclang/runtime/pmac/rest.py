@@ -31,7 +31,7 @@ _POLL = 0.02
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Standing:
-    """Where the robot stands: commanded joint positions (n,) [rad or m], and the status words of
+    """Position of the robot at rest: commanded joint positions (n,) [rad or m], and the status words of
     its motors.
     """
 

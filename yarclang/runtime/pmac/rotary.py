@@ -110,8 +110,10 @@ class Rotary:
         if self.feed.at_most == 0 and self.feed.left:
             yield from look_at_motors(self.operation, self.job.robot)
             raise Trouble(
-                f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to rest off its path",
-                "find out what delayed this computer or the link, or who else uses this controller; the guard PLC should have held before "
+                f"underrun: the rotary ran dry with {self.feed.left} lines to come; the robot comes to "
+                f"rest off its path",
+                "find out what delayed this computer or the link, or who else uses this controller; the "
+                "guard PLC should have held before "
                 "(`yarc doctor`)",
                 "Y1607",
             )
@@ -138,7 +140,8 @@ class Rotary:
         rate = feed.sent / spent
         if rate * _SHARE < job.lines_per_second:
             raise Trouble(
-                f"the link carries {rate:.0f} lines/s; the program needs {job.lines_per_second:.0f} and a reserve",
+                f"the link carries {rate:.0f} lines/s; the program needs {job.lines_per_second:.0f} and "
+                f"a reserve",
                 remedy,
             )
         most = (job.capacity - feed.low) * job.segment / _WITHIN_RESERVE

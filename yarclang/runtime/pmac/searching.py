@@ -56,7 +56,8 @@ def found_at(operation: Operation, job: Job, place: int, joints: Array, held: He
         register = next(one for one in job.registers if one.name == search.depth)
         if not register.low <= depth <= register.high:
             raise Trouble(
-                f"{title(barrier)} would make {register.name} {depth}, and it is an integer from {register.low} to {register.high}",
+                f"{title(barrier)} would make {register.name} {depth}, and it is an integer from "
+                f"{register.low} to {register.high}",
                 f"declare a larger range: REGISTER {register.name} 0..{depth}",
                 "Y1630",
             )
@@ -94,6 +95,6 @@ def _do_the_same(jobs: tuple[Job, ...], legs: tuple[Leg, ...]) -> bool:
 
 
 def deeds(job: Job) -> object:
-    """Return what a job sets, how long it stands still, and what it moves by."""
+    """Return the outputs that a job sets, the time for which it stands still, and its displacement."""
     sets = [(variable, value) for _, variable, value in job.sets]
     return sets, [seconds for _, seconds in job.dwells], [(one.index, one.name) for one in job.commands]

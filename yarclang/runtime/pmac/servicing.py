@@ -93,14 +93,18 @@ def _close(operation: Operation, robot: Robot, row: int) -> Script[str]:
         return str(refused)
     closed = yield from _become(operation, robot, row, is_open=False)
     if not closed:
-        return f"its loop isn't closed {_WITHIN:g} s after it was asked to: look at the drive and its enabling circuit"
+        return (
+            f"its loop isn't closed {_WITHIN:g} s after it was asked to: look at the drive and its "
+            f"enabling circuit"
+        )
     yield Wait(operation.now + _SETTLES)
     heard = yield from sample(operation, robot, 0.0)
     allowed = STAYS * abs(float(robot.actuation.gear[row]))
     moved, lag = abs(heard.actual[row] - before), abs(heard.following[row])
     if max(moved, lag) > allowed:
         return (
-            f"it doesn't stay where it was: it moved by {moved:.0f} counts and lags by {lag:.0f}, at most {allowed:.0f} are allowed; "
+            f"it doesn't stay where it was: it moved by {moved:.0f} counts and lags by {lag:.0f}, at "
+            f"most {allowed:.0f} are allowed; "
             "disable the motors, and look at its brake, tuning and encoder"
         )
     return ""
@@ -170,7 +174,8 @@ def check_open(operation: Operation, robot: Robot) -> Script[None]:
     for number, motor, found in zip(numbers, motors, scales, strict=True):
         if motor.has("home complete") and found != scale:
             raise Trouble(
-                f"motor {number} was homed with {motor_variable(number, 8)}={found:g}, and the settings have {scale}: its position would be "
+                f"motor {number} was homed with {motor_variable(number, 8)}={found:g}, and the settings "
+                f"have {scale}: its position would be "
                 "another one, and still count as homed",
                 "reset the controller ($$$), send the settings, then home the motor",
                 "Y1612",

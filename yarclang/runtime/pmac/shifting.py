@@ -59,7 +59,8 @@ def shifted_by(operation: Operation, job: Job, place: int, joints: Array, held: 
     for one in answer[:1]:  # all of them are pieces of one text
         operation.notices.append(Planned(operation.now, one.text, one.certificate, "offset"))
     operation.remark(
-        f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved there ({operation.now - since:.3f} s)"
+        f"{title(barrier)}: {{{offset.frame}}} is shifted by {said}; its lines are planned and proved "
+        f"there ({operation.now - since:.3f} s)"
     )
     return list(answer)
 

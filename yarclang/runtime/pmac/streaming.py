@@ -1,4 +1,6 @@
-"""Stream one job through the rotary buffer: load it, keep it filled, carry out orders, come to its end. No I/O."""
+"""Stream one job through the rotary buffer: load it, keep it filled, carry out orders, come to its end. No
+I/O.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,8 @@ _WATCH_EACH = 0.005
 """Time between two questions for the lines ahead while inputs are watched [s]: the inputs are part of it."""
 _PROGRESS_EACH = 0.25
 _STILL = 0.5
-"""Time without motion after which a program with lines ahead counts as held by others, besides segments [s]."""
+"""Time without motion after which a program with lines ahead counts as held by others, besides segments [s].
+"""
 
 _LOOK = 0.01
 
@@ -68,7 +71,8 @@ class _Due:
 class Stream:
     """One job on its way through the rotary.
 
-    Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun again.
+    Orders that can't wait interrupt whatever is being asked (`Operation.watch`): each step can be begun
+    again.
 
     Attributes:
         rotary: the buffer that it goes through.
@@ -147,9 +151,9 @@ class Stream:
         """Load the job, run it, and come to its end.
 
         Raises:
-            Stopped: a person has ended it; the motion may still be going on.
-            Trouble: it can't go on; likewise.
-            Lost: the connection is of no use any more.
+            Stopped: a person has ended the run; the motion may still be going on.
+            Trouble: the run can't go on; the motion may still be going on.
+            Lost: the connection can't be used any more.
         """
         operation = self.operation
         yield from away_from_start(operation, self.job)
@@ -287,8 +291,8 @@ class Stream:
     def _look_at(self, flow: Flow) -> Script[None]:
         """Compare the controller's state with the one that this run has left, and react to a difference.
 
-        A searched or watched input comes first. After a hold by guard or watchdog the buffer is refilled and the
-        motion goes on; after any other change a person has to resume it.
+        A searched or watched input comes first. After a hold by guard or watchdog the buffer is refilled and
+        the motion goes on; after any other change a person has to resume it.
         """
         moving = self.operation.state is State.MOVE
         if moving and self.supervision.found(flow):
@@ -373,7 +377,9 @@ class Stream:
 
     @property
     def _patience(self) -> float:
-        """Time without motion after which a program with lines ahead counts as held [s]; no segment takes longer."""
+        """Time without motion after which a program with lines ahead counts as held [s]; no segment takes
+        longer.
+        """
         return 3.0 * self._longest / max(self.operation.override, 0.01) + _STILL
 
     def _go_on(self) -> Script[None]:
@@ -420,7 +426,9 @@ class Stream:
             orders.popleft()
 
     def _wake_up(self) -> Script[None]:
-        """Hold after this process has slept: the guard PLC has held too, and a person has to look before resuming."""
+        """Hold after this process has slept: the guard PLC has held too, and a person has to look before
+        resuming.
+        """
         operation, feed = self.operation, self.feed
         if feed.heard_at < operation.now:
             yield from self._ask_lines()
@@ -471,7 +479,8 @@ class Stream:
         if operation.now - self._stands[0] > self._patience:
             raise Trouble(
                 f"the program has ended {off.max():.0f} counts (motor "
-                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at {described(job.robot, joints)}",
+                f"{job.robot.controller.motors[int(np.argmax(off))]}) from where it should: at "
+                f"{described(job.robot, joints)}",
                 "run `yarc doctor`: somebody else may use this controller",
                 code="Y1605",
             )

@@ -348,7 +348,10 @@ class Supervision:
         if least - _SAME_PACE <= percent <= most + _SAME_PACE:
             return ""
         if percent < least:
-            return f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or slowed down, and not by this run"
+            return (
+                f"the override was {self._expected:g} %, and is {percent:.4g} %: the motion is held or "
+                f"slowed down, and not by this run"
+            )
         return f"the override was {self._expected:g} %, and is {percent:.4g} %"
 
     def _armed(self, ahead: int) -> tuple[float, ...]:
@@ -408,7 +411,7 @@ class Supervision:
         """
         if told := (yield from self.compare(all_=True)):
             raise Trouble(
-                f"somebody else uses this controller: since it was looked at, {told}",
+                f"somebody else uses this controller: since it was checked, {told}",
                 "find out who, and put it back; `yarc doctor` looks again",
                 "Y1605",
             )

@@ -11,7 +11,7 @@ from yarclang.runtime.pmac.held import title
 from yarclang.runtime.pmac.operation import Operation
 
 TEACHING: dict[str, Literal["joints", "pose"]] = {"JPOS": "joints", "LPOS": "pose"}
-"""What a command keeps, by its word."""
+"""Description of the place that a command keeps, by its word."""
 
 
 def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]:
@@ -28,5 +28,5 @@ def teach(operation: Operation, barrier: Barrier, stands: Array) -> Script[None]
     told = yield Teach(TEACHING[barrier.word], barrier.name, stands)
     if not isinstance(told, Told):
         what = f"{title(barrier)} can't keep {barrier.name}: {told}"
-        raise Trouble(what, "see to the disk and its rights, then start the program anew", "Y1636")
+        raise Trouble(what, "check the disk and its permissions, then start the program again", "Y1636")
     operation.remark(f"{title(barrier)}: {told.line}")

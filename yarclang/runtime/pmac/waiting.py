@@ -39,7 +39,8 @@ def wait_for_input(operation: Operation, barrier: Barrier) -> Script[None]:
         if barrier.timeout is not None and operation.now - since > barrier.timeout:
             _tell_end(operation, barrier, value, operation.now - since)
             raise Trouble(
-                f"{title(barrier)} has waited {barrier.timeout:g} s for {barrier.name} ({barrier.variable}) to be "
+                f"{title(barrier)} has waited {barrier.timeout:g} s for {barrier.name} "
+                f"({barrier.variable}) to be "
                 f"{state_text(barrier.value)}: it is {state_text(value)}",
                 "look at the input, then go on with --from",
                 "Y1604",
@@ -105,7 +106,7 @@ def wait_until(operation: Operation, barrier: Barrier, condition: Value, held: H
 
 
 def awaited(barrier: Barrier, condition: Value) -> str:
-    """Return what is waited for, with the program's own names if the text has them."""
+    """Return the condition of a wait, with the program's own names if the text has them."""
     compared = simple(condition)
     if barrier.kind == "when" and compared is not None and barrier.name:
         return f"{barrier.name} is {state_text(compared[1])}"

@@ -71,8 +71,9 @@ def look_whether_astray(operation: Operation, robot: Robot, off: tuple[float, in
     if counts:
         yield from look_at_motors(operation, robot)
         raise Trouble(
-            f"the controller commands motor {robot.controller.motors[row]} {counts:.0f} counts off the path that was proved",
-            "a line has been changed on its way, or somebody else uses this controller: run `yarc doctor`",
+            f"the controller commands motor {robot.controller.motors[row]} {counts:.0f} counts off the "
+            f"path that was proved",
+            "a line was changed on its way, or somebody else uses this controller: run `yarc doctor`",
             "Y1605",
         )
 

@@ -149,7 +149,7 @@ class Declaring:
         """Declare a SUB; its body is carried out at each CALL."""
         values = values_of(block.head)
         if not values or not isinstance(word := values[0], Word | Parameter):
-            message = "SUB wants a name, and what it is given"
+            message = "SUB needs a name, and its parameters"
             file.findings.add(
                 "Y0401", message, block.head.whole_span, "for example SUB DRILL {AT} DEPTH (mm)"
             )

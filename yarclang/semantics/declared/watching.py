@@ -47,7 +47,7 @@ def declare_watch(
     if reaction not in REACTIONS or len(named) != (reaction == "CALL") or not all(named):
         message, help_ = f"ON wants {spec.wants}", f"for example {spec.example}, or ON CURTAIN OFF CALL AWAY"
         if reaction == "CALL" and named:
-            help_ = "the SUB gets no values: what it needs stands in it"
+            help_ = "the SUB takes no values: write them in the SUB"
         findings.add("Y0401", message, statement.whole_span, help_)
         return None
     signal = input_named(values[0], scope, statement, findings)

@@ -10,7 +10,7 @@ from yarclang.subjects import unknown
 from yarclang.syntax.ast import Value, Word
 
 NO_TOOL = "NONE"
-"""What a program writes instead of a tool's name if no tool is on the flange afterwards."""
+"""Word in place of a tool's name if no tool is on the flange afterwards."""
 
 
 def tool_named(value: Value, scope: Scope, statement: Placed, findings: Collector) -> ToolChange | None:

@@ -113,7 +113,9 @@ class Label:
 
 @dataclass(frozen=True, slots=True)
 class Say:
-    """SEND (a text to the host; SEND^ a control character) or CMD (a line to the interpreter); no quotes."""
+    """SEND (a text to the host; SEND^ a control character) or CMD (a line to the interpreter); `text` has no
+    quotes.
+    """
 
     name: str
     text: str

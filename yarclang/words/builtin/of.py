@@ -4,7 +4,7 @@ from yarclang.words.spec import WordSpec
 
 WORD = WordSpec(
     name="OF",
-    summary="what is done if the value of the CASE is one of those that follow",
+    summary="lines that are carried out if the CASE has one of the following values",
     example="OF 2..5",
     in_blocks=True,
 )

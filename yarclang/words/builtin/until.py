@@ -8,5 +8,5 @@ WORD = WordSpec(
     example="UNTIL DOOR ON",
     ends_block=True,
     slots=(Slot.INPUT, Slot.STATE),
-    wants="an input and what it is",
+    wants="an input and its value",
 )

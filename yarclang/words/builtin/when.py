@@ -9,5 +9,5 @@ WORD = WordSpec(
     opens_block=True,
     takes_else=True,
     slots=(Slot.INPUT, Slot.STATE),
-    wants="an input and what it is",
+    wants="an input and its value",
 )

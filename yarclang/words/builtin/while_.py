@@ -8,5 +8,5 @@ WORD = WordSpec(
     example="WHILE DOOR OFF",
     opens_block=True,
     slots=(Slot.INPUT, Slot.STATE),
-    wants="an input and what it is",
+    wants="an input and its value",
 )

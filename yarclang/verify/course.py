@@ -142,6 +142,8 @@ def follow(text: Text) -> tuple[list[Moved], list[str]]:
     behind: Item | None = None
     step = -1
     for number, item in enumerate(text.course):
+        led = item.kind == "stand" or behind is None or behind.kind != "barrier"
+        need(led, f"line {item.line}: after a barrier, a RAPID to where the robot stands belongs here")
         if item.kind in ("put", "barrier"):
             need(behind is None or behind.kind != "run", f"line {item.line} comes before a motion's end")
         if item.kind == "run":

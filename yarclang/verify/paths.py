@@ -42,6 +42,8 @@ _SAME = ONE >> 30
 """Largest error of a turn's goal: 1e-9 rad."""
 _ROUND = ONE >> 42
 """Largest error of an arc's points and roundness: 2e-13 m, which makes less than 1e-9 m anywhere."""
+_OPEN = ONE >> 8
+"""What an arc lacks of a full turn at least [rad]. With less, start, via point and goal define no plane."""
 
 
 @dataclass
@@ -241,7 +243,9 @@ def arc(start: Vector, goal: Vector, told: dict[str, Any], via: Vector) -> tuple
     sweep = fixed(told["sweep"])
     radius = length(*spoke)
     need(
-        0 < sweep < 2 * PI and Fraction(1, 100) < told["via"] < Fraction(99, 100) and radius < 64 * ONE,
+        0 < sweep < 2 * PI - _OPEN
+        and Fraction(1, 100) < told["via"] < Fraction(99, 100)
+        and radius < 64 * ONE,
         "an arc has other numbers than it should",
     )
     need(abs(dot(spoke, side)) < _ROUND, "an arc isn't a circle's")

@@ -29,9 +29,8 @@ _OF_ROBOT = {*_ROBOT.split(), *_LIMITS, "hold_time", "i8", "i10", "arm"}
 _MOVES = ("joint", "spline", "line", "arc")
 _OF_PROOF = "form version text robot program motions cell planes"
 _OF_PROGRAM = "start outputs safe registers course steps"
-_OF_STEP = (
-    "title move tolerance duration speed kept ceiling any_jerk pose tool via through poses blend unchecked"
-)
+_OF_STEP = "title move tolerance duration speed kept ceiling any_jerk blend unchecked "
+_OF_MOVE = {"line": "pose tool", "arc": "pose tool via", "joint": "through", "spline": "through"}
 _OF_GOAL = "q pose tool"
 FORM = 2
 """The form of proofs that this checker reads."""
@@ -266,7 +265,8 @@ def _check_motions(
     for row, told in zip(rows, program["steps"], strict=True):
         title = row.entry.title
         _tell(title, told, verdict)
-        strange = unknown(told, _OF_STEP) or unknown(
+        names = _OF_STEP + _OF_MOVE.get(told["move"], "poses") if "move" in told else "title unchecked"
+        strange = unknown(told, names) or unknown(
             {name: 0 for goal in told.get("through", []) for name in goal}, _OF_GOAL
         )
         if strange:
@@ -376,6 +376,7 @@ def _check_path(
         if "pose" in goal:
             _near(arm, points[-1], goal, limits, f"{title}: the joints that were chosen for a pose, which")
     last = told["through"][-1]
+    need(kind == "spline" or len(points) == 2, f"{title}: a straight way has one goal")
     if not row.control:
         for point in points:
             there = all(abs(a - b) <= t for a, b, t in zip(point, start, allowed, strict=True))

@@ -104,6 +104,29 @@ def frame_proof(
     return told | _growing(s, rate, cut.d, count, own.ends)
 
 
+def joint_proof(own: Own, start: Array, goal: Array, weights: Array) -> dict[str, Any]:
+    """Return the proof of a straight motion of joints: at each instant the nearest share of its way.
+
+    Args:
+        own: the segments that follow its path.
+        start: (n,) joint positions at the start of the path [rad or m].
+        goal: (n,) those at its end.
+        weights: (n,) reciprocal of the tolerance of each joint.
+    """
+    cubics, way = own.cubics, (goal - start) * weights
+    count = len(cubics.h)
+    if not count:  # blends take the whole path
+        share = own.ends[0] if own.ends[0] is not None else own.ends[1]
+        return own.told | {"pieces": 1, "s": [round((0.5 if share is None else share) * SHARE)], "rates": [0]}
+    cut = Pieces.cut(cubics, np.zeros(count, dtype=np.int64), np.ones(count, dtype=np.int64))
+    square = float(way @ way)
+    if square > 0.0:
+        s, rate = ((cut.q - start) * weights) @ way / square, (cut.rate * weights) @ way / square
+    else:
+        s, rate = np.linspace(0.0, 1.0, count + 1), np.zeros(count + 1)
+    return own.told | _growing(s, rate, cut.d, 1, own.ends)
+
+
 def corner_pieces(cubics: Cubics, frame: Array, robot: Robot, ball: float, angle: float) -> int:
     """Return the number of pieces of a blend's segments.
 
